@@ -85,6 +85,8 @@ PHOTOGRAPHS = {
     "move_to_maximum": FLAG,
 }
 TURN = st.sampled_from([np.eye(3), np.eye(3)[[1, 2, 0]], np.eye(3)[[0, 2, 1]].tolist()])
+AXIS_OF_SURFACE = st.sampled_from([(0, 1, 0), [1, 0, 0], np.array([0.6, -0.8, 0])])
+UNITS = st.sampled_from(["the map's own scale", "cd/m2"])
 AXIS = st.sampled_from(["+x", "-x", "+y", "-y", "+z", "-z"])
 ENGINE = {
     "environment": st.one_of(st.none(), IMAGE),
@@ -158,6 +160,8 @@ def exports_of(target):
     arguments = {"rig": RIGS}
     if target.shows.environment:
         arguments["environment"] = st.one_of(st.none(), IMAGE)
+    if target.name == "mujoco":
+        arguments["scale"] = st.one_of(st.none(), SMALL)
     file = {"path": st.just(f"no-folder/rig{target.suffixes[0]}")}
     for name, more in ((target.name, {}), (f"save_{target.name}", file)):
         if name in export.__all__:

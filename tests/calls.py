@@ -15,6 +15,7 @@ from tests.call_values import (
     AMBIENT,
     AMBIENT_MODEL,
     ANGLES,
+    AXIS_OF_SURFACE,
     COLOUR,
     COLOURS,
     COUNT,
@@ -41,6 +42,7 @@ from tests.call_values import (
     SIZE,
     SMALL,
     TURN,
+    UNITS,
     UNKNOWNS,
     array,
     detect,
@@ -59,7 +61,24 @@ CALLS = {
             "registration": st.sampled_from(["cell-centred", "border-sampled"]),
             "notes": st.sampled_from([(), ("a note",)]),
             "white": st.one_of(st.none(), SMALL),
+            "units": UNITS,
         },
+    ),
+    "EnvMap.calibrated": (
+        lambda env, **readings: el.EnvMap(env).calibrated(**readings),
+        {"env": IMAGE, "lux": SMALL, "facing": AXIS_OF_SURFACE, "patch": SMALL},
+    ),
+    "EnvMap.calibrated by a place": (
+        lambda env, **readings: el.EnvMap(env).calibrated(**readings),
+        {"env": IMAGE, "nits": SMALL, "at": AXIS_OF_SURFACE, "patch": SMALL},
+    ),
+    "EnvMap.calibrated by an exposure": (
+        lambda env, **readings: el.EnvMap(env).calibrated(**readings),
+        {"env": IMAGE, "ev100": SMALL},
+    ),
+    "EnvMap.calibrated in sun and shade": (
+        lambda env, **readings: el.EnvMap(env, white=0.9).calibrated(**readings),
+        {"env": IMAGE, "lux": st.just(9.0), "shaded": SMALL, "facing": AXIS_OF_SURFACE},
     ),
     "EnvMap.probe": (
         lambda env, normals: el.EnvMap(env).probe(normals),
@@ -68,7 +87,12 @@ CALLS = {
     "EnvMap.open": (el.EnvMap.open, {"path": st.just("none.exr"), "max_pixels": COUNT}),
     "Lights": (
         el.Lights,
-        {"direction": FEW, "irradiance": COLOURS, "angular_radius": st.one_of(st.none(), ANGLES)},
+        {
+            "direction": FEW,
+            "irradiance": COLOURS,
+            "angular_radius": st.one_of(st.none(), ANGLES),
+            "units": UNITS,
+        },
     ),
     "Lights.to_map": (method_of(RIG.lights, "to_map"), {"height": SIZE}),
     "Lights[]": (light_at, {"index": st.integers(0, len(RIG.lights) - 1)}),
@@ -104,6 +128,7 @@ CALLS = {
             "share": st.one_of(st.none(), SHARE),
         },
     ),
+    "limit": (el.limit, {"env": IMAGE, "maximum": SMALL}),
     "detect_article": (
         el.detect_article,
         {
@@ -347,36 +372,4 @@ CALLS = {
             "source_share": SHARE,
         },
     ),
-}
-
-#: Public functions and classes that are not in the table, and why.
-LEFT_OUT = {
-    "BakedPairs": "comes from bake",
-    "DetectedLights": "comes from detect",
-    "DetectionReport": "comes from detect",
-    "DirectLight": "asks a scene of the caller's",
-    "DamagedFileError": "is a refusal",
-    "EnvLightsError": "is the refusal",
-    "MissingFileError": "is a refusal",
-    "FilePairs": "comes from read_pairs",
-    "FitReport": "comes from fit",
-    "MitsubaScene": "is Mitsuba's answer to a scene",
-    "PaperFit": "comes from fit_paper",
-    "PhotographLight": "comes from detect_photograph",
-    "PhotographLights": "comes from detect_photograph",
-    "Rig": "comes from fit",
-    "Split": "comes from split",
-    "StopReason": "is an enumeration",
-    "Surface": "comes from a scene",
-    "RemovedLights": "comes from split",
-    "ShadowOverlay": "comes from shadow_overlay",
-    "TransferReport": "comes from TransferModel.fit",
-    "bake": "renders, by Mitsuba",
-    "export.add_to_blender": "needs Blender",
-    "export.AXES": "is a table",
-    "export.Axes": "is a row of it",
-    "export.TARGETS": "is a table",
-    "export.Target": "is a row of it",
-    "kernels.WORKING_COLUMNS": "is a number",
-    "threads": "changes the threads of the process",
 }

@@ -15,6 +15,7 @@ import numpy as np
 
 import envlights as el
 from envlights.io.files import PICTURES
+from envlights.io.image_output import write_png, write_tiff
 from tests.helpers import disk_that_is_full_after
 
 #: Seconds until a process is killed at most: each saves a few times in it.
@@ -23,6 +24,7 @@ ROOM = el.synthetic.room(8, width=64)
 IMAGES = [el.synthetic.plain(seed, 128).radiance for seed in (0, 1)]
 # Wide discs are saved as a map beside the file, points in it: their files differ.
 RIGS = [el.fit(image, lights=2, sizes=not which) for which, image in enumerate(IMAGES)]
+PHOTOGRAPHS = [el.detect_photograph(image) for image in IMAGES]
 FIGURES = [el.plot.picture(*pair).figure for pair in zip(IMAGES, RIGS, strict=True)]
 MODELS = [
     el.TransferModel.fit(ROOM.direct[:pairs], ROOM.indirect[:pairs], rank=4) for pairs in (6, 8)
@@ -43,6 +45,9 @@ SAVES = {
     },
     "model": ("model.npz", lambda path, which: MODELS[which].save(path)),
     "image": ("image.exr", lambda path, which: el.io.write_exr(path, IMAGES[which])),
+    "tif": ("image.tif", lambda path, which: write_tiff(path, IMAGES[which])),
+    "codes": ("image.png", lambda path, which: write_png(path, IMAGES[which].clip(0, 1))),
+    "places": ("photograph.csv", lambda path, which: PHOTOGRAPHS[which].save(path)),
     **{
         f"overlay {suffix}": (f"shadow{suffix}", lambda path, which: SHADOWS[which].save(path))
         for suffix in (".exr", ".png")
@@ -122,7 +127,7 @@ def save_on_full_disk(name, times):
 def main(times):
     """Print the counts of each kind."""
     for name in SAVES:
-        # Two drawings of one picture differ, so a complete one cannot be recognised.
+        # To draw takes longer than a process lives.
         kills = "" if name in PICTURES else f"killed {dict(kill_saves(name, times))}, "
         print(f"{name:<12} {kills}full {dict(save_on_full_disk(name, times))}")
 

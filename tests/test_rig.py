@@ -1,8 +1,10 @@
 """Rigs: round trips, order, words."""
 
+import contextlib
 import copy
 import json
 import pickle
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -91,6 +93,38 @@ def test_files_of_older_reports_are_read(tmp_path):
     assert el.Rig.load(tmp_path / "again.json").report == rig.report
 
 
+def test_times_are_read_from_older_files_and_not_written(tmp_path):
+    (tmp_path / "rig.json").write_text(OLDER)
+    rig = el.Rig.load(tmp_path / "rig.json")
+    assert rig.report.seconds == {"fit": 0.5}
+    assert "fit: 500.0 ms" in rig.verbose()
+    assert "seconds" not in rig.to_dict()["report"]
+
+
+@pytest.mark.parametrize("value", [[np.inf, 1, 1], [1e39, 1, 1], [-1, 1, 1]])
+def test_light_beyond_single_precision_is_refused(value):
+    with pytest.raises(el.EnvLightsError, match="irradiance must be finite, not negative, and at"):
+        el.Lights([[0, 1, 0]], [value])
+    with pytest.raises(el.EnvLightsError, match="ambient must"):
+        el.Rig(value, el.Lights([[0, 1, 0]], [[1, 1, 1]]), 0.0)
+
+
+def test_the_largest_light_is_exact_or_refused_by_each_target(tmp_path):
+    """The radiance of a small disc may not fit into single precision even if its light does."""
+    lights = el.Lights([[0, 1, 0]], [[3.4e38, 1, 1]], [0.001])
+    assert np.isfinite(lights.spherical_gaussians().amplitude).all()
+    with pytest.raises(el.EnvLightsError, match="too bright for a map of single precision"):
+        lights.to_map(64)
+    with pytest.raises(el.EnvLightsError, match="Radiance has single precision"):
+        lights.save(tmp_path / "rig.rad")
+    for target in el.export.TARGETS:
+        path = tmp_path / f"rig{target.suffixes[0]}"
+        with contextlib.suppress(el.EnvLightsError):
+            lights.save(path)
+            assert not re.search(r"\b(inf|nan)", path.read_text(), re.IGNORECASE)
+    assert len(list(tmp_path.iterdir())) >= 8
+
+
 def test_lights_are_sorted_and_sliced():
     lights = a_rig().lights
     np.testing.assert_array_equal(lights.direction[0], [1, 0, 0])
@@ -99,6 +133,7 @@ def test_lights_are_sorted_and_sliced():
         "direction": [[0, 1, 0]],
         "irradiance": [[1, 1, 1]],
         "angular_radius": [0],
+        "scale": "the map's own scale",
     }
     with pytest.raises(ValueError, match="read-only"):
         lights.direction[0] = 0
@@ -157,8 +192,8 @@ def test_the_table_says_where_each_light_is_and_how_wrong_the_rig_is():
     ("change", "message"),
     [
         ({"format": "another"}, "is not a rig"),
-        ({"version": 1}, "version 1; this package reads 2 and 3"),
-        ({"version": 4}, "version 4; this package reads 2 and 3"),
+        ({"version": 1}, "version 1; this package reads 2, 3, 4"),
+        ({"version": 5}, "version 5; this package reads 2, 3, 4"),
         ({"floor": 1}, "floor must be True or False; got 1"),
         (
             {"lights": {**a_rig().lights.to_dict(), "angular_radius": [0.1]}},

@@ -210,6 +210,7 @@ def test_a_lamp_at_the_border_is_cut_and_one_inside_is_not():
     whole = el.detect(env.radiance * 0 + lamps((1, 0.02, 0), (0, 1, 1)))
     assert cut.flux[0] < 0.9 * whole.flux[:, 0].max()
     assert "cut off" in str(lights)
+    assert "cut off" in str(lights[int(np.argmax(lights.is_cut))])
     assert "1 light touches the border of what the map shows" in str(lights)
     assert lights[lights.is_cut].is_cut.tolist() == [True]
 

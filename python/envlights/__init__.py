@@ -22,6 +22,7 @@ from envlights.detection.photograph_lights import PhotographLight, PhotographLig
 from envlights.detection.removed_lights import RemovedLights
 from envlights.detection.split import Split, split
 from envlights.envmap import EnvMap
+from envlights.excess import Limit, limit
 from envlights.fitting.fit import fit, fit_probe
 from envlights.io.errors import DamagedFileError, MissingFileError
 from envlights.lights import Lights
@@ -42,6 +43,7 @@ __all__ = [
     "FilePairs",
     "FitReport",
     "Lights",
+    "Limit",
     "MissingFileError",
     "MitsubaScene",
     "PaperFit",
@@ -65,6 +67,7 @@ __all__ = [
     "fit_paper",
     "fit_probe",
     "kernels",
+    "limit",
     "read_pairs",
     "shadow_overlay",
     "split",

@@ -17,7 +17,7 @@ ROWS = 128
 #: Normals of the comparison: the irradiance of a rig is smooth.
 _FACES = 5120
 #: Constant term of the harmonics.
-_MEAN = 0.5 / np.sqrt(np.pi)
+HARMONIC_MEAN = 0.5 / np.sqrt(np.pi)
 
 #: Loss of sizes alone, for which `fit` measures the error.
 _AS_POINTS = "lights as points"
@@ -79,7 +79,7 @@ class Capabilities(NamedTuple):
 
     def losses(self, rig: Any) -> tuple[str, ...]:
         """Parts of a rig, or of lights, that are shown in another way."""
-        lights, ambient = _lights(rig), _ambient(rig)
+        ambient = _ambient(rig)
         harmonics = {
             "exact": "",
             "map": "harmonics only where they are positive",
@@ -87,23 +87,29 @@ class Capabilities(NamedTuple):
         }
         floor = getattr(rig, "floor", False) and not self.floor
         lost = (
-            f"the {self.lights} brightest of {len(lights)} lights"
-            if self._has_surplus(rig)
-            else "",
-            _AS_POINTS if self.sizes != "spread" and lights.angular_radius.any() else "",
+            self._surplus(rig),
+            _AS_POINTS if self.sizes != "spread" and _lights(rig).angular_radius.any() else "",
             harmonics[self.harmonics] if len(ambient) == 9 else "",
             "ambient light from below the floor too" if floor and ambient.any() else "",
         )
         return tuple(filter(None, lost))
 
-    def _has_surplus(self, rig: Any) -> bool:
-        return self.lights is not None and len(_lights(rig)) > self.lights
+    def _surplus(self, rig: Any) -> str:
+        """Loss of the lights beyond the limit; empty if there are none."""
+        if self.lights is None or len(_lights(rig)) <= self.lights:
+            return ""
+        shown = f"the {self.lights} brightest of {len(_lights(rig))} lights"
+        return f"{shown}, the others as ambient light"
 
     def irradiance(self, rig: Any, normals: NDArray[np.float64]) -> NDArray[np.float64]:
         """Irradiance at `normals` as the target shows a rig, or lights, (n, 3)."""
-        lights = _lights(rig)[: self.lights]
+        every = _lights(rig)
+        most = len(every) if self.lights is None else self.lights
+        lights, surplus = every[:most], every[most:]
         radii = lights.angular_radius * (self.sizes == "spread")
-        parts = normals, np.zeros(3), lights.direction, lights.irradiance, radii
+        # Averaged over all normals, a light gives a quarter of its irradiance.
+        mean = surplus.irradiance.sum(axis=0) / (4 * np.pi)
+        parts = normals, mean, lights.direction, lights.irradiance, radii
         return probe.rig_irradiance(*parts) + self._ambient_irradiance(rig, normals)
 
     def _ambient_irradiance(self, rig: Any, normals: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -112,7 +118,7 @@ class Capabilities(NamedTuple):
             rows = ambient_rows(ambient, ROWS, floor)
             return EnvMap(rows(slice(0, ROWS))).probe(normals)
         if len(ambient) == 9 and self.harmonics == "none":
-            ambient = _MEAN * ambient[0]
+            ambient = HARMONIC_MEAN * ambient[0]
         none = np.zeros((0, 3))
         return probe.rig_irradiance(normals, ambient, none, none, floor=floor)
 

@@ -11,6 +11,12 @@ from envlights._check import describe, reals
 from envlights._native import EnvLightsError
 from envlights.kernels import sphere
 
+#: Largest amount of light: maps and most targets hold single precision.
+LARGEST_LIGHT: float = float(np.finfo(np.float32).max)
+
+#: Tolerance for the length of a unit vector, for those of single precision.
+_UNIT_TOLERANCE = 1e-5
+
 
 def light_arrays(
     direction: ArrayLike, irradiance: ArrayLike
@@ -23,9 +29,30 @@ def light_arrays(
         raise EnvLightsError(
             f"irradiance must have the shape {direction.shape}; got {irradiance.shape}"
         )
-    if not np.isfinite(irradiance).all() or (irradiance < 0).any():
-        raise EnvLightsError("irradiance must be finite and not negative")
-    return direction, irradiance
+    return direction, amounts("irradiance", irradiance, LARGEST_LIGHT)
+
+
+def amounts(name: str, values: NDArray[np.float64], most: float = np.inf) -> NDArray[np.float64]:
+    """`values`, finite and from 0 to `most`, or a refusal that names a row."""
+    is_good = np.isfinite(values) & (values >= 0) & (values <= most)
+    if not is_good.all():
+        row = int(np.argwhere(~is_good)[0][0])
+        limit = f", and at most {most:.3g}" if np.isfinite(most) else ""
+        raise EnvLightsError(
+            f"{name} must be finite, not negative{limit}; row {row} holds {values[row].tolist()}"
+        )
+    return values
+
+
+def axes_of_lights(name: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """`values`, unit vectors, or zeros where a light has no such axis; or a refusal."""
+    length = np.linalg.norm(values, axis=1)
+    bad = np.flatnonzero(~((np.abs(length - 1) <= _UNIT_TOLERANCE) | (length == 0)))
+    if len(bad):
+        raise EnvLightsError(
+            f"{name} must be unit vectors; row {bad[0]} holds {values[bad[0]].tolist()}"
+        )
+    return values
 
 
 def radii(values: ArrayLike | None, lights: int) -> NDArray[np.float64]:

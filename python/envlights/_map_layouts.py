@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,9 +17,9 @@ from envlights._native import EnvLightsError
 from envlights._peaks import spread_peaks
 from envlights.io.images import MOST_PIXELS
 from envlights.layouts import layout as layouts
-from envlights.layouts.conventions import CONVENTIONS
+from envlights.layouts.conventions import CONVENTIONS, CROSSES
 from envlights.layouts.layout import MAPPINGS, Layout
-from envlights.layouts.picture import Picture, picture_of
+from envlights.layouts.picture import Picture, picture_of, straight
 from envlights.layouts.records import REGISTRATIONS
 
 if TYPE_CHECKING:
@@ -102,7 +103,8 @@ class MapLayouts(MapPixels):
         ----------
         projection : str
             "cube", "octahedral", "octahedral-equal-area", "angular", "mirror-ball", "fisheye",
-            "cylinder", "planar" or "equirectangular".
+            "cylinder", "planar", "equirectangular", or "source": the layout of `EnvMap.source`,
+            with its size, faces, orientation and field of view, as for the rest of `split`.
         width : int, optional
             Columns; of a cube, those of one face. When left out, the pixels are as large as those
             of the map on its equator.
@@ -136,10 +138,13 @@ class MapLayouts(MapPixels):
         >>> el.EnvMap(np.ones((64, 128, 3))).to("cube", width=32)
         Picture(32x192 cube, cell-centred, faces in the order of OpenGL)
         """
-        check_choice("projection", projection, tuple(_TARGETS))
+        check_choice("projection", projection, (*_TARGETS, SOURCE))
         check_choice("faces", faces, tuple(CONVENTIONS))
         options = {"registration": registration, "mapping": mapping, "fov": fov, "towards": towards}
+        options |= {"width": width} if projection == SOURCE else {}
         _check_options(projection, [name for name, value in options.items() if value is not None])
+        if projection == SOURCE:
+            return self._in_layout_of_source()
         is_border = CONVENTIONS[faces].border_sampled
         if registration is not None:
             check_choice("registration", registration, REGISTRATIONS)
@@ -186,14 +191,14 @@ class MapLayouts(MapPixels):
         if rows * columns > MOST_PIXELS:
             raise EnvLightsError(f"a view has at most {MOST_PIXELS} pixels; got {columns}x{rows}")
         view = math.radians(amount("fov", fov, 0.1, 179))
-        axes = layouts.looking(direction)
+        axes = layouts.looking(direction, "direction")
         return self._picture(layouts.planar(rows, columns, field_of_view=view, axes=axes), "opengl")
 
     def limited(self, maximum: float) -> Self:
         """Map without samples above a maximum, for formats and displays that have one.
 
         The excess of each light is spread over the pixels around it, so that flux and direction of
-        the light stay. To keep its size, remove the light first; see `envlights.split`.
+        the light stay. `envlights.limit` returns the excess as lights instead.
 
         Parameters
         ----------
@@ -222,7 +227,7 @@ class MapLayouts(MapPixels):
         'limited to 65504: 32 % of the flux was moved by up to 4.2 degrees'
         """
         level = amount("maximum", maximum)
-        radiance, note = spread_peaks(self._radiance, level, self.is_border_sampled)
+        radiance, note = spread_peaks(self._radiance, level, self.is_border_sampled, self._seen)
         limited = self._with(radiance, self._seen, self.registration)
         limited._notes += note
         return limited
@@ -239,14 +244,35 @@ class MapLayouts(MapPixels):
         if white is not None:
             radiance = np.minimum(radiance, np.float32(white))
         env = type(self).unchecked(
-            radiance, registration=registration, notes=self._notes, white=white, seen=seen
+            radiance,
+            registration=registration,
+            notes=self._notes,
+            white=white,
+            seen=seen,
+            source=self._source,
         )
-        env._source = self._source
-        return env
+        return self._of_same_scale(env)
 
-    def _picture(self, layout: Layout, faces: str) -> Picture:
-        image, seen = resampling.resample(self._radiance, self._seen, self._layout(), layout)
-        return picture_of(image, layout, faces=faces, seen=seen, notes=self.notes)
+    def _picture(self, layout: Layout, faces: str, arrangement: str = "stack") -> Picture:
+        image, seen = self._radiance, self._seen
+        if layout != self._layout():
+            image, seen = resampling.resample(image, seen, self._layout(), layout)
+        picture = picture_of(
+            image, layout, faces=faces, seen=seen, notes=self.notes, arrangement=arrangement
+        )
+        return replace(picture, units=self._units)
+
+    def _in_layout_of_source(self) -> Picture:
+        source = self._source
+        layout, (height, width) = source.layout, source.size
+        if layout == self._layout():
+            return self._picture(layout, source.faces)
+        if layout.kind == "equirectangular":
+            layout = layout._replace(border_sampled=False)
+        if source.faces in CROSSES:
+            return straight(self._picture(layout, "opengl", source.faces))
+        arrangement = "strip" if source.faces and width > height else "stack"
+        return straight(self._picture(layout, source.faces, arrangement))
 
     def _width_of(self, request: _Request) -> int:
         """Columns of a picture whose mean pixel is as large as a cell of the equator."""
@@ -334,6 +360,8 @@ def _planar(request: _Request, width: int) -> Layout:
     return layouts.planar(height, width, field_of_view=request.view(None), axes=request.axes())
 
 
+#: Name of the layout of a map's source.
+SOURCE = "source"
 #: Layouts by the name of their projection.
 _TARGETS: dict[str, Callable[[_Request, int], Layout]] = {
     "equirectangular": _equirectangular,
@@ -358,4 +386,5 @@ _OPTIONS: dict[str, tuple[str, ...]] = {
     "fisheye": ("mapping", "fov", "towards"),
     "cylinder": ("fov",),
     "planar": ("fov", "towards"),
+    SOURCE: (),
 }

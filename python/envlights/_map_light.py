@@ -11,10 +11,15 @@ from envlights import _unseen, _visibility
 from envlights._check import amount, one_or_more
 from envlights._map_pixels import MapPixels
 from envlights._unseen import PartialMap, Unseen
+from envlights.kernels.image import LUMINANCE
 from envlights.kernels.probe import irradiance
 
 if TYPE_CHECKING:
     from typing_extensions import Self
+
+
+#: Vector that an upward surface faces.
+_UP = np.array([0.0, 1.0, 0.0])
 
 
 class MapLight(MapPixels):
@@ -107,9 +112,30 @@ class MapLight(MapPixels):
         choice = _unseen.choice_of(unseen, share)
         of_unseen = _visibility.note_of_unseen(share)
         notes = [note for note in self._notes if note != of_unseen]
-        return type(self).unchecked(
+        env = type(self).unchecked(
             _unseen.fill(part, choice, albedo),
             registration=self._registration,
             notes=[*notes, _unseen.note_of_fill(choice, share, albedo)],
             white=self._white,
+            source=self._source,
         )
+        return self._of_same_scale(env)
+
+    def _from_unseen(
+        self, unseen: Unseen, facing: NDArray[np.float64] | None = None
+    ) -> tuple[float, str]:
+        """Luminance of the irradiance that a fill adds to a surface of a clipped map, and a note.
+
+        The surface faces a unit vector; up when left out.
+        """
+        _unseen.checked_unseen(unseen)
+        if self._seen is None or not self.clipped_share:
+            return 0.0, ""
+        part = PartialMap(self._radiance, self._seen, self.is_border_sampled)
+        share = part.share if facing is not None else _unseen.share_above_horizon(part)
+        filled = self.filled(_unseen.choice_of(unseen, share))
+        normal = _UP if facing is None else facing
+        with_fill, seen = (
+            float(env.probe(normal, unseen="black") @ LUMINANCE) for env in (filled, self)
+        )
+        return with_fill - seen, f"for the irradiance of the surface, {filled.notes[-1]}"

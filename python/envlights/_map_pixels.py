@@ -15,6 +15,7 @@ from envlights._arrays import convert
 from envlights._check import amount, count, describe, texts
 from envlights._map_array import image_array
 from envlights._native import EnvLightsError
+from envlights._units import OWN_SCALE, checked_units, in_nits
 from envlights._white import white_of_codes
 from envlights.io.hints import NO_HINTS, Hints
 from envlights.io.images import MOST_PIXELS
@@ -33,6 +34,9 @@ PROJECTION = "equirectangular"
 class MapPixels:
     """Radiance of all pixels with their layout, clip level and notes; see `EnvMap`."""
 
+    _units = OWN_SCALE
+    _ev100: float | None = None
+
     def __init__(
         self,
         radiance: ArrayLike | Mapping[str, ArrayLike],
@@ -50,7 +54,9 @@ class MapPixels:
         notes: str | Iterable[str] = (),
         white: float | None = None,
         seen: ArrayLike | None = None,
+        units: str = OWN_SCALE,
     ) -> None:
+        self._units = checked_units(units)
         arguments = Arguments(
             projection, faces, registration, mapping, fov, horizon, circle, towards, eye
         )
@@ -73,19 +79,25 @@ class MapPixels:
         notes: Iterable[str] = (),
         white: float | None = None,
         seen: NDArray[np.float32] | None = None,
+        source: Source | None = None,
+        units: str = OWN_SCALE,
     ) -> Self:
-        """Map without a check of its samples, for arrays that a kernel checks or has made."""
+        """Map without a check of its samples, for arrays that a kernel checks or has made.
+
+        `source` is that of the map from which the array was made.
+        """
         env = cls.__new__(cls)
-        env._notes, env._white = list(notes), white
+        env._notes, env._white, env._units = list(notes), white, units
         array = image_array(radiance, env._notes, "a map")
         if array.samples.ndim == 4 or array.samples.shape[1] != 2 * array.samples.shape[0]:
-            return cls(radiance, registration=registration, notes=notes, white=white, seen=seen)
+            given: dict[str, Any] = {"registration": registration, "seen": seen}
+            return cls(radiance, **given, notes=notes, white=white, units=units)
         linear = env._linear(array.samples, array.seen)
         linear, share = env._seen_light(linear, array.seen, seen)
         border_sampled = registration == REGISTRATIONS[1]
         layout = equirectangular(*linear.shape[:2], border_sampled=border_sampled)
-        source = Source(PROJECTION, linear.shape[:2], "", registration, "shape", layout)
-        env._keep(linear, share, border_sampled, source)
+        itself = Source(PROJECTION, linear.shape[:2], "", registration, "shape", layout)
+        env._keep(linear, share, border_sampled, source or itself)
         return env
 
     def _set_pixels(
@@ -184,6 +196,23 @@ class MapPixels:
         return self._white
 
     @property
+    def units(self) -> str:
+        """Unit of the radiance: "cd/m2" for its luminance, or "the map's own scale".
+
+        `calibrated` sets it. Irradiance of a map in cd/m2 has a luminance in lux.
+        """
+        return self._units
+
+    @property
+    def ev100(self) -> float | None:
+        """Exposure value at ISO 100 of the picture, from the EXIF of its file; None if unknown.
+
+        Known for JPEG and TIFF files of integers with exposure time, aperture and sensitivity, and
+        for a merged series of them.
+        """
+        return self._ev100
+
+    @property
     def clipped_share(self) -> float:
         """Fraction of the sphere with clipped radiance.
 
@@ -231,12 +260,15 @@ class MapPixels:
     def __repr__(self) -> str:
         layout = f"{self.width}x{self.height} {PROJECTION}, {self._registration}"
         notes = f", notes: {'; '.join(self._notes)}" if self._notes else ""
-        return f"{type(self).__name__}({layout}{self._clipped_in_words()}{notes})"
+        clipped, unit = self._clipped_in_words(), in_nits(self._units)
+        units = f",{unit}" if unit else ""
+        return f"{type(self).__name__}({layout}{units}{clipped}{notes})"
 
     def __str__(self) -> str:
         layout = f"{self.width}x{self.height} pixels, {PROJECTION}, {self._registration}"
         white = f"clip level {self._white:g}{self._clipped_in_words()}" if self._white else ""
-        return _map_text.paragraph(self._radiance, layout, white, self._notes)
+        unit = in_nits(self._units)
+        return _map_text.paragraph(self._radiance, layout, white, self._notes, unit)
 
     def _clipped_in_words(self) -> str:
         """Clipped part of a map with a clip level; empty for other maps."""
@@ -250,10 +282,10 @@ class MapPixels:
         return _html.block(type(self).__name__, "", picture, _html.lines(str(self)))
 
     def __eq__(self, other: object) -> bool:
-        """True if radiance, layout, clip level and seen share are equal."""
+        """True if radiance, units, layout, clip level and seen share are equal."""
         if not isinstance(other, MapPixels):
             return NotImplemented
-        layout, others = ((e.projection, e.registration, e.white) for e in (self, other))
+        layout, others = ((e.units, e.registration, e.white) for e in (self, other))
         if layout != others or (self.seen is None) != (other.seen is None):
             return False
         is_equal = self.seen is None or np.array_equal(self.seen, other.seen)  # type: ignore[arg-type]
@@ -267,8 +299,14 @@ class MapPixels:
 
     def __reduce__(self) -> tuple[Any, ...]:
         layout: dict[str, Any] = {"projection": PROJECTION, "registration": self._registration}
-        build = partial(type(self), **layout, notes=self._notes, white=self._white, seen=self._seen)
-        return build, (self._radiance,), {"_source": self._source}
+        layout |= {"notes": self._notes, "white": self._white, "seen": self._seen}
+        build = partial(type(self), **layout, units=self._units)
+        return build, (self._radiance,), {"_source": self._source, "_ev100": self._ev100}
+
+    def _of_same_scale(self, env: Self) -> Self:
+        """`env` with the units and the exposure of this map."""
+        env._units, env._ev100 = self._units, self._ev100
+        return env
 
     def _clipped_shares(self) -> tuple[float, float]:
         if self._clipped is None:

@@ -12,14 +12,18 @@ from envlights.kernels.image import LUMINANCE
 
 
 def paragraph(
-    radiance: NDArray[np.float32], layout: str, clipping: str, notes: Iterable[str]
+    radiance: NDArray[np.float32],
+    layout: str,
+    clipping: str,
+    notes: Iterable[str],
+    unit: str,
 ) -> str:
     """Lines on the layout, the luminance, the clip level and the notes of a map."""
     weights = LUMINANCE.astype(np.float32)
     luminance = in_blocks(radiance.shape, lambda rows: radiance[rows] @ weights)
     lines = [
         layout,
-        f"luminance: median {np.median(luminance):.3g}, largest {luminance.max():.3g}",
+        f"luminance{unit}: median {np.median(luminance):.3g}, largest {luminance.max():.3g}",
         clipping,
         *(f"note: {note}" for note in notes),
     ]

@@ -14,8 +14,34 @@ from envlights.kernels.sphere import pixel_directions, pixel_solid_angles
 _GROWTH = 1.25
 
 
+class PixelIntegrals:
+    """Integrals of the direction and of 1 over each pixel."""
+
+    def __init__(self, height: int, width: int, border_sampled: bool) -> None:
+        theta = np.pi * _edges(height, border_sampled)
+        phi = 2 * np.pi * _edges(width, border_sampled)
+        across, up = np.diff(theta / 2 - np.sin(2 * theta) / 4), np.diff(np.sin(theta) ** 2 / 2)
+        self._rows = np.stack([across, up, across, -np.diff(np.cos(theta))], axis=1)
+        sines, cosines, widths = np.diff(np.sin(phi)), np.diff(np.cos(phi)), np.diff(phi)
+        self._columns = np.stack([-cosines, widths, -sines, widths], axis=1)
+
+    def of(self, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> NDArray[np.float64]:
+        """Integrals of x, y, z and 1 over some pixels, (..., 4)."""
+        integrals: NDArray[np.float64] = self._rows[rows] * self._columns[columns]
+        return integrals
+
+
+def float32_at_most(maximum: float) -> np.float32:
+    """Largest number of single precision that is not above a maximum."""
+    limit = np.float32(maximum)
+    return np.nextafter(limit, np.float32(0)) if float(limit) > maximum else limit
+
+
 def spread_peaks(
-    radiance: NDArray[np.float32], maximum: float, border_sampled: bool
+    radiance: NDArray[np.float32],
+    maximum: float,
+    border_sampled: bool,
+    seen: NDArray[np.float32] | None = None,
 ) -> tuple[NDArray[np.float32], list[str]]:
     """Radiance of at most a maximum, with the flux of each light around it, and a note.
 
@@ -29,11 +55,13 @@ def spread_peaks(
         Largest value of a sample.
     border_sampled : bool
         Registration of the map.
+    seen : ndarray of float32, shape (height, width), optional
+        Share of each pixel; nothing is spread to unseen pixels.
     """
     if not (radiance > maximum).any():
         return radiance, []
     height, width = radiance.shape[:2]
-    sphere = _Sphere(height, width, border_sampled)
+    sphere = _Sphere(height, width, border_sampled, maximum, seen)
     new = radiance.astype(np.float64)
     _check_mean(new, sphere, maximum)
     moved, farthest = 0.0, 0.0
@@ -44,22 +72,31 @@ def spread_peaks(
         largest[rows] = new[rows].max(axis=2)
         moved, farthest = moved + flux, max(farthest, radius)
     total = float((radiance * sphere.angles[..., None]).sum(dtype=np.float64))
-    limit = np.float32(maximum)
-    limit = np.nextafter(limit, np.float32(0)) if float(limit) > maximum else limit
     note = (
         f"limited to {maximum:g}: {100 * moved / total:.2g} % of the flux was moved by up to"
         f" {math.degrees(farthest):.2g} degrees"
     )
-    return np.minimum(new.astype(np.float32), limit), [note]
+    return np.minimum(new.astype(np.float32), float32_at_most(maximum)), [note]
 
 
 class _Sphere:
-    """Directions and solid angles of all pixels."""
+    """Directions and solid angles of all pixels, and their largest radiance."""
 
-    def __init__(self, height: int, width: int, border_sampled: bool) -> None:
+    def __init__(
+        self,
+        height: int,
+        width: int,
+        border_sampled: bool,
+        maximum: float,
+        seen: NDArray[np.float32] | None,
+    ) -> None:
         self.directions = pixel_directions(height, width, border_sampled=border_sampled)
         self.angles = pixel_solid_angles(height, width, border_sampled=border_sampled)
-        self.means = _moments(height, width, border_sampled) / self.angles[..., None]
+        integrals = PixelIntegrals(height, width, border_sampled)
+        rows, columns = np.ogrid[:height, :width]
+        self.means = integrals.of(rows, columns)[..., :3] / self.angles[..., None]
+        share = np.ones(1) if seen is None else seen.astype(np.float64)
+        self.ceiling = np.broadcast_to(maximum * share, (height, width))
         self.pixel = math.pi / height
 
     def rows(self, centre: NDArray[np.float64], radius: float) -> slice:
@@ -68,16 +105,6 @@ class _Sphere:
         theta = math.acos(float(np.clip(centre[1], -1, 1)))
         first = int((theta - radius) / self.pixel) - 1
         return slice(max(first, 0), min(int((theta + radius) / self.pixel) + 2, height))
-
-
-def _moments(height: int, width: int, border_sampled: bool) -> NDArray[np.float64]:
-    """Integral of the direction over each pixel, (height, width, 3)."""
-    theta, phi = np.pi * _edges(height, border_sampled), 2 * np.pi * _edges(width, border_sampled)
-    across, up = np.diff(theta / 2 - np.sin(2 * theta) / 4), np.diff(np.sin(theta) ** 2 / 2)
-    rows = np.stack([across, up, across], axis=1)
-    columns = np.stack([-np.diff(np.cos(phi)), np.diff(phi), -np.diff(np.sin(phi))], axis=1)
-    moments: NDArray[np.float64] = rows[:, None] * columns
-    return moments
 
 
 def _edges(samples: int, border_sampled: bool) -> NDArray[np.float64]:
@@ -89,7 +116,8 @@ def _edges(samples: int, border_sampled: bool) -> NDArray[np.float64]:
 
 
 def _check_mean(radiance: NDArray[np.float64], sphere: _Sphere, maximum: float) -> None:
-    mean = (radiance * sphere.angles[..., None]).sum(axis=(0, 1)) / sphere.angles.sum()
+    angle = (sphere.ceiling / maximum * sphere.angles).sum() if maximum else sphere.angles.sum()
+    mean = (radiance * sphere.angles[..., None]).sum(axis=(0, 1)) / angle
     if mean.max() > maximum:
         raise EnvLightsError(
             f"maximum must be at least the mean radiance of the map, {mean.max():g}; got"
@@ -108,12 +136,14 @@ def _spread(
         inside = sphere.directions[rows] @ centre >= math.cos(min(radius, math.pi))
         light, angle = part[inside], angles[inside][:, None]
         excess = (np.maximum(light - maximum, 0) * angle).sum(axis=0)
-        room = (np.maximum(maximum - light, 0) * angle).sum(axis=0)
+        room = np.maximum(sphere.ceiling[rows][inside][:, None] - light, 0)
         # A channel without excess needs no room.
         directions, is_last = sphere.means[rows][inside], radius >= math.pi
-        if is_last or (excess <= room).all():
+        if is_last or (excess <= (room * angle).sum(axis=0)).all():
             levels = [
-                _level(light[:, channel], angle[:, 0], directions, maximum, is_last)
+                _level(
+                    light[:, channel], room[:, channel], angle[:, 0], directions, maximum, is_last
+                )
                 for channel in range(3)
             ]
             if all(level is not None for level in levels):
@@ -125,6 +155,7 @@ def _spread(
 
 def _level(
     light: NDArray[np.float64],
+    room: NDArray[np.float64],
     angle: NDArray[np.float64],
     directions: NDArray[np.float64],
     maximum: float,
@@ -138,7 +169,6 @@ def _level(
     excess = np.maximum(light - maximum, 0) * angle
     if not excess.any():
         return light
-    room = np.maximum(maximum - light, 0)
     moment = excess @ directions
     tangents = np.linalg.svd(moment[None])[2][1:]
     basis = np.column_stack([np.ones(len(light)), directions @ tangents.T])

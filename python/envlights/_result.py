@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterable
 from dataclasses import fields
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -52,9 +53,10 @@ class Result(ABC):
     __hash__ = None  # type: ignore[assignment]  # as of a list: equality is that of the content
 
     def __reduce__(self) -> tuple[Any, ...]:
-        arguments = (each for each in fields(self) if each.init)  # type: ignore[arg-type]
-        names = (each.name for each in arguments)
-        return type(self), tuple(getattr(self, name) for name in names)
+        arguments = [each for each in fields(self) if each.init]  # type: ignore[arg-type]
+        names = {each.name: getattr(self, each.name) for each in arguments if each.kw_only}
+        build = partial(type(self), **names) if names else type(self)
+        return build, tuple(getattr(self, each.name) for each in arguments if not each.kw_only)
 
 
 def _is_same(one: object, other: object) -> bool:

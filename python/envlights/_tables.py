@@ -1,10 +1,17 @@
-"""Tables of results: aligned text for a terminal, HTML for a notebook."""
+"""Tables of results: aligned text for a terminal, HTML for a notebook, data frames."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from html import escape
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from numpy.typing import NDArray
+
+from envlights._native import EnvLightsError
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 #: Largest number of visible rows.
 MOST_ROWS = 12
@@ -50,6 +57,17 @@ class Table(NamedTuple):
         )
         rest = f"<div>{escape(self.rest)}</div>" if self.rest else ""
         return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>{rest}"
+
+
+def frame_of(columns: Mapping[str, NDArray[Any]]) -> pd.DataFrame:
+    """Data frame of pandas, or a refusal if it is not installed."""
+    try:
+        import pandas as pd
+    except ImportError:
+        raise EnvLightsError(
+            "to_frame needs pandas: pip install 'envlights[frame]', or pip install pandas"
+        ) from None
+    return pd.DataFrame(columns)
 
 
 def _swatch(colour: str) -> str:

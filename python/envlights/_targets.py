@@ -15,6 +15,9 @@ from envlights._native import EnvLightsError
 from envlights.envmap import EnvMap
 from envlights.io.files import PICTURES, as_path
 
+#: End of the name of a map that a program reads as a panorama in our axes.
+PANORAMA = ".ambient.exr"
+
 
 class Target(NamedTuple):
     """Program or format that rigs can be exported to."""
@@ -34,9 +37,15 @@ class Target(NamedTuple):
     shows: Capabilities
     """Parts of a rig that it can show."""
 
+    texture: str = ""
+    """End of the name of the map beside a file; empty if there is no such map.
+
+    For `PANORAMA` the writer accepts the keyword `texture`, the name of an existing map."""
+
 
 #: Errors of a file that nobody sees, and by which factor a larger one may exceed that of the rig.
 _SMALL_ERROR, _SAME_ERROR = 1e-3, 1.1
+
 
 _TARGETS: list[Target] = []
 _LOADERS: list[Callable[[], object]] = []
@@ -138,15 +147,26 @@ def save(
         If the target shows the rig with a larger error, such as lights with a size as points.
     """
     target = target_of(path)
+    if environment is not None and not target.shows.environment:
+        raise EnvLightsError(f"cannot write {path}: {target.title} accepts no environment map")
+    save_for(target, rig, path, environment)
+
+
+def save_for(
+    target: Target,
+    rig: Any,
+    path: str | os.PathLike[str],
+    environment: EnvMap | ArrayLike | None = None,
+    **options: Any,
+) -> None:
+    """Write a file for a target, with a warning if it shows the rig with a larger error."""
     if environment is None:
         _warn_of_losses(rig, target)
-        target.save(rig, path)
-    elif target.shows.environment:
+        target.save(rig, path, **options)
+    else:
         # The map replaces the ambient term, so only the lights can change.
         _warn_of_losses(getattr(rig, "lights", rig), target)
-        target.save(rig, path, environment)
-    else:
-        raise EnvLightsError(f"cannot write {path}: {target.title} accepts no environment map")
+        target.save(rig, path, environment, **options)
 
 
 def _warn_of_losses(rig: Any, target: Target) -> None:
@@ -159,7 +179,7 @@ def _warn_of_losses(rig: Any, target: Target) -> None:
     error = target.shows.error(rig)
     if error > max(_SAME_ERROR * told, _SMALL_ERROR):
         lost = f"{target.title} shows {' and '.join(losses)}"
-        warnings.warn(f"{lost}: {_figures(rig, target, error)}", stacklevel=4)
+        warnings.warn(f"{lost}: {_figures(rig, target, error)}", stacklevel=5)
 
 
 def _figures(rig: Any, target: Target, error: float) -> str:

@@ -8,23 +8,24 @@ from typing import Any, TypeVar
 
 from numpy.typing import ArrayLike
 
+from envlights._map_calibration import MapCalibration
 from envlights._map_layouts import MapLayouts
-from envlights._map_light import MapLight
 from envlights._map_pixels import checked_white
 from envlights._native import EnvLightsError, UnusableSamplesError
+from envlights._unseen import Unseen
 from envlights.io.colour import ColourArgument
 from envlights.io.exposures import merge_exposures
 from envlights.io.image_output import COMPRESSIONS, map_suffix, write_exr, write_hdr
 from envlights.io.images import MOST_PIXELS
-from envlights.io.source import AnySource, is_source, name_of
+from envlights.io.source import name_of
 from envlights.layouts.records import REGISTRATIONS, Arguments
-from envlights.layouts.sources import PictureSource, read_picture
+from envlights.layouts.sources import PictureSource, is_picture_source, read_picture
 from envlights.repair import repair
 
 _T = TypeVar("_T")
 
 
-class EnvMap(MapLight, MapLayouts):
+class EnvMap(MapCalibration, MapLayouts):
     r"""An environment map: radiance from every direction.
 
     Frame: right-handed, +y up. The centre of the image looks along +z, its left quarter along +x,
@@ -78,6 +79,8 @@ class EnvMap(MapLight, MapLayouts):
     seen : array_like, shape of the array without channels, optional
         Share of each pixel that the picture shows, from 0 to 1. The radiance is multiplied by it
         already; pixels of share 0 become black. `filled` has radiance for them.
+    units : {"the map's own scale", "cd/m2"}
+        Unit of the radiance; "cd/m2" is that of its luminance. `calibrated` makes it so.
 
     Raises
     ------
@@ -127,8 +130,8 @@ class EnvMap(MapLight, MapLayouts):
             Integers without a statement are sRGB. What alpha or a crop hides is black; see `seen`.
             Six faces of a cube: a list, a mapping, a folder, or a name like ``sky_{face}.hdr``.
         projection, faces, registration, mapping, fov, horizon, circle, towards, eye, width
-            Layout of the picture; see `EnvMap`. When left out, the metadata of the file decide,
-            then names, shape and content.
+            Layout of the picture; see `EnvMap`. When left out, the statement of `Picture.save` or
+            other metadata of the file decide, then names, shape and content.
         white : float, optional
             Clip level; see `EnvMap`. Known for files of integers, from their own histogram.
         colour : str, bytes or path-like, optional
@@ -172,6 +175,7 @@ class EnvMap(MapLight, MapLayouts):
         env = cls.__new__(cls)
         env._notes = list(image.notes)
         env._white = image.white if white is None else checked_white(white)
+        env._units, env._ev100 = image.units, image.ev100
         try:
             env._set_pixels(image.pixels, image.seen, image.hints, arguments, width)
         except EnvLightsError as refusal:
@@ -230,9 +234,11 @@ class EnvMap(MapLight, MapLayouts):
         """
         merged = merge_exposures(pictures, times, response)
         registration = REGISTRATIONS[merged.border_sampled]
-        return cls(
+        env = cls(
             merged.radiance, registration=registration, notes=merged.notes, white=merged.white
         )
+        env._ev100 = merged.ev100
+        return env
 
     def save(
         self,
@@ -256,9 +262,10 @@ class EnvMap(MapLight, MapLayouts):
 
         Notes
         -----
-        Primaries are those of Rec.709. A border-sampled map gets the attribute ``envmap``. A .hdr
-        file cannot hold that, so such a map is converted to cells, and a sample above 1.7e38 is
-        refused. The notes of the map become comments of the file.
+        Primaries are those of Rec.709. A border-sampled map gets the attribute ``envmap``, and one
+        in cd/m2 the attribute ``whiteLuminance``, which `open` reads. A .hdr file cannot hold them,
+        so such a map is converted to cells and loses its units; a sample above 1.7e38 is refused.
+        The notes of the map become comments of the file.
         """
         if map_suffix(path) == ".hdr":
             if half or compression != COMPRESSIONS[0]:
@@ -272,9 +279,16 @@ class EnvMap(MapLight, MapLayouts):
             compression=compression,
             environment="latlong" if self.is_border_sampled else "",
             comments=self._notes,
+            units=self._units,
         )
 
-    def repaired(self, *, irradiance: float | None = None, ratio: float | None = None) -> EnvMap:
+    def repaired(
+        self,
+        *,
+        irradiance: float | None = None,
+        ratio: float | None = None,
+        unseen: Unseen = None,
+    ) -> EnvMap:
         r"""Map with an estimate of the clipped light.
 
         Clipped pixels are raised, each in its own colour. The amount of missing light is a number
@@ -284,24 +298,27 @@ class EnvMap(MapLight, MapLayouts):
         Parameters
         ----------
         irradiance : float, optional
-            Measured luminance of the irradiance on an upward surface, in W m\ :sup:`-2` on the
-            scale of the map; of a lux meter only if you know that scale.
+            Measured luminance of the irradiance on an upward surface, on the scale of the map:
+            lux, if `units` is "cd/m2"; see `calibrated`.
         ratio : float, optional
             The same irradiance divided by the one without the clipped regions: two readings of a
             lux meter on the ground, in the open and with the sun shaded. It needs no scale.
+        unseen : {"black", "harmonic", "ground"}, float or array_like, shape (3,), optional
+            Radiance where the map shows nothing, for the irradiance of an upward surface; see
+            `filled`. Required if less than 85 % of the upper half is seen.
 
         Returns
         -------
         EnvMap
-            Without a `white`. Its last note holds the factor by which the flux was raised, and its
-            source. If the ground gives no estimate, the map keeps its `white`, and the note says
-            why.
+            Without a `white`; what is not seen stays black. Its last note holds the factor by which
+            the flux was raised, and its source. If the ground gives no estimate, the map keeps its
+            `white`, and the note says why.
 
         Raises
         ------
         EnvLightsError
-            If both numbers are given, one is less than that of the map, or all clipped pixels lie
-            below the horizon.
+            If both numbers are given, one is less than that of the map, all clipped pixels lie
+            below the horizon, or `unseen` is required.
 
         Notes
         -----
@@ -328,23 +345,32 @@ class EnvMap(MapLight, MapLayouts):
         white = self._white
         if white is None and self.clipped_share:
             white = float(self._radiance.max())
+        received, assumed = self._from_unseen(unseen)
         radiance, note, is_open = repair(
-            self._radiance, self.is_border_sampled, white, irradiance, ratio
+            self._radiance,
+            self.is_border_sampled,
+            white,
+            irradiance,
+            ratio,
+            seen=self._seen,
+            from_unseen=received,
         )
         white = self._white if is_open else None
-        notes = (*self._notes, note)
-        return EnvMap(
+        notes = (*self._notes, *filter(None, [assumed]), note)
+        env = EnvMap(
             radiance, registration=self._registration, notes=notes, white=white, seen=self._seen
         )
+        env._source = self._source
+        return self._of_same_scale(env)
 
 
-#: Map, its file as path, bytes or file object, or its radiance as an array.
-AnyMap = EnvMap | AnySource | ArrayLike
+#: Map, its file as path, bytes or file object, six files of a cube, or radiance as an array.
+AnyMap = EnvMap | PictureSource | ArrayLike
 
 
 def as_envmap(env: Any) -> EnvMap:
     """Map of an `AnyMap`; a map is returned as it is."""
-    if is_source(env):
+    if is_picture_source(env):
         return EnvMap.open(env)
     return env if isinstance(env, EnvMap) else EnvMap(env)
 
@@ -357,7 +383,7 @@ def apply_to_map(env: Any, work: Callable[[EnvMap], _T]) -> tuple[EnvMap, _T]:
     Kernels read every sample anyway and refuse those that are not radiance, so the usual array
     needs no check of its own.
     """
-    if isinstance(env, EnvMap) or is_source(env):
+    if isinstance(env, EnvMap) or is_picture_source(env):
         world = as_envmap(env)
         return world, work(world)
     world = EnvMap.unchecked(env)

@@ -85,6 +85,19 @@ class DetectedLight(Light):
     direction_uncertainty: float | None = None
     is_cut: bool = False
 
+    def __str__(self) -> str:
+        return "; ".join([super().__str__(), *remarks_of(self)])
+
+
+def remarks_of(light: DetectedLight) -> list[str]:
+    """Remarks on a light for texts: clipped, cut off by the border, wide, direction uncertain."""
+    remarks = ["clipped"] if light.is_clipped else []
+    remarks += ["cut off"] if light.is_cut else []
+    remarks += ["wide"] if light.is_broad else []
+    if light.direction_uncertainty is not None:
+        remarks.append(f"direction ± {np.rad2deg(light.direction_uncertainty):.2f}°")
+    return remarks
+
 
 def place_of(direction: NDArray[np.float64]) -> str:
     """Azimuth and elevation of a direction, in words."""

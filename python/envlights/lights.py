@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
@@ -14,21 +14,33 @@ from numpy.typing import ArrayLike, NDArray
 from envlights import _html, _targets, _thumbnails
 from envlights._arrays import seal
 from envlights._check import rotation
-from envlights._light_arrays import light_arrays, radii, rotate, row_of, rows_of
+from envlights._light_arrays import LARGEST_LIGHT, light_arrays, radii, rotate, row_of, rows_of
 from envlights._lobes import SphericalGaussians, lobes
 from envlights._native import EnvLightsError
 from envlights._result import Result
-from envlights._tables import MOST_ROWS, Table
+from envlights._tables import MOST_ROWS, Table, frame_of
+from envlights._units import OWN_SCALE, checked_units, in_lux
 from envlights.envmap import EnvMap
-from envlights.io.csv_table import read_csv
+from envlights.io.csv_table import Table as CsvTable
+from envlights.io.csv_table import load_csv
 from envlights.io.files import as_path
 from envlights.io.own_json import read_json
 from envlights.kernels.image import LUMINANCE
 from envlights.kernels.probe import disc_map
+from envlights.kernels.sphere import FRAME
 from envlights.light import Light, azimuths, elevations
 
 if TYPE_CHECKING:
     import pandas as pd
+
+
+#: Header of a file of lights. `Lights.to_dict` holds only arrays, as a part of a rig.
+LIGHTS_HEADER = {
+    "format": "envlights lights",
+    "version": 2,
+    "frame": FRAME,
+    "units": "irradiance: at normal incidence; linear Rec.709 RGB; angular_radius: radians",
+}
 
 
 def brightest_first(irradiance: NDArray[np.float64]) -> NDArray[np.intp]:
@@ -63,6 +75,8 @@ class Lights(Result):
     angular_radius : array_like, shape (n,), optional
         Radians from 0 to pi / 2. The light is a disc of uniform radiance: its irradiance divided by
         :math:`\pi \sin^2 a`. 0 is a point. Default: all are points.
+    units : {"the map's own scale", "cd/m2"}
+        Unit of the radiance of the map; with "cd/m2", the luminance of `irradiance` is in lux.
 
     Examples
     --------
@@ -79,8 +93,10 @@ class Lights(Result):
     irradiance: NDArray[np.float64]
     # The constructor replaces None.
     angular_radius: NDArray[np.float64] = None  # type: ignore[assignment]
+    units: str = field(default=OWN_SCALE, kw_only=True)
 
     def __post_init__(self) -> None:
+        checked_units(self.units)
         direction, irradiance = light_arrays(self.direction, self.irradiance)
         radius = radii(self.angular_radius, len(direction))
         order = brightest_first(irradiance)
@@ -94,12 +110,14 @@ class Lights(Result):
         direction: NDArray[np.float64],
         irradiance: NDArray[np.float64],
         angular_radius: NDArray[np.float64],
+        units: str,
     ) -> Lights:
         """Lights from the arrays of a kernel, brightest first, without checks."""
         lights = cls.__new__(cls)
         object.__setattr__(lights, "direction", seal(direction))
         object.__setattr__(lights, "irradiance", seal(irradiance))
         object.__setattr__(lights, "angular_radius", seal(angular_radius))
+        object.__setattr__(lights, "units", units)
         return lights
 
     def __len__(self) -> int:
@@ -116,7 +134,8 @@ class Lights(Result):
         rows = rows_of(which, len(self))
         if rows is None:
             return self._light(row_of(which, len(self)))
-        return Lights(self.direction[rows], self.irradiance[rows], self.angular_radius[rows])
+        arrays = self.direction, self.irradiance, self.angular_radius
+        return Lights(*(array[rows] for array in arrays), units=self.units)
 
     def _light(self, row: int) -> Light:
         radius, share = float(self.angular_radius[row]), float(self.share[row])
@@ -176,7 +195,7 @@ class Lights(Result):
         """Column names, and cells of the first dozen lights."""
         has_sizes = self.angular_radius.any()
         sizes = ["radius"] if has_sizes else []
-        columns = ["light", "azimuth", "elevation", "share", *sizes, "irradiance (R, G, B)"]
+        columns = ["light", "azimuth", "elevation", "share", *sizes, rgb_heading(self.units)]
         rows = [
             [
                 *place_cells(self, row),
@@ -196,13 +215,7 @@ class Lights(Result):
             Columns that end in ``_deg`` are angles in degrees. Each component of a vector or colour
             has a column.
         """
-        try:
-            import pandas as pd
-        except ImportError:
-            raise EnvLightsError(
-                "to_frame needs pandas: pip install 'envlights[frame]', or pip install pandas"
-            ) from None
-        return pd.DataFrame(self._columns())
+        return frame_of(self._columns())
 
     def _columns(self) -> dict[str, NDArray[Any]]:
         """Columns of the data frame."""
@@ -221,6 +234,7 @@ class Lights(Result):
             "direction": self.direction.tolist(),
             "irradiance": self.irradiance.tolist(),
             "angular_radius": self.angular_radius.tolist(),
+            "scale": self.units,
         }
 
     def save(
@@ -247,9 +261,8 @@ class Lights(Result):
             If the file is missing, has another kind or version, or holds impossible lights.
         """
         if as_path(path).suffix.lower() == ".csv":
-            table = read_csv(path)
-            return Lights(table.direction, table.irradiance, table.angular_radius)
-        return read_json(path, "lights", (1,), lights_of)
+            return load_csv(path, lights_of_table)
+        return read_json(path, "lights", (1, 2), lights_of)
 
     def discs(self) -> Lights:
         """Lights as discs of uniform radiance: these lights themselves."""
@@ -297,8 +310,13 @@ class Lights(Result):
         array([[3., 2., 1.]])
         """
         discs = self.discs()
-        arrays = discs.direction, discs.irradiance, discs.angular_radius
-        return EnvMap(disc_map(height, *arrays))
+        drawn = disc_map(height, discs.direction, discs.irradiance, discs.angular_radius)
+        if drawn.max(initial=0) > LARGEST_LIGHT:
+            raise EnvLightsError(
+                f"a light is too bright for a map of single precision (up to {LARGEST_LIGHT:.3g});"
+                " scale the lights"
+            )
+        return EnvMap(drawn, units=self.units)
 
     def spherical_gaussians(self) -> SphericalGaussians:
         r"""Convert the lights to spherical Gaussians, for engines that use them.
@@ -345,6 +363,11 @@ def place_cells(lights: Lights, row: int) -> list[str]:
     ]
 
 
+def rgb_heading(units: str) -> str:
+    """Name of the columns of `rgb_cell`."""
+    return f"irradiance{in_lux(units)} (R, G, B)"
+
+
 def rgb_cell(irradiance: NDArray[np.float64]) -> str:
     """Red, green and blue in separate columns."""
     return "  ".join(f"{value:>9.4g}" for value in irradiance)
@@ -356,4 +379,11 @@ def lights_of(data: dict[str, Any]) -> Lights:
     direction = np.reshape(data["direction"], (-1, 3))
     irradiance = np.reshape(data["irradiance"], (-1, 3))
     radius: Any = data.get("angular_radius")
-    return Lights(direction, irradiance, radius)
+    # Version 1 had no scale.
+    return Lights(direction, irradiance, radius, units=data.get("scale", OWN_SCALE))
+
+
+def lights_of_table(table: CsvTable) -> Lights:
+    """Lights of a CSV file."""
+    arrays = table.direction, table.irradiance, table.angular_radius
+    return Lights(*arrays, units=table.units)

@@ -14,7 +14,7 @@ numbers were chosen on pictures of HDR maps; `benchmarks/clipped_repair.py` meas
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -24,6 +24,7 @@ from envlights import _native
 from envlights._check import amount
 from envlights._native import EnvLightsError
 from envlights.kernels.image import LUMINANCE
+from envlights.kernels.probe import irradiance as surface_irradiance
 from envlights.kernels.sphere import pixel_solid_angles
 
 #: Albedo of the ground.
@@ -37,7 +38,7 @@ _MOST_LUMINANCE = 400.0
 
 #: Sine of the elevation below which pixels count as ground.
 _GROUND = -math.sin(math.radians(3.0))
-#: Smallest unclipped fraction of the ground for an estimate.
+#: Smallest seen fraction of the ground, and smallest unclipped fraction of that, for an estimate.
 _LEAST_GROUND = 0.1
 #: Range of albedos, under the light in the map, that a white floor would explain too.
 _WHITE_FLOOR = 0.7, 1.1
@@ -66,8 +67,17 @@ def repair(
     white: float | None,
     irradiance: float | None,
     ratio: float | None,
+    facing: NDArray[np.float64] | None = None,
+    *,
+    seen: NDArray[np.float32] | None = None,
+    from_unseen: float = 0.0,
 ) -> Repair:
-    """Add the light that was clipped at `white`: a measured amount, or an estimate."""
+    """Add the light that was clipped at `white`: a measured amount, or an estimate.
+
+    The amount is measured on a surface that faces a unit vector; upward when left out. `seen` is
+    the share of each pixel by which the radiance is multiplied, and `from_unseen` the luminance of
+    the irradiance of this surface from what is not seen.
+    """
     if irradiance is not None and ratio is not None:
         raise EnvLightsError("give irradiance or ratio, not both")
     irradiance = None if irradiance is None else amount("irradiance", irradiance)
@@ -79,7 +89,10 @@ def repair(
     )
     if not share.any():
         return Repair(radiance, "nothing was added: no pixel is clipped", is_estimate)
-    light = _measure(radiance, share, level, border_sampled)
+    light = _measure(radiance, share, level, border_sampled, seen)
+    if facing is not None and not is_estimate:
+        light = _as_seen_from(light, facing, radiance, share, level, border_sampled)
+    light = light.with_upward(from_unseen)
     missing, source = light.estimate(level) if is_estimate else light.up_to(irradiance, ratio)
     if missing == 0:
         note = f"nothing was added for the clipped light: {source}"
@@ -106,10 +119,19 @@ class _Light:
     ground: float
     """Mean luminance of the unclipped ground."""
     unclipped_ground: float
-    """Unclipped fraction of the ground."""
+    """Unclipped fraction of the seen ground."""
+    seen_ground: float
+    """Fraction of the ground that is seen."""
+
+    def with_upward(self, irradiance: float) -> _Light:
+        """Light with more irradiance of an upward surface, from what is not seen."""
+        upward, unclipped = self.upward + irradiance, self.upward_unclipped + irradiance
+        return replace(self, upward=upward, upward_unclipped=unclipped)
 
     def estimate(self, white: float) -> tuple[float, str]:
         """Estimate of the missing flux from the ground, with its source in words."""
+        if self.seen_ground < _LEAST_GROUND:
+            return 0.0, "the ground is not seen, so there is no estimate; give irradiance or ratio"
         if self.unclipped_ground < _LEAST_GROUND:
             return (
                 0.0,
@@ -150,7 +172,7 @@ class _Light:
             )
         if self.upward_share == 0:
             raise EnvLightsError(
-                "all clipped pixels lie below the horizon and cannot light an upward surface; leave"
+                "all clipped pixels lie below the horizon of the surface and cannot light it; leave"
                 f" {name} out"
             )
         unit = self.upward_unclipped if ratio is not None else 1.0
@@ -168,9 +190,13 @@ _TWO_THIRDS = 0.8, 2.3
 
 
 def _measure(
-    radiance: NDArray[np.float32], share: NDArray[np.float32], white: float, border_sampled: bool
+    radiance: NDArray[np.float32],
+    share: NDArray[np.float32],
+    white: float,
+    border_sampled: bool,
+    seen: NDArray[np.float32] | None,
 ) -> _Light:
-    """Measure flux, irradiance and solid angle of clipped and of unclipped pixels."""
+    """Measure flux, irradiance and solid angle of clipped and of unclipped pixels that are seen."""
     height, width, _ = radiance.shape
     solid_angles = pixel_solid_angles(height, width, border_sampled=border_sampled)
     # Cosines at the edges of rows, and the mean cosine of each row above the horizon.
@@ -178,10 +204,11 @@ def _measure(
     above = np.maximum(edges, 0) ** 2
     cosine = (above[:-1] - above[1:]) / (2 * (edges[:-1] - edges[1:]))
     is_ground = 0.5 * (edges[:-1] + edges[1:]) < _GROUND
-    sums = np.zeros(9)
+    sums = np.zeros(10)
     for top in range(0, height, _ROWS):
         rows = slice(top, top + _ROWS)
         weight, shares = solid_angles[rows], share[rows]
+        seen_weight = weight if seen is None else weight * seen[rows]
         luminance = radiance[rows] @ LUMINANCE
         is_whole = (radiance[rows] < _native.LEAST_WHITE * white).all(axis=2)
         flux_of = luminance * weight
@@ -195,11 +222,12 @@ def _measure(
             (shares * weight * up).sum(),
             weight[~is_whole].sum(),
             flux_of[ground & is_whole].sum(),
-            weight[ground & is_whole].sum(),
+            seen_weight[ground & is_whole].sum(),
+            seen_weight[ground].sum(),
             weight[ground].sum(),
         ]
     flux, whole, upward, upward_whole, upward_share, clipped, *of_ground = map(float, sums)
-    ground_flux, whole_ground, all_ground = of_ground
+    ground_flux, whole_ground, seen_ground, all_ground = of_ground
     return _Light(
         flux=flux,
         unclipped_flux=whole,
@@ -208,7 +236,32 @@ def _measure(
         upward_share=upward_share,
         clipped=clipped,
         ground=ground_flux / (whole_ground or 1.0),
-        unclipped_ground=whole_ground / all_ground,
+        unclipped_ground=whole_ground / (seen_ground or 1.0),
+        seen_ground=seen_ground / all_ground,
+    )
+
+
+def _as_seen_from(
+    light: _Light,
+    facing: NDArray[np.float64],
+    radiance: NDArray[np.float32],
+    share: NDArray[np.float32],
+    white: float,
+    border_sampled: bool,
+) -> _Light:
+    """Measurements of a surface that faces another direction than up."""
+    is_whole = (radiance < _native.LEAST_WHITE * white).all(axis=2, keepdims=True)
+
+    def on_surface(image: NDArray[np.float32]) -> float:
+        values = surface_irradiance(image, facing[None], border_sampled=border_sampled)
+        return float(values[0] @ LUMINANCE)
+
+    grey = np.repeat(np.asarray(share, np.float32)[..., None], 3, axis=2)
+    return replace(
+        light,
+        upward=on_surface(radiance),
+        upward_unclipped=on_surface(np.where(is_whole, radiance, np.float32(0))),
+        upward_share=on_surface(grey),
     )
 
 

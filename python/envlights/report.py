@@ -13,6 +13,7 @@ from envlights import _html
 from envlights._check import amount, check_choice, count
 from envlights._result import Result
 from envlights._tables import Table
+from envlights._times import time_lines, times_of
 
 
 class StopReason(enum.Enum):
@@ -132,13 +133,12 @@ class FitReport(Result):
     """Remarks on work that was not necessary."""
 
     def to_dict(self) -> dict[str, Any]:
-        """All fields as plain numbers, lists and strings."""
+        """All fields except the times as plain numbers, lists and strings."""
         return {
             "errors": {str(lights): error for lights, error in self.errors.items()},
             "sized_error": self.sized_error,
             "steps": self.steps,
             "stop_reason": self.stop_reason.name,
-            "seconds": dict(self.seconds),
             "measured_on": self.measured_on,
             "ambient": self.ambient,
             "ambients": {
@@ -166,11 +166,14 @@ class FitReport(Result):
     def from_dict(cls, data: Mapping[str, Any]) -> FitReport:
         """Report that `to_dict` wrote; fields that an older version did not write get defaults."""
         return cls(
-            errors={int(n): amount("errors", error) for n, error in data["errors"].items()},
+            errors={
+                count("lights", int(n)): amount("errors", error)
+                for n, error in data["errors"].items()
+            },
             sized_error=_optional("sized_error", data.get("sized_error")),
             steps=count("steps", data["steps"]),
             stop_reason=_stop_reason(data["stop_reason"]),
-            seconds={str(stage): amount("seconds", s) for stage, s in data["seconds"].items()},
+            seconds=times_of(data),
             measured_on=str(data["measured_on"]),
             ambient=str(data.get("ambient", "")),
             ambients={
@@ -239,6 +242,7 @@ class FitReport(Result):
             f"{self.steps} steps of the solver" if self.steps else "",
             self.stop_reason.value if self.errors else "",
             *self.skipped,
+            *time_lines(self.seconds),
         ]
 
     def with_shadows(self) -> str:

@@ -72,10 +72,37 @@ def resample(
     if source.kind == "equirectangular" and source.border_sampled:
         radiance, source = cells_of_borders(radiance), source._replace(border_sampled=False)
         seen = None if seen is None else cells_of_borders(seen[..., None])[..., 0]
-    if source == target and np.array_equal(matrix, UNTURNED):
-        return radiance, seen
+    if np.array_equal(matrix, UNTURNED):
+        if source == target:
+            return radiance, seen
+        if _share_cells(source, target):
+            return _same_cells(radiance, seen, source, target)
     image, share = _native.resample(radiance, seen, source, target, matrix)
     return image, None if share is None or (share == 1).all() else share.clip(0, 1)
+
+
+def _share_cells(source: Layout, target: Layout) -> bool:
+    """True for two parts of a panorama, or a part and the whole, with the same cells."""
+    if source.kind != "equirectangular" or target.kind != source.kind or source.axes != target.axes:
+        return False
+    wholes = [layout.whole or (layout.height, layout.width) for layout in (source, target)]
+    return wholes[0] == wholes[1] and not (source.border_sampled or target.border_sampled)
+
+
+def _same_cells(
+    radiance: NDArray[np.float32], seen: NDArray[np.float32] | None, source: Layout, target: Layout
+) -> tuple[NDArray[np.float32], NDArray[np.float32] | None]:
+    """Cells of a part of a panorama in another part, unchanged."""
+    columns = (source.whole or (source.height, source.width))[1]
+    row = np.arange(target.height) + target.corner[0] - source.corner[0]
+    column = (np.arange(target.width) + target.corner[1] - source.corner[1]) % columns
+    is_row, is_column = (row >= 0) & (row < source.height), column < source.width
+    there, here = np.ix_(is_row, is_column), np.ix_(row[is_row], column[is_column])
+    image = np.zeros((target.height, target.width, 3), np.float32)
+    share = np.zeros(image.shape[:2], np.float32)
+    image[there] = radiance[here]
+    share[there] = 1 if seen is None else seen[here]
+    return image, None if (share == 1).all() else share
 
 
 def default_width(layout: Layout) -> int:

@@ -12,23 +12,25 @@ from numpy.typing import ArrayLike, NDArray
 from envlights import _html, _targets
 from envlights._arrays import freeze
 from envlights._blocks import in_blocks
-from envlights._check import amount, flag, one_or_more, rotation
+from envlights._check import amount, flag, one_or_more, rotation, texts
+from envlights._light_arrays import LARGEST_LIGHT
 from envlights._native import EnvLightsError
 from envlights._result import Result
+from envlights._units import in_nits, statement
 from envlights.ambient import ambient_rows, turned_ambient
 from envlights.envmap import EnvMap
-from envlights.io.csv_table import read_csv
+from envlights.io.csv_table import Table, load_csv
 from envlights.io.files import as_path
 from envlights.io.own_json import read_json
 from envlights.kernels import probe
 from envlights.kernels.sphere import FRAME
-from envlights.lights import Lights, lights_of
+from envlights.lights import Lights, lights_of, lights_of_table
 from envlights.report import FitReport, StopReason
 
 _KIND = "rig"
-_VERSION = 3
-#: Version 2 had neither sizes nor floors.
-_READABLE_VERSIONS = (2, 3)
+_VERSION = 4
+#: Version 2 had neither sizes nor floors; version 3 had wall times, and no scale.
+_READABLE_VERSIONS = (2, 3, 4)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -69,6 +71,14 @@ class Rig(Result):
         if flag("floor", self.floor) and self.ambient.ndim == 2:
             raise EnvLightsError("ambient must be one radiance where there is a floor; got (9, 3)")
         object.__setattr__(self, "error", amount("error", self.error))
+
+    @property
+    def units(self) -> str:
+        """Unit of the ambient radiance: "cd/m2" for its luminance, or "the map's own scale".
+
+        It is that of `lights`. In a rig in cd/m2, irradiance has a luminance in lux.
+        """
+        return self.lights.units
 
     def probe(self, normals: ArrayLike) -> NDArray[np.float64]:
         """Irradiance under the rig.
@@ -125,7 +135,8 @@ class Rig(Result):
         """
         discs = self.lights.to_map(height).radiance
         sky = ambient_rows(self.ambient, height, self.floor)
-        return EnvMap(in_blocks(discs.shape, lambda rows: discs[rows] + sky(rows)))
+        radiance = in_blocks(discs.shape, lambda rows: discs[rows] + sky(rows))
+        return EnvMap(radiance, units=self.units)
 
     def rotated(self, matrix: ArrayLike) -> Rig:
         """Rotate the rig, so that a light from d comes from ``matrix @ d``.
@@ -161,7 +172,7 @@ class Rig(Result):
             "version": _VERSION,
             "frame": FRAME,
             "units": "ambient: radiance; irradiance: at normal incidence; linear Rec.709 RGB;"
-            " angular_radius: radians",
+            f" angular_radius: radians; {statement(self.units)}",
             "ambient": self.ambient.tolist(),
             "lights": self.lights.to_dict(),
             "error": self.error,
@@ -228,13 +239,7 @@ class Rig(Result):
             If the file is missing, has another kind or version, or holds impossible lights.
         """
         if as_path(path).suffix.lower() == ".csv":
-            table = read_csv(path)
-            if table.ambient is None or table.error is None:
-                raise EnvLightsError(
-                    f"{path} holds lights without an ambient term; use `Lights.load`"
-                )
-            lights = Lights(table.direction, table.irradiance, table.angular_radius)
-            return cls(table.ambient, lights, table.error, floor=table.floor)
+            return load_csv(path, _of_table)
         return read_json(path, _KIND, _READABLE_VERSIONS, _from_dict)
 
     def verbose(self) -> str:
@@ -251,7 +256,7 @@ class Rig(Result):
         """Lines below the table of lights."""
         stop = self.report.stop_reason
         lines = [
-            *_ambient_lines(self.ambient),
+            *_ambient_lines(self.ambient, in_nits(self.units)),
             "a floor hides ambient light from below the horizon" if self.floor else "",
             error_line(self),
             "" if stop.is_success or stop is StopReason.NOT_FITTED else f"note: {stop.value}",
@@ -280,20 +285,28 @@ def error_line(rig: Rig) -> str:
 def _ambient(values: ArrayLike) -> NDArray[np.float64]:
     """Check an ambient term, and keep its shape."""
     rows = probe.coefficients(values)
-    if not np.isfinite(rows).all():
-        raise EnvLightsError(f"ambient must be finite; got {rows.tolist()}")
+    if not (np.abs(rows) <= LARGEST_LIGHT).all():
+        raise EnvLightsError(
+            f"ambient must be finite, and at most {LARGEST_LIGHT:.3g}; got {rows.tolist()}"
+        )
     if len(rows) == 1 and (rows < 0).any():
         raise EnvLightsError(f"ambient must not be negative; got {rows[0].tolist()}")
     return rows.reshape(np.shape(values))
 
 
-def _ambient_lines(ambient: NDArray[np.float64]) -> list[str]:
+def _ambient_lines(ambient: NDArray[np.float64], unit: str) -> list[str]:
     rows = [" ".join(f"{value:>11.4g}" for value in row) for row in np.atleast_2d(ambient)]
     if len(rows) == 1:
-        return ["ambient radiance  " + "  ".join(rows[0].split())]
+        return [f"ambient radiance{unit}  " + "  ".join(rows[0].split())]
     names = ("1", "y", "z", "x", "xy", "yz", "3zz-1", "xz", "xx-yy")
     table = [f"  {name:<5} {row}" for name, row in zip(names, rows, strict=True)]
-    return ["ambient radiance, spherical harmonics (R, G, B):", *table]
+    return [f"ambient radiance{unit}, spherical harmonics (R, G, B):", *table]
+
+
+def _of_table(table: Table) -> Rig:
+    if table.ambient is None or table.error is None:
+        raise EnvLightsError("it holds lights without an ambient term; use `Lights.load`")
+    return Rig(table.ambient, lights_of_table(table), table.error, floor=table.floor)
 
 
 def _from_dict(data: dict[str, Any]) -> Rig:
@@ -302,6 +315,6 @@ def _from_dict(data: dict[str, Any]) -> Rig:
         lights_of(data["lights"]),
         data["error"],
         FitReport.from_dict(data["report"]),
-        tuple(data["notes"]),
+        tuple(texts("notes", data["notes"])),
         data.get("floor", False),
     )

@@ -54,10 +54,12 @@ pub fn split_map(
     radiance: PyReadonlyArray3<'_, f32>,
     border_sampled: bool,
     lights: LightPixels<'_>,
+    seen: Option<PyReadonlyArray2<'_, f32>>,
 ) -> PyResult<MapSplit> {
     let (radiance, lights) = (radiance.as_array(), lights.views()?);
+    let seen = seen.as_ref().map(PyReadonlyArray2::as_slice).transpose()?;
     let (rest, parts) = fill(py, radiance.dim().into(), |rest| {
-        split::split(radiance, registration(border_sampled), &lights, rest)
+        split::split(radiance, registration(border_sampled), &lights, seen, rest)
     })?;
     let numbers = |of: fn(&RemovedLight) -> f64| {
         parts.lights.iter().map(of).collect::<Array1<f64>>().into_pyarray(py).unbind()

@@ -51,3 +51,52 @@ def test_an_unknown_layout_is_refused_in_a_sentence(hall, tmp_path):
     assert done.exit_code == 2
     assert "octahedral" in done.output
     assert not (tmp_path / "x.exr").exists()
+
+
+@pytest.fixture
+def cross(tmp_path):
+    """A horizontal cross of the hall."""
+    path = tmp_path / "cross.exr"
+    SCENE.to("cube", width=64).save(path, arrangement="horizontal-cross")
+    return path
+
+
+def test_a_cube_comes_back_as_the_cube_it_was(cross, tmp_path):
+    done = convert(cross, tmp_path / "limited.exr", "--to", "source", "--limit", 2)
+    assert done.exit_code == 0, done.output
+    env = el.EnvMap.open(tmp_path / "limited.exr", faces="horizontal-cross")
+    assert (env.source.faces, env.source.size) == ("horizontal-cross", (192, 256))
+    assert "limited to 2" in " ".join(el.EnvMap.open(cross).limited(2).notes)
+    # Conversion spreads no pixel above its neighbours.
+    assert env.radiance.max() < 2.2
+
+
+def test_the_rest_of_a_split_is_written_in_the_layout_of_its_map(cross, tmp_path):
+    faces = str(tmp_path / "rest_{face}.exr")
+    outputs = ["-o", tmp_path / "rest.exr", "-o", faces, "-o", tmp_path / "lights.json"]
+    command = ["split", cross, "-n", 1, "--to", "source", *outputs]
+    done = CliRunner().invoke(main, [*map(str, command)])
+    assert done.exit_code == 0, done.output
+    _, rest = el.split(el.EnvMap.open(cross), 1)
+    np.testing.assert_array_equal(
+        el.EnvMap.open(tmp_path / "rest.exr").radiance,
+        el.EnvMap(rest.to("source").array).radiance,
+    )
+    assert len(list(tmp_path.glob("rest_*.exr"))) == 6
+    assert el.EnvMap.open(faces).source.faces == "opengl"
+    assert "rest_px.exr" in done.stderr
+    assert len(el.Lights.load(tmp_path / "lights.json")) == 1
+
+
+def test_radiance_above_a_limit_is_split_off(hall, tmp_path):
+    rest, lights = tmp_path / "rest.exr", tmp_path / "lights.csv"
+    split = ["split", str(hall), "--limit", "3", "-o", str(rest), "-o", str(lights)]
+    done = CliRunner().invoke(main, split)
+    assert done.exit_code == 0, done.output
+    parts = el.limit(SCENE, 3)
+    assert el.EnvMap.open(rest).radiance.max() == 3
+    np.testing.assert_allclose(el.Lights.load(lights).irradiance, parts.lights.irradiance)
+    for wrong in (["-n", "1"], ["--share", "0.5"], ["-o", str(tmp_path / "parts.png")]):
+        refused = CliRunner().invoke(main, [*split, *wrong])
+        assert refused.exit_code == 2
+        assert "--limit" in refused.output

@@ -37,7 +37,7 @@ def test_all_files_of_lights_can_be_exported(folder, tmp_path, name):
     result = run("export", folder / name, tmp_path / "a.usda", tmp_path / "a.gltf")
     assert result.exit_code == 0, result.output
     warning, *written = result.stderr.splitlines()
-    assert warning.startswith(f"warning: {tmp_path / 'a.gltf'}: glTF 2.0 shows lights as points: ")
+    assert warning.startswith("warning: glTF 2.0 shows lights as points: ")
     assert written == [f"wrote {tmp_path / 'a.usda'}", f"wrote {tmp_path / 'a.gltf'}"]
     assert (tmp_path / "a.usda").read_text().count("DistantLight") >= 2
 
@@ -75,7 +75,7 @@ def test_a_map_in_place_of_the_ambient_term(folder, tmp_path):
 def test_strict_refuses_a_file_that_would_lose_the_sizes(folder, tmp_path):
     result = run("export", folder / "rig.json", tmp_path / "a.gltf", "--strict")
     assert result.exit_code == 2
-    assert "with --strict: glTF 2.0 shows lights as points" in result.stderr
+    assert "--strict refuses a file: glTF 2.0 shows lights as points" in result.stderr
     assert list(tmp_path.iterdir()) == []
 
 
@@ -103,6 +103,24 @@ def test_fit_takes_its_targets_from_the_files_or_by_name(
     assert result.exit_code == 0, result.output
     report = json.loads(result.stdout)["report"]
     assert report["target"] == target
+
+
+@pytest.mark.parametrize("rig", ["", ".", "/", "..", "\x1b[31m.json"])
+@pytest.mark.parametrize("target", ["usd", "out.usda", "", ".", "/"])
+def test_what_names_no_file_is_refused_in_a_sentence(tmp_path, monkeypatch, rig, target):
+    monkeypatch.chdir(tmp_path)
+    result = run("export", rig, target)
+    assert isinstance(result.exception, SystemExit)
+    assert (result.exit_code, result.stderr.count("\n")) == (2, 1)
+    assert "\x1b" not in result.stderr
+
+
+@pytest.mark.parametrize("content", ['{"format": [1]}', '{"format": {}}', "[]", "3", "null"])
+def test_a_file_of_another_kind_is_refused_in_a_sentence(tmp_path, content):
+    (tmp_path / "rig.json").write_text(content)
+    result = run("export", tmp_path / "rig.json", tmp_path / "out.usda")
+    assert (result.exit_code, result.stderr.count("\n")) == (2, 1)
+    assert "is not a rig: it does not say 'format'" in result.stderr
 
 
 def test_the_help_lists_what_each_target_shows():
@@ -142,3 +160,24 @@ def test_the_rig_itself_is_not_overwritten(folder):
     result = run("export", folder / "rig.json", "json")
     assert result.exit_code == 2
     assert "it is the rig; give another name" in result.stderr
+
+
+def test_split_names_the_maps_that_scenes_bring(folder, tmp_path):
+    outputs = [tmp_path / name for name in ("rest.exr", "sun.py", "sun.xml", "split.png")]
+    result = run("split", folder / "hall.exr", *(word for path in outputs for word in ("-o", path)))
+    assert result.exit_code == 0, result.output
+    texture = tmp_path / "sun.ambient.mitsuba.exr"
+    wanted = [*outputs[:3], texture, outputs[3]]
+    assert result.stderr.splitlines() == [f"wrote {path}" for path in wanted]
+    assert sorted(tmp_path.iterdir()) == sorted(wanted)
+    assert "MAP = 'rest.exr'" in outputs[1].read_text()
+
+
+def test_split_does_not_overwrite_its_map_with_the_map_of_a_scene(folder, tmp_path):
+    source = tmp_path / "sun.ambient.exr"
+    source.write_bytes((folder / "hall.exr").read_bytes())
+    result = run("split", source, "-o", tmp_path / "sun.py")
+    assert result.exit_code == 2
+    assert "it is the map; give another name" in result.stderr
+    assert list(tmp_path.iterdir()) == [source]
+    assert source.read_bytes() == (folder / "hall.exr").read_bytes()

@@ -1,6 +1,8 @@
 """Detected lights on disk."""
 
+import copy
 import json
+import pickle
 
 import numpy as np
 import pytest
@@ -46,7 +48,7 @@ def test_all_but_the_times_comes_back(name, tmp_path):
 def test_the_file_says_what_it_is(tmp_path):
     FOUND["tree"].save(tmp_path / "lights.json")
     data = json.loads((tmp_path / "lights.json").read_text())
-    assert (data["format"], data["version"]) == ("envlights detected lights", 2)
+    assert (data["format"], data["version"]) == ("envlights detected lights", 3)
     assert "+y up" in data["frame"]
     assert "flux" in data["units"]
 
@@ -86,7 +88,7 @@ def change_file(change):
             lambda path: el.Rig([0, 0, 0], FOUND["tree"].discs(), 0.0).save(path),
             "is not a list of detected lights: it does not say 'format': 'envlights detected",
         ),
-        (change_file(lambda d: d.update(version=9)), "of version 9; this package reads 2"),
+        (change_file(lambda d: d.update(version=9)), "of version 9; this package reads 2, 3"),
         (change_file(lambda d: d.pop("elongation")), "the key 'elongation' is missing"),
         (
             change_file(lambda d: d["elongation"].pop()),
@@ -104,6 +106,20 @@ def change_file(change):
         ),
         (change_file(lambda d: d.update(direction="up")), "another type or shape"),
         (change_file(lambda d: d["irradiance"][0].__setitem__(0, -1)), "irradiance must be finite"),
+        *(
+            (change_file(lambda d, n=name, v=value: d[n].__setitem__(0, v)), f"{name} must be")
+            for name, values in {
+                "solid_angle": (np.nan, -1, 13),
+                "elongation": (np.nan, -1),
+                "peak_luminance": (np.inf, -1, 1e39),
+                "flux_share": (-5, np.nan),
+                "flux": ([np.nan, 0, 0], [0, -1, 0], [1e39, 0, 0]),
+                "irradiance": ([1e39, 0, 0],),
+                "peak_direction": ([9, 0, 0], [np.nan, 0, 0]),
+                "orientation": ([0.5, 0, 0], [np.inf, 0, 0]),
+            }.items()
+            for value in values
+        ),
     ],
 )
 def test_broken_and_foreign_files_are_refused_in_one_sentence(write, sentence, tmp_path):
@@ -111,6 +127,47 @@ def test_broken_and_foreign_files_are_refused_in_one_sentence(write, sentence, t
     with pytest.raises(el.EnvLightsError, match=sentence) as refusal:
         el.DetectedLights.load(tmp_path / "lights.json")
     assert "\n" not in str(refusal.value)
+
+
+@pytest.mark.parametrize(("name", "value"), [("weight", -1), ("direction_uncertainty", 4)])
+def test_impossible_numbers_of_clipped_maps_are_refused(name, value, tmp_path):
+    data = FOUND["clipped"].to_dict()
+    data[name][0] = value
+    (tmp_path / "lights.json").write_text(json.dumps(data))
+    with pytest.raises(el.EnvLightsError, match=f"impossible detected lights: {name} must be"):
+        el.DetectedLights.load(tmp_path / "lights.json")
+
+
+def test_a_pickle_leaves_the_pixels_out(tmp_path):
+    lights = FOUND["tree"]
+    assert len(lights.members.pixel) > 100
+    assert len(pickle.dumps(lights)) < 5000
+    again = pickle.loads(pickle.dumps(lights))
+    assert again == lights
+    assert repr(again.members) == "<LeftOut: left out>"
+    with pytest.raises(el.EnvLightsError, match=r"were left out.*detect the lights again, or save"):
+        again.members.pixel  # noqa: B018
+    # All that needs no pixels goes on, also after a file and another pickle.
+    assert again[:1] == lights[:1]
+    turn = [[0, 0, 1], [0, 1, 0], [-1, 0, 0]]
+    again.rotated(turn).save(tmp_path / "lights.json")
+    loaded = el.DetectedLights.load(tmp_path / "lights.json")
+    assert pickle.loads(pickle.dumps(loaded)) == lights.rotated(turn)
+
+
+@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy])
+def test_a_copy_keeps_the_pixels(copied):
+    lights = el.split(HALL).lights
+    again = copied(lights)
+    assert again == lights
+    assert again.members == lights.members
+
+
+def test_files_of_older_versions_are_read(tmp_path):
+    data = FOUND["tree"].to_dict() | {"version": 2}
+    del data["is_cut"]
+    (tmp_path / "lights.json").write_text(json.dumps(data))
+    assert el.DetectedLights.load(tmp_path / "lights.json") == FOUND["tree"]
 
 
 def test_lights_alone_and_rigs_come_back_too(tmp_path):

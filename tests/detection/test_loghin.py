@@ -233,3 +233,10 @@ def test_worst_cases_are_answered(radiance, count, options):
 def test_bad_input_is_refused_by_name(call, message):
     with pytest.raises(el.EnvLightsError, match=message):
         call()
+
+
+def test_lights_have_no_more_than_all_flux_of_the_map():
+    """A sample at a pole has 3000 times the solid angle of its pixel."""
+    radiance = np.full((48, 96, 3), 0.2, np.float32)
+    radiance[0, 0] = radiance[-1, -1] = 1e4
+    assert 0.5 < el.detect(radiance, method="article").flux_share.sum() <= 1 + 1e-12

@@ -35,6 +35,21 @@ def check_balls(image):
         assert np.degrees(np.arccos(seen.reshape(-1, 3)[brightest] @ towards)) < 12
 
 
+#: Sides of a ball that together show all of it: right, up, and towards the eye, in our frame.
+SIDES = np.stack([CAMERA, CAMERA * [[-1], [1], [-1]]])
+#: Pixels of a square picture of one ball, and the width that it shows.
+SIDE, SQUARE = 192, 2.1
+
+
+def normals_of(side):
+    """Normals of a ball of radius 1 in the square picture from a side, and where it is."""
+    steps = ((np.arange(SIDE) + 0.5) / SIDE - 0.5) * SQUARE
+    x, y = np.meshgrid(steps, -steps)
+    is_ball = x**2 + y**2 < 0.96
+    z = np.sqrt(np.where(is_ball, 1 - x**2 - y**2, 0))
+    return np.stack([x, y, z], axis=-1)[is_ball] @ side, is_ball
+
+
 def rays():
     """Origins and directions of the rays of an orthographic camera, (n, 3) each, row by row."""
     x, y = _plane()

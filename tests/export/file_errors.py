@@ -76,6 +76,17 @@ def blender(path):
     return np.load(path.with_suffix(".npy"))
 
 
+def mujoco(path):
+    """Irradiance by the formula of OpenGL's lights, which MuJoCo's renderer uses."""
+    reader = importlib.import_module("tests.export.test_mujoco")
+    return reader.by_formula(path.read_text())[0]
+
+
+def godot(path):
+    """Irradiance by the formulas of the shaders of Godot's renderer Forward+."""
+    return importlib.import_module("tests.export.test_godot").irradiance_of_file(path)
+
+
 def own(path):
     """Irradiance of a file of ours."""
     return el.Rig.load(path).probe(NORMALS)
@@ -94,6 +105,8 @@ READERS = {
     "blender": blender,
     "radiance": radiance,
     "pbrt": pbrt,
+    "mujoco": mujoco,
+    "godot": godot,
     "unity": engine,
     "unreal": engine,
 }

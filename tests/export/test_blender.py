@@ -12,7 +12,7 @@ import envlights as el
 from envlights.export import AXES, blender
 from tests.export.balls import CAMERA, check_balls, environment
 from tests.export.rigs import AXES as LAMPS
-from tests.export.rigs import DISCS, POINTS, relative_error, rigs
+from tests.export.rigs import DISCS, POINTS, relative, relative_error, rigs
 from tests.helpers import NORMALS
 
 RIGS = {
@@ -93,6 +93,20 @@ def test_image_errors_of_rigs_are_those_of_mitsuba(tmp_path):
 
 
 @needs_bpy
+def test_the_parts_of_a_split_map_light_as_the_map(tmp_path):
+    """The script in another folder than the remainder; without it, half of the light is missing."""
+    env = el.Rig([0.2, 0.3, 0.5], DISCS[:2], error=0.0).to_map(128)
+    for folder in ("maps", "scenes"):
+        (tmp_path / folder).mkdir()
+    el.split(env, 1).save(tmp_path / "maps/rest.exr", tmp_path / "scenes/sun.py")
+    np.save(tmp_path / "normals.npy", AXES["blender"].to_target(NORMALS))
+    run("irradiance", tmp_path / "normals.npy", tmp_path / "scenes/sun.py")
+    seen, wanted = np.load(tmp_path / "scenes/sun.npy"), env.probe(NORMALS)
+    assert relative(seen, wanted) < 0.005
+    np.testing.assert_allclose(seen.mean(axis=0), wanted.mean(axis=0), rtol=1e-3)
+
+
+@needs_bpy
 def test_the_lights_of_an_earlier_run_are_replaced(tmp_path):
     code = """
 import bpy, envlights as el
@@ -110,7 +124,7 @@ print("found:", len(suns), world.name[:9], image.packed_file is not None, tuple(
 
 def test_the_script_compiles_whatever_it_holds():
     for rig in (*RIGS.values(), POINTS[:0]):
-        compile(blender(rig, texture="a'b\\\"\n.exr"), "script", "exec")
+        compile(blender(rig, texture="a'b\"\n.exr"), "script", "exec")
 
 
 @pytest.mark.skipif(importlib.util.find_spec("bpy") is not None, reason="bpy is here")

@@ -1,6 +1,7 @@
 """Rigs in Mitsuba, as its own emitters sample them."""
 
 import sys
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -104,3 +105,61 @@ def test_a_texture_that_cannot_be_written_leaves_no_scene(tmp_path):
     with pytest.raises(el.EnvLightsError, match="it is a folder"):
         RIGS["constant"].save(tmp_path / "scene.xml")
     assert not (tmp_path / "scene.xml").exists()
+
+
+def test_the_parts_of_a_split_map_light_as_the_map(tmp_path):
+    env = el.Rig([0.2, 0.3, 0.5], MIXED[1:], error=0.0).to_map(128)
+    el.split(env, 1).save(tmp_path / "scene.xml")
+    assert relative(irradiance_of_file(tmp_path / "scene.xml"), env.probe(NORMALS)) < 1e-3
+
+
+def test_emitters_are_picked_by_the_irradiance_of_the_surface_that_each_lights_most():
+    rig = el.Rig([2, 0, 0], el.Lights([[0, 1, 0], [1, 0, 0]], [[0, 3, 4], [0.001, 0, 0]]), 0.0)
+    weights = [each["sampling_weight"] for each in el.export.mitsuba(rig).values()]
+    mean = (5 + 0.001 + 2 * np.pi) / 3
+    np.testing.assert_allclose(weights, [5 / mean, 0.01, 2 * np.pi / mean])
+
+
+@pytest.mark.parametrize("radius", [0.05, 0.3])
+def test_a_lamp_in_a_map_weighs_what_it_weighs_as_a_point(radius):
+    lights = el.Lights([[0.48, 0.8, 0.36], [0, 0, 1]], [[3, 2, 1], [1, 1, 1]], [radius, 0])
+    weights = [each["sampling_weight"] for each in el.export.mitsuba(lights).values()]
+    assert weights[1] / weights[0] == pytest.approx(np.sqrt(14 / 3), rel=0.1)
+
+
+def test_black_emitters_weigh_the_same():
+    rig = el.Rig([0, 0, 0], el.Lights(np.eye(3), np.zeros((3, 3))), 0.0)
+    weights = {each["sampling_weight"] for each in el.export.mitsuba(rig).values()}
+    assert weights == {1.0}
+
+
+@pytest.mark.parametrize("name", ["constant", "harmonics"])
+def test_files_have_the_weights_of_the_dictionary(name, tmp_path):
+    RIGS[name].save(tmp_path / "scene.xml")
+    values = ElementTree.parse(tmp_path / "scene.xml").iterfind(".//float[@name='sampling_weight']")
+    emitters = el.export.mitsuba(RIGS[name]).values()
+    assert [float(each.get("value")) for each in values] == [
+        each["sampling_weight"] for each in emitters
+    ]
+
+
+def test_weights_lower_the_noise_of_a_bright_light_among_dim_ones():
+    lights = el.Lights(np.eye(3), np.diag([10, 0.5, 0.5]))
+    emitters = el.export.mitsuba(el.Rig([0.05] * 3, lights, 0.0))
+    equal = {name: {**each, "sampling_weight": 1.0} for name, each in emitters.items()}
+    assert variance(emitters) < 0.2 * variance(equal)
+
+
+def variance(emitters):
+    """Variance of the irradiance of a tilted surface from one emitter that Mitsuba picks."""
+    normal = np.ones(3) / np.sqrt(3)
+    with mitsuba() as mi:
+        ball = {"type": "sphere"}
+        scene = mi.load_dict({"type": "scene", "ball": ball, **emitters}, optimize=False)
+        place = mi.SurfaceInteraction3f()
+        picked = [
+            scene.sample_emitter_direction(place, mi.Point2f(*each), False)
+            for each in kernels.hammersley(4096)
+        ]
+    values = [max(normal @ list(sample.d), 0) * np.array(list(rgb)) for sample, rgb in picked]
+    return np.var(values, axis=0).sum()

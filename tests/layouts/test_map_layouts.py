@@ -23,6 +23,12 @@ def test_options_of_other_projections_are_refused(options, sentence):
         el.EnvMap(np.ones((16, 32, 3))).to(**options)
 
 
+@pytest.mark.parametrize("direction", ["front", [0, 0, 0], [1, 2]])
+def test_a_view_names_its_own_argument(direction):
+    with pytest.raises(el.EnvLightsError, match=r"^direction must"):
+        el.EnvMap(np.ones((16, 32, 3))).view(direction)
+
+
 def test_a_photograph_of_a_camera_makes_no_giant_map():
     layout = layouts.planar(4000, 6000, field_of_view=np.deg2rad(65))
     assert resampling.default_width(layout) == 8192

@@ -91,6 +91,7 @@ def test_a_picture_is_an_array_and_a_page():
     assert np.asarray(picture) is picture.array
     assert np.array(picture, copy=True) is not picture.array
     assert np.asarray(picture, np.float64).dtype == np.float64
+    assert (picture.shape, picture.height, picture.width) == ((96, 16, 3), 96, 16)
     assert repr(picture) == "Picture(16x96 cube, border-sampled, faces in the order of OpenEXR)"
     page = picture._repr_html_()
     assert "16x96 cube" in page
@@ -104,7 +105,7 @@ def test_a_picture_is_an_array_and_a_page():
     [
         ("a.dds", {}, r"do not write \.dds textures; save six \.exr files, and `texassemble"),
         ("a.ktx2", {}, "ktx create --cubemap"),
-        ("a.png", {}, r"the suffix must be one of \.exr, \.hdr"),
+        ("a.jpg", {}, r"save a picture as .*the suffix must be one of \.exr, \.hdr, \.tif"),
         ("a_{face}.jpg", {}, "the suffix must be one of"),
         ("a.hdr", {"half": True}, r"half and compression are of \.exr files"),
         ("a.exr", {"arrangement": "dice"}, "arrangement must be 'stack' or 'strip'"),

@@ -233,7 +233,7 @@ def test_cylinders_of_gpano_are_read(tmp_path):
         "GPano__CroppedAreaTopPixels": -60,
     }
     path = jpeg_with(tmp_path / "a.jpg", noise(40, 90), **numbers)
-    with pytest.raises(el.EnvLightsError, match="it is a cylindrical"):
+    with pytest.raises(el.EnvLightsError, match="the projection cylindrical"):
         read_image(path)
     image = read_image(path, any_projection=True)
     assert image.pixels.shape == (40, 90, 3)

@@ -126,5 +126,5 @@ def test_a_requested_order_that_does_not_fit_is_used_with_a_note():
     image = arranged_faces(world(), "opengl", "stack")
     arranged = recognise(image, arguments=Arguments(faces="openexr"))
     assert arranged.source[2:5] == ("openexr", "border-sampled", "argument")
-    assert "fit the order of OpenGL, not the order of OpenEXR as requested" in arranged.notes[0]
+    assert "fit the order of OpenGL, not the order of OpenEXR as stated" in arranged.notes[0]
     assert stored_faces(arranged.samples.reshape(6, 32, 32, 3), "openexr").shape == (6, 32, 32, 3)

@@ -4,6 +4,7 @@ Section 12.2 has the distant light, whose L is irradiance at normal incidence, 1
 lights, 3.8.3 the equal-area octahedron. All directions are in pbrt's own frame.
 """
 
+import os
 import re
 from pathlib import Path
 
@@ -11,22 +12,48 @@ import numpy as np
 
 import envlights as el
 
-_SOURCE = re.compile(r'LightSource "(\w+)" (.*)')
-_PARAMETER = re.compile(r'"(\w+) (\w+)" (?:\[([^]]*)\]|"([^"]*)")')
+#: Comments, brackets, strings and other words, as the tokenizer of pbrt-v4 cuts them.
+_TOKEN = re.compile(
+    rb'[ \n\t\r]*(?:(?P<comment>#[^\n\r]*)|(?P<bracket>[][])|"(?P<string>(?:\\[^\n]|[^"\\\n])*)"'
+    rb'|(?P<word>[^ \n\t\r"\[\]]+))'
+)
+#: Its escapes; it ends at any other.
+_ESCAPES = dict(zip(b"bfnrt\\'\"", b"\b\f\n\r\t\\'\"", strict=True))
 
 
 def light_sources(path):
     """Kind and parameters of each light source: arrays, or text."""
-    lines = [line for line in Path(path).read_text().splitlines() if line and line[0] != "#"]
     found = []
-    for line in lines:
-        kind, rest = _SOURCE.fullmatch(line).groups()
-        parameters = {
-            name: np.array(numbers.split(), float) if text == "" else text
-            for _, name, numbers, text in _PARAMETER.findall(rest)
-        }
-        found.append((kind, parameters))
+    name = None
+    for kind, token in _tokens(Path(path).read_bytes().rstrip()):
+        if kind == "word" and token == "LightSource":
+            found.append(())
+        elif kind == "word":
+            found[-1][1][name].append(float(token))
+        elif kind == "string" and found[-1] == ():
+            found[-1] = (token, {})
+        elif kind == "string" and name is None:
+            name = token.split()[1]
+            found[-1][1][name] = []
+        elif kind == "string":
+            found[-1][1][name], name = token, None
+        elif token == "]":
+            found[-1][1][name], name = np.array(found[-1][1][name]), None
     return found
+
+
+def _tokens(text):
+    """Kind and text of each token but comments."""
+    place = 0
+    while place < len(text):
+        match = _TOKEN.match(text, place)
+        assert match, f"no token at {text[place : place + 40]}"
+        place = match.end()
+        token = match[match.lastgroup]
+        if match.lastgroup == "string":
+            token = re.sub(rb"\\(.)", lambda escape: bytes([_ESCAPES[escape[1][0]]]), token)
+        if match.lastgroup != "comment":
+            yield match.lastgroup, os.fsdecode(token)
 
 
 def irradiance(path, normals, height=1024):
@@ -66,3 +93,15 @@ def sphere_to_square(directions):
     u, v = np.where(below, 1 - v, u), np.where(below, 1 - u, v)
     uv = np.copysign(np.stack([u, v], axis=1), directions[:, :2])
     return (uv + 1) / 2
+
+
+def square_directions(side):
+    """Directions of the pixels of an equal-area map, (side * side, 3), by rows (Clarberg 2008)."""
+    grid = 2 * (np.arange(side) + 0.5) / side - 1
+    u, v = (each.ravel() for each in np.meshgrid(grid, grid))
+    inside = 1 - np.abs(u) - np.abs(v)
+    r = 1 - np.abs(inside)
+    azimuth = ((np.abs(v) - np.abs(u)) / np.maximum(r, np.finfo(float).tiny) + 1) * np.pi / 4
+    planar = r * np.sqrt(2 - r**2)
+    x, y = np.copysign(planar * np.cos(azimuth), u), np.copysign(planar * np.sin(azimuth), v)
+    return np.stack([x, y, np.copysign(1 - r**2, inside)], axis=1)

@@ -36,7 +36,7 @@ def command(what: str, folder: str, verbose: bool, as_json: bool) -> None:
         names = [f"hall.{suffix}" for suffix in ("exr", "json", "png")]
     else:
         model = demo_transfer(folder, progress=True)
-        text = model.verbose() if verbose else str(model)
+        text = model.report.verbose() if verbose else str(model)
         click.echo(json.dumps(model.report.to_dict(), indent=2) if as_json else text)
         names = ["room", "room.npz", "room_direct.exr", "room_lightmap.exr"]
         names += ["room.png", "room_parts.png"]

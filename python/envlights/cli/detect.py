@@ -15,7 +15,7 @@ from envlights.cli.outputs import (
     check_output,
     default_of,
     output_option,
-    save_lights,
+    print_losses,
     say_written,
     verbose_option,
 )
@@ -76,7 +76,8 @@ def command(
 
 def _write(env: EnvMap, lights: DetectedLights, output: str) -> None:
     if Path(output).suffix.lower() not in PICTURES:
-        save_lights(lights, output, strict=False)
+        with print_losses():
+            lights.save(output)
         return
     from envlights import plot
 

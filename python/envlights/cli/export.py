@@ -10,7 +10,8 @@ from pathlib import Path
 import click
 
 from envlights._native import EnvLightsError
-from envlights.cli.outputs import check_output, save_lights, say_written, strict_option
+from envlights._targets import save
+from envlights.cli.outputs import check_output, print_losses, say_written, strict_option
 from envlights.detection.lights import DetectedLights
 from envlights.envmap import EnvMap
 from envlights.export.targets import SUFFIXES, TARGETS
@@ -52,7 +53,8 @@ def command(rig_path: str, targets: Sequence[str], environment: str | None, stri
     rig = _load(rig_path)
     env = None if environment is None else EnvMap.open(environment)
     for output in outputs:
-        save_lights(rig, output, strict, env)
+        with print_losses(strict=strict):
+            save(rig, output, env)
     say_written(outputs)
 
 
@@ -64,6 +66,10 @@ def _place(rig_path: str, target: str) -> str:
             wanted = f"a target ({', '.join(suffixes)}) or a file with a suffix"
             raise EnvLightsError(f"cannot write {target}: it must be the name of {wanted}")
         return target
+    if not Path(rig_path).name:
+        raise EnvLightsError(
+            f"cannot write {target} beside '{rig_path}', which names no file; give a file of a rig"
+        )
     return str(Path(rig_path).with_suffix(suffixes[target]))
 
 
@@ -74,5 +80,5 @@ def _load(path: str) -> Rig | Lights:
     kind = None
     with contextlib.suppress(OSError, ValueError, RecursionError, AttributeError):
         kind = json.loads(Path(path).read_text(encoding="utf-8")).get("format")
-    reader = _READERS.get(kind or "")
+    reader = _READERS.get(kind) if isinstance(kind, str) else None
     return reader(path) if reader else Rig.load(path)

@@ -8,14 +8,14 @@ from pathlib import Path
 import click
 
 from envlights._targets import target_of
-from envlights.cli.map_input import MapFile, map_argument, radiance_or_name
+from envlights.cli.map_input import MapFile, map_argument, radiance_or_name, unseen_option
 from envlights.cli.outputs import (
     OUTPUTS,
     check_output,
     default_of,
     output_option,
+    print_losses,
     print_rig,
-    save_lights,
     say_written,
     strict_option,
     verbose_option,
@@ -63,12 +63,7 @@ from envlights.rig import Rig
 @click.option(
     "--floor", is_flag=True, help="The scene has a floor, which hides light from below the horizon."
 )
-@click.option(
-    "--unseen",
-    metavar="CHOICE",
-    help="Radiance where MAP shows nothing (alpha, a crop): black, harmonic, ground, a number, or"
-    " R,G,B. Needed if less than 85 % of the sphere is seen.",
-)
+@unseen_option()
 @output_option(OUTPUTS)
 @strict_option()
 @verbose_option()
@@ -123,7 +118,8 @@ def _targets_of(outputs: Sequence[str]) -> tuple[str, ...]:
 
 def _write(env: EnvMap | None, rig: Rig, output: str, strict: bool) -> None:
     if env is None or not _is_picture(output):
-        save_lights(rig, output, strict)
+        with print_losses(strict=strict):
+            rig.save(output)
         return
     # Importing Matplotlib takes a second.
     from envlights import plot

@@ -35,10 +35,22 @@ class MapFile(NamedTuple):
     mapping: str | None = None
     """Mapping of a fisheye by hand."""
 
+    lux: float | None = None
+    """Measured illuminance of a horizontal surface."""
+
+    shaded: float | None = None
+    """Second reading with the sun shaded."""
+
+    ev100: float | None = None
+    """Exposure value at ISO 100."""
+
     def open(self) -> EnvMap:
-        """Map of the file."""
+        """Map of the file, calibrated if there is a reading."""
         options = self._asdict()
-        return EnvMap.open(options.pop("path"), **options)
+        readings = {name: options.pop(name) for name in ("lux", "shaded", "ev100")}
+        env = EnvMap.open(options.pop("path"), **options)
+        is_measured = any(reading is not None for reading in readings.values())
+        return env.calibrated(**readings) if is_measured else env
 
     def unread(self) -> str | EnvMap:
         """Path, which is read by rows; the map itself if options say how to read it."""
@@ -71,20 +83,37 @@ def map_argument(function: Callable[..., None]) -> Callable[..., None]:
         metavar="NAME",
         help="Mapping of a fisheye: equidistant, equisolid, stereographic or orthographic.",
     )
+    @click.option(
+        "--lux",
+        type=float,
+        metavar="LUX",
+        help="Measured illuminance of a horizontal surface; lights are then in lux.",
+    )
+    @click.option(
+        "--shaded",
+        type=float,
+        metavar="LUX",
+        help="Second reading with the sun shaded, if the sun is clipped.",
+    )
+    @click.option(
+        "--ev100", type=float, metavar="EV", help="Exposure value of MAP at ISO 100, for lux."
+    )
     @functools.wraps(function)
-    def command(
-        map_path: str,
-        colour: str | None,
-        part: str | None,
-        projection: str | None,
-        faces: str | None,
-        fov: float | None,
-        mapping: str | None,
-        **options: Any,
-    ) -> None:
-        function(MapFile(map_path, colour, part, projection, faces, fov, mapping), **options)
+    def command(map_path: str, **options: Any) -> None:
+        of_map = {name: options.pop(name) for name in MapFile._fields[1:]}
+        function(MapFile(map_path, **of_map), **options)
 
     return command
+
+
+def unseen_option() -> Callable[[Any], Any]:
+    """Option ``--unseen``; its value is for `radiance_or_name`."""
+    return click.option(
+        "--unseen",
+        metavar="CHOICE",
+        help="Radiance where MAP shows nothing (alpha, a crop): black, harmonic, ground, a number,"
+        " or R,G,B. Needed if less than 85 % of the sphere is seen.",
+    )
 
 
 def radiance_or_name(text: str | None) -> str | list[float] | float | None:

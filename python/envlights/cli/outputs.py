@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
+import contextlib
 import inspect
 import json
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import click
 
-from envlights import _targets
 from envlights._native import EnvLightsError
-from envlights.envmap import EnvMap
+from envlights._printable import printable
 from envlights.io.files import check_writable
-from envlights.lights import Lights
 from envlights.rig import Rig
 
 #: Help of ``-o`` for subcommands that write lights.
@@ -49,18 +48,17 @@ def strict_option() -> Callable[[Any], Any]:
     )
 
 
-def save_lights(
-    rig: Rig | Lights, output: str, strict: bool, environment: EnvMap | None = None
-) -> None:
-    """Write a rig or lights for the program of the suffix; print its losses, or refuse them."""
+@contextlib.contextmanager
+def print_losses(*, strict: bool = False) -> Iterator[None]:
+    """Print what programs lose of lights that are written inside, or refuse to write them."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("error" if strict else "always", UserWarning)
         try:
-            _targets.save(rig, output, environment)
+            yield
         except UserWarning as loss:
-            raise EnvLightsError(f"cannot write {output} with --strict: {loss}") from None
+            raise EnvLightsError(f"--strict refuses a file: {loss}") from None
     for each in caught:
-        click.echo(f"warning: {output}: {each.message}", err=True)
+        click.echo(f"warning: {each.message}", err=True)
 
 
 def check_output(output: str, suffixes: tuple[str, ...], inputs: Mapping[str, str]) -> None:
@@ -69,6 +67,11 @@ def check_output(output: str, suffixes: tuple[str, ...], inputs: Mapping[str, st
     if not Path(output).name[1:].lower().endswith(suffixes):
         wanted = f"one of {', '.join(suffixes)}" if suffixes[1:] else suffixes[0]
         raise EnvLightsError(f"cannot write {output}: the suffix must be {wanted}")
+    check_source(output, inputs)
+
+
+def check_source(output: str, inputs: Mapping[str, str]) -> None:
+    """Refuse an output that cannot be written, or that would overwrite an input."""
     target = check_writable(output)
     for what, path in inputs.items():
         if _is_same(target, Path(path)):
@@ -88,4 +91,4 @@ def print_rig(rig: Rig, as_json: bool, verbose: bool) -> None:
 def say_written(paths: Sequence[str]) -> None:
     """Name the written files at the end, so that a closed pipe does not prevent writing."""
     for path in paths:
-        click.echo(f"wrote {path}", err=True)
+        click.echo(f"wrote {printable(path)}", err=True)

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
 
 import click
 
 from envlights.cli.outputs import (
+    OUTPUTS,
     check_output,
     default_of,
     output_option,
@@ -16,6 +19,8 @@ from envlights.cli.outputs import (
 )
 from envlights.detection.article_steps import SAMPLINGS
 from envlights.detection.photograph import detect_photograph
+from envlights.detection.photograph_lights import PhotographLights
+from envlights.export.targets import SUFFIXES
 from envlights.io.files import PICTURES
 
 
@@ -27,6 +32,12 @@ from envlights.io.files import PICTURES
     metavar="DEGREES",
     help="Horizontal field of view, for directions; by default that of the EXIF, if there is one.",
 )
+@click.option(
+    "--colour",
+    metavar="SPACE",
+    help="Colour space of PHOTO instead of what the file says: linear, srgb, p3, ...",
+)
+@click.option("--part", help="Part or layer of PHOTO, by name or number from 0.")
 @click.option("-n", "--max-lights", type=int, help="Largest number of lights; others are dropped.")
 @click.option(
     "--relative/--absolute",
@@ -41,12 +52,14 @@ from envlights.io.files import PICTURES
     show_default=True,
     help="Sequence of the samples.",
 )
-@output_option("Picture to write: samples, maxima and lights (.png, .pdf, .svg). Can be repeated.")
+@output_option(OUTPUTS)
 @verbose_option()
 @click.option("--json", "as_json", is_flag=True, help="Print the lights as JSON.")
 def command(
     path: str,
     fov: float | None,
+    colour: str | None,
+    part: str | None,
     max_lights: int | None,
     relative: bool,
     sampling: str,
@@ -56,17 +69,21 @@ def command(
 ) -> None:
     """Find the lights of PHOTO, a plane picture of any aspect (.jpg, .png, .tif, .exr, .hdr)."""
     for output in outputs:
-        check_output(output, PICTURES, {"the photograph": path})
-    lights = detect_photograph(
-        path, fov, max_lights=max_lights, relative=relative, sampling=sampling
-    )
-    if outputs:
-        # Importing Matplotlib takes a second.
-        from envlights import plot
-
-        figure = plot.photograph(lights)
-        for output in outputs:
-            plot.save(figure, output)
+        check_output(output, (*SUFFIXES, *PICTURES), {"the photograph": path})
+    options: dict[str, Any] = {"colour": colour, "part": part, "max_lights": max_lights}
+    lights = detect_photograph(path, fov, relative=relative, sampling=sampling, **options)
+    for output in outputs:
+        _write(lights, output)
     text = lights.verbose() if verbose else str(lights)
     click.echo(json.dumps(lights.to_dict(), indent=2) if as_json else text)
     say_written(outputs)
+
+
+def _write(lights: PhotographLights, output: str) -> None:
+    if Path(output).suffix.lower() not in PICTURES:
+        lights.save(output)
+        return
+    # Importing Matplotlib takes a second.
+    from envlights import plot
+
+    plot.save(plot.photograph(lights), output)

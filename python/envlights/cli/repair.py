@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from envlights.cli.map_input import MapFile, map_argument
+from envlights.cli.map_input import MapFile, map_argument, radiance_or_name, unseen_option
 from envlights.cli.outputs import check_output, say_written
 
 #: Formats that can hold radiance above the clip level.
@@ -20,10 +20,18 @@ MAPS = (".exr", ".hdr")
     type=float,
     help="Irradiance in full sun divided by irradiance with the sun blocked, both horizontal.",
 )
-def command(map_file: MapFile, output: str, irradiance: float | None, ratio: float | None) -> None:
+@unseen_option()
+def command(
+    map_file: MapFile,
+    output: str,
+    irradiance: float | None,
+    ratio: float | None,
+    unseen: str | None,
+) -> None:
     """Estimate the clipped light of MAP, such as a JPEG or PNG."""
     check_output(output, MAPS, {"the map": map_file.path})
-    env = map_file.open().repaired(irradiance=irradiance, ratio=ratio)
+    choice = radiance_or_name(unseen)
+    env = map_file.open().repaired(irradiance=irradiance, ratio=ratio, unseen=choice)
     env.save(output)
     click.echo(str(env))
     say_written([output])

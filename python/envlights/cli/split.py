@@ -1,4 +1,4 @@
-"""`envlights split`: `envlights.split` on a file."""
+"""`envlights split`: `envlights.split` or `envlights.limit` on a file."""
 
 from __future__ import annotations
 
@@ -8,21 +8,25 @@ from pathlib import Path
 
 import click
 
+from envlights._links import paths_of, plan, save_with_map
+from envlights._map_pixels import PROJECTION
+from envlights._native import EnvLightsError
+from envlights.cli.convert import layout_option, write_map
 from envlights.cli.map_input import MapFile, map_argument
 from envlights.cli.outputs import (
     check_output,
+    check_source,
     output_option,
-    save_lights,
+    print_losses,
     say_written,
     verbose_option,
 )
 from envlights.detection.split import Split, split
 from envlights.envmap import EnvMap
+from envlights.excess import Limit, limit
 from envlights.export.targets import SUFFIXES
 from envlights.io.files import PICTURES
-
-#: Formats of the map without the lights.
-MAPS = (".exr", ".hdr")
+from envlights.io.image_output import MAP_SUFFIXES
 
 
 @click.command("split")
@@ -39,9 +43,19 @@ MAPS = (".exr", ".hdr")
     help="Remove the fewest lights that together give this fraction of the flux of all lights, such"
     " as 0.9.",
 )
+@click.option(
+    "--limit",
+    "maximum",
+    type=float,
+    metavar="MAXIMUM",
+    help="Remove only the radiance above this value, such as 65504 for half floats: one light for"
+    " each region.",
+)
+@layout_option("the map without the lights")
 @output_option(
-    "File to write: the map without the lights (.exr, .hdr), the lights for the program of the"
-    " suffix (list: envlights export -h) or a picture (.png, .pdf, .svg). Can be repeated."
+    "File to write: the map without the lights (.exr, .hdr), a scene of the lights with that map"
+    " for the program of the suffix (list: envlights export -h), or a picture (.png, .pdf, .svg)."
+    " Can be repeated; scenes name the .exr file."
 )
 @verbose_option()
 @click.option("--json", "as_json", is_flag=True, help="Print the lights as JSON.")
@@ -49,30 +63,64 @@ def command(
     map_file: MapFile,
     lights: int | None,
     share: float | None,
+    maximum: float | None,
+    layout: str,
     outputs: Sequence[str],
     verbose: bool,
     as_json: bool,
 ) -> None:
     """Remove the lights from MAP (.hdr, .exr, .png, .jpg, .tif)."""
     for output in outputs:
-        check_output(output, (*SUFFIXES, *MAPS, *PICTURES), {"the map": map_file.path})
+        check_output(output, (*SUFFIXES, *MAP_SUFFIXES, *PICTURES), {"the map": map_file.path})
     env = map_file.open()
-    parts = split(env, lights, share=share)
-    for output in outputs:
-        _write(env, parts, output)
+    parts = _parts(env, lights, share, maximum)
+    written = _write(env, parts, map_file.path, outputs, layout)
     removed = parts.lights
     text = removed.verbose() if verbose else str(removed)
     click.echo(json.dumps(removed.to_dict(), indent=2) if as_json else text)
-    say_written(outputs)
+    say_written(written)
 
 
-def _write(env: EnvMap, parts: Split, output: str) -> None:
-    suffix = Path(output).suffix.lower()
-    if suffix in MAPS:
-        parts.rest.save(output)
-    elif suffix not in PICTURES:
-        save_lights(parts.lights, output, strict=False)
-    else:
-        from envlights import plot
+def _parts(
+    env: EnvMap, lights: int | None, share: float | None, maximum: float | None
+) -> Split | Limit:
+    """Lights and rest, of detection or above a maximum."""
+    if maximum is None:
+        return split(env, lights, share=share)
+    if lights is not None or share is not None:
+        raise EnvLightsError("--limit takes all radiance above it; leave out --lights and --share")
+    return limit(env, maximum)
 
-        plot.save(plot.split_picture(env, parts), output)
+
+def _write(
+    env: EnvMap, parts: Split | Limit, source: str, outputs: Sequence[str], layout: str
+) -> list[str]:
+    """Write all outputs; paths of all files, with the maps that scenes bring."""
+    pictures = [output for output in outputs if Path(output).suffix.lower() in PICTURES]
+    # Programs read panoramas alone, so scenes name no map of another layout.
+    maps = [output for output in outputs if layout != PROJECTION and _is_map(output)]
+    scenes = [output for output in outputs if output not in (*pictures, *maps)]
+    written = list(map(str, paths_of(plan(parts.rest, scenes))))
+    for path in written:
+        check_source(path, {"the map": source})
+    with print_losses():
+        save_with_map(parts.lights, parts.rest, scenes)
+    for output in maps:
+        written += write_map(parts.rest, output, layout)
+    for output in pictures:
+        _draw(env, parts, output)
+    return [*written, *pictures]
+
+
+def _draw(env: EnvMap, parts: Split | Limit, output: str) -> None:
+    if isinstance(parts, Limit):
+        raise EnvLightsError(
+            f"cannot write {output}: pictures show lights of a split without --limit"
+        )
+    from envlights import plot
+
+    plot.save(plot.split_picture(env, parts), output)
+
+
+def _is_map(output: str) -> bool:
+    return Path(output).suffix.lower() in MAP_SUFFIXES

@@ -8,9 +8,9 @@
 | - steps 3 to 9, for maps and photographs               | `article_steps.py`  |
 | detection in a photograph by these steps               | `photograph.py`     |
 | - pixels of a photograph                               | `photograph_pixels.py` |
-| - camera of a photograph                               | `pinhole.py`        |
 | - measurement of its lights                            | `photograph_measure.py` |
 | - lights of a photograph                               | `photograph_lights.py` |
+| - files of these lights                                | `photograph_file.py` |
 | pixels of the lights                                   | `members.py`        |
 | lights whose colour may be damaged                     | `colour_casts.py`   |
 | sentences of the reports                               | `wording.py`        |

@@ -186,7 +186,8 @@ def _detect(env: AnyMap, **arguments: Any) -> tuple[DetectedLights, NDArray[np.f
     world, detection = apply_to_map(env, detection_in)
     casts = colour_cast_notes(world, detection.peak_direction, detection.peak_luminance)
     notes = (*world.notes, *casts)
-    return _lights(detection, notes, time.perf_counter() - start), detection.luminance
+    lights = _lights(detection, notes, time.perf_counter() - start, world.units)
+    return lights, detection.luminance
 
 
 def _options(
@@ -218,7 +219,7 @@ def _options(
 
 
 def _lights(
-    detection: _native.TreeDetection, notes: tuple[str, ...], seconds: float
+    detection: _native.TreeDetection, notes: tuple[str, ...], seconds: float, units: str
 ) -> DetectedLights:
     clipped = detection.clipped
     report = DetectionReport(
@@ -248,4 +249,5 @@ def _lights(
         weight=clipped and clipped.weight,
         direction_uncertainty=clipped and clipped.direction_uncertainty,
         is_cut=detection.is_cut,
+        units=units,
     )

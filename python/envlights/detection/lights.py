@@ -17,26 +17,26 @@ from envlights._light_arrays import light_arrays, rotate, row_of, rows_of
 from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights._tables import MOST_ROWS
-from envlights.detection.members import Members
+from envlights._times import time_lines
+from envlights._units import OWN_SCALE, checked_units, statement
+from envlights.detection import measurements
+from envlights.detection.members import LeftOut, Members
 from envlights.io.own_json import read_json
 from envlights.kernels.sphere import FRAME
-from envlights.light import DetectedLight
-from envlights.lights import Lights, Rows, brightest_first, place_cells, rgb_cell
+from envlights.light import DetectedLight, remarks_of
+from envlights.lights import Lights, Rows, brightest_first, place_cells, rgb_cell, rgb_heading
 
 if TYPE_CHECKING:
     from typing_extensions import Self
 
-_KIND, _VERSION = "detected lights", 2
+_KIND, _VERSION = "detected lights", 3
+#: Version 2 had no scale, and always members.
+_READABLE_VERSIONS = (2, 3)
 _UNITS = (
     "irradiance: at normal incidence, above the local background; flux: integral of radiance over"
     " the light; both linear Rec.709 RGB; solid_angle: steradians; other angles: radians;"
     " peak_luminance: radiance; members: light, row, first column and length of runs of pixels"
 )
-#: Arrays of the file: vectors, numbers, and numbers that clipped maps alone have.
-_VECTORS = ("direction", "irradiance", "flux", "peak_direction", "orientation")
-_NUMBERS = ("solid_angle", "elongation", "peak_luminance", "flux_share")
-_OF_CLIPPED = ("weight", "direction_uncertainty")
-
 #: Solid angle, in steradians, above which a light is broad.
 _BROAD = 0.5
 
@@ -125,7 +125,7 @@ class DetectionReport(Result):
             str(self),
             f"method: {self.method}, on a working map of {width}x{height} pixels",
             *self.details,
-            *(f"{stage}: {1e3 * seconds:.1f} ms" for stage, seconds in self.seconds.items()),
+            *time_lines(self.seconds),
         ]
         return "\n".join(lines)
 
@@ -185,8 +185,8 @@ class DetectedLights(Lights):
     The background behind the light is included. Pixels on the rim count by the part that the light
     covers."""
 
-    members: Members
-    """Pixels or samples of the lights."""
+    members: Members = field(compare=False)
+    """Pixels or samples of the lights; a pickle leaves them out, a ``.json`` file keeps them."""
 
     report: DetectionReport
     """Report of the detection."""
@@ -207,11 +207,13 @@ class DetectedLights(Lights):
     Its irradiance and flux are then lower bounds. `detect_article` flags no light."""
 
     def __post_init__(self) -> None:
+        checked_units(self.units)
         if self.is_cut is None:
             object.__setattr__(self, "is_cut", np.zeros(len(np.asarray(self.flux)), bool))
         arrays = {name: np.asarray(getattr(self, name)) for name in self._array_names()}
         direction, irradiance = light_arrays(self.direction, self.irradiance)
         arrays |= {"direction": direction, "irradiance": irradiance}
+        arrays |= measurements.check_measurements(arrays)
         order = self._order(np.asarray(self.flux))
         for name, array in arrays.items():
             if len(array) != len(order):
@@ -222,14 +224,23 @@ class DetectedLights(Lights):
         radius = 2 * np.arcsin(np.sqrt(np.clip(self.solid_angle / (4 * np.pi), 0, 1)))
         object.__setattr__(self, "angular_radius", seal(radius))
         rank = np.argsort(order)
-        members = replace(self.members, light=seal(rank[self.members.light]))
-        object.__setattr__(self, "members", members)
+        object.__setattr__(self, "members", self.members.renumbered(rank))
 
     def _order(self, flux: NDArray[np.float64]) -> NDArray[np.intp]:
         """Rows by flux, the largest first; those of a clipped map by weight."""
         if self.weight is None:
             return brightest_first(flux)
         return np.argsort(-np.asarray(self.weight), kind="stable")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Without the pixels, which are a thousand times larger than all else."""
+        kind, values = super().__reduce__()
+        return kind, tuple(LeftOut() if isinstance(each, Members) else each for each in values)
+
+    def __deepcopy__(self, _: object = None) -> Self:
+        return replace(self)
+
+    __copy__ = __deepcopy__
 
     @overload
     def __getitem__(self, which: int) -> DetectedLight: ...
@@ -244,7 +255,7 @@ class DetectedLights(Lights):
             return self._light(row_of(which, len(self)))
         arrays: dict[str, Any] = {name: getattr(self, name)[kept] for name in self._array_names()}
         members = self.members.of(kept, len(self))
-        return type(self)(**arrays, members=members, report=self.report)
+        return type(self)(**arrays, members=members, report=self.report, units=self.units)
 
     def _light(self, row: int) -> DetectedLight:
         arrays = {each.name: getattr(self, each.name) for each in fields(DetectedLight)}
@@ -275,7 +286,7 @@ class DetectedLights(Lights):
         A light of more than half the sphere becomes a disc of half the sphere.
         """
         radius = np.minimum(self.angular_radius, np.pi / 2)
-        return Lights(self.direction, self.irradiance, radius)
+        return Lights(self.direction, self.irradiance, radius, units=self.units)
 
     @property
     def is_broad(self) -> NDArray[np.bool_]:
@@ -292,9 +303,10 @@ class DetectedLights(Lights):
             "format": f"envlights {_KIND}",
             "version": _VERSION,
             "frame": FRAME,
-            "units": _UNITS,
+            "units": f"{_UNITS}; {statement(self.units)}",
             **arrays,
-            "members": self.members.to_runs(),
+            "scale": self.units,
+            **({} if isinstance(self.members, LeftOut) else {"members": self.members.to_runs()}),
             "report": self.report.to_dict(),
         }
 
@@ -307,7 +319,7 @@ class DetectedLights(Lights):
         EnvLightsError
             If the file is missing, has another kind or version, or holds impossible lights.
         """
-        return read_json(path, _KIND, (_VERSION,), _from_dict)
+        return read_json(path, _KIND, _READABLE_VERSIONS, _from_dict)
 
     def __str__(self) -> str:
         return f"{self._heading()}\n{self.report}"
@@ -338,16 +350,11 @@ class DetectedLights(Lights):
             ]
             for row in range(min(len(self), MOST_ROWS))
         ]
-        return [*columns, "irradiance (R, G, B)", ""], rows
+        return [*columns, rgb_heading(self.units), ""], rows
 
     def _remarks(self, row: int) -> str:
         """Remarks in the table's last column."""
-        remarks = ["clipped"] if self.is_clipped[row] else []
-        remarks += ["cut off"] if self.is_cut[row] else []
-        remarks += ["wide"] if self.is_broad[row] else []
-        if self.direction_uncertainty is not None:
-            remarks.append(f"direction ± {np.rad2deg(self.direction_uncertainty[row]):.2f}°")
-        return "  ".join(remarks)
+        return "  ".join(remarks_of(self._light(row)))
 
     def _columns(self) -> dict[str, NDArray[Any]]:
         arrays = {name: getattr(self, name) for name in (*self._array_names(), "is_broad")}
@@ -360,25 +367,28 @@ class DetectedLights(Lights):
     def _array_names(self) -> tuple[str, ...]:
         """Names of the constructor's arrays with a row for each light."""
         names = (each.name for each in fields(self) if each.init)
-        arrays = (name for name in names if name not in ("members", "report"))
+        arrays = (name for name in names if name not in ("members", "report", "units"))
         return tuple(name for name in arrays if getattr(self, name) is not None)
 
 
 def _from_dict(data: dict[str, Any]) -> DetectedLights:
     report = DetectionReport.from_dict(data["report"])
-    arrays = {name: reals(name, np.reshape(data[name], (-1, 3)), 2) for name in _VECTORS}
-    given = [*_NUMBERS, *(name for name in _OF_CLIPPED if name in data)]
+    arrays = {
+        name: reals(name, np.reshape(data[name], (-1, 3)), 2) for name in measurements.VECTORS
+    }
+    given = [*measurements.NUMBERS, *(n for n in measurements.OF_CLIPPED if n in data)]
     arrays |= {name: reals(name, np.asarray(data[name], np.float64), 1) for name in given}
     clipped = [flag("is_clipped", each) for each in data["is_clipped"]]
     # Files of older versions have no `is_cut`.
     cut = [flag("is_cut", each) for each in data.get("is_cut", [False] * len(clipped))]
-    lights = len(arrays["direction"])
+    runs, lights = data.get("members"), len(arrays["direction"])
     return DetectedLights(
         **arrays,
         is_clipped=np.array(clipped, bool),
         is_cut=np.array(cut, bool),
-        members=Members.from_runs(data["members"], lights, report.working_size),
+        members=LeftOut() if runs is None else Members.from_runs(runs, lights, report.working_size),
         report=report,
+        units=data.get("scale", OWN_SCALE),
     )
 
 

@@ -104,7 +104,8 @@ def detect_article(
         flux of a light is the sum over its samples: right on average, and inaccurate for lights
         smaller than the distance between samples (3.6 degrees at 1024 columns). The irradiance
         comes from the same samples, without subtraction of a background, because the article has
-        none. The solid angle is that of the samples above the threshold, at least one.
+        none. The solid angle is that of the samples above the threshold, at least one. If the
+        lights have more flux than the map, their `flux_share` is that of their own sum.
 
     Raises
     ------
@@ -258,7 +259,8 @@ def _lights(
     bright = np.bincount(merged.light, is_bright, minlength=lights)
     elongation, orientation = _shapes(first, direction, merged.light)
     bands = pixel_solid_angles(image.shape[0], 2)[:, 0] * 2 / image.shape[1]
-    total = float(image.sum(axis=1) @ bands) or 1.0
+    # A sample may stand for many times the solid angle of a bright pixel, as at a pole.
+    total = max(float(image.sum(axis=1) @ bands), float((flux @ images.LUMINANCE).sum())) or 1.0
     return DetectedLights(
         direction,
         flux * towards[:, None],
@@ -272,6 +274,7 @@ def _lights(
         is_clipped=_are_clipped(env, image.shape, merged, reach, sphere),
         members=Members(samples.pixel, merged.light),
         report=report,
+        units=env.units,
     )
 
 

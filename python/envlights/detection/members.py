@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from envlights._arrays import seal
 from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights.io.images import MOST_PIXELS
@@ -36,6 +38,10 @@ class Members(Result):
         light = place[self.light]
         others = np.concatenate([self.others, self.pixel[light < 0]])
         return Members(self.pixel[light >= 0], light[light >= 0], others)
+
+    def renumbered(self, rank: NDArray[np.intp]) -> Members:
+        """Members of the same lights in another order; light j becomes light ``rank[j]``."""
+        return replace(self, light=seal(rank[self.light]))
 
     def to_runs(self) -> list[list[int]]:
         """Light, row, first column and length of each run of pixels, in their order.
@@ -72,3 +78,33 @@ class Members(Result):
         along = np.arange(length.sum()) - np.repeat(np.cumsum(length) - length, length)
         pixel = np.stack([row.repeat(length), column.repeat(length) + along], axis=1)
         return cls(pixel, light.repeat(length))
+
+
+class LeftOut(Members):
+    """Stand-in for members that a pickle or a file does not hold; its arrays are refused."""
+
+    def __init__(self) -> None:
+        pass
+
+    def __getattr__(self, name: str) -> Any:
+        if name not in {each.name for each in fields(Members)}:
+            raise AttributeError(f"{type(self).__name__} has no attribute '{name}'")
+        raise EnvLightsError(
+            "the pixels of these lights were left out, as of all lights from a pickle or another"
+            " process; detect the lights again, or save them as .json, which keeps the pixels"
+        )
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return LeftOut, ()
+
+    def in_short(self) -> str:
+        """Remark that the pixels were left out."""
+        return "left out"
+
+    def of(self, kept: NDArray[np.intp], lights: int) -> Members:
+        """The stand-in itself."""
+        return self
+
+    def renumbered(self, rank: NDArray[np.intp]) -> Members:
+        """The stand-in itself."""
+        return self

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from envlights import _native
 from envlights._check import amount, check_choice, count, flag
-from envlights._native import EnvLightsError
 from envlights._srgb import encode_srgb
 from envlights.detection import wording
 from envlights.detection.article_steps import (
@@ -32,16 +31,18 @@ from envlights.detection.photograph_pixels import (
     PhotographPixels,
     photograph_pixels,
 )
-from envlights.detection.pinhole import Pinhole
+from envlights.io.colour import ColourArgument
 from envlights.kernels import image as images
 from envlights.kernels import loghin
+from envlights.layouts import layout as layouts
+from envlights.layouts.layout import Layout
 
 #: Longer side of a picture in which lengths in pixels are given.
 _REFERENCE_PX = 1024
 #: Default width of a window divided by the distance between samples: at 1, gaps would remain.
 _WINDOW_OVER_SPACING = 1.3
-#: Widest field of view in degrees; a pinhole camera cannot see 180.
-_WIDEST_DEG = 179.0
+#: Narrowest and widest field of view in degrees; no photograph of a plane shows 180.
+_VIEWS_DEG = (0.05, 179.0)
 #: Stops below the threshold at which the relative line check treats pixels as equally dark: one
 #: black pixel of a window bar would part a lamp otherwise.
 _STOPS_BELOW = 2
@@ -83,6 +84,8 @@ def detect_photograph(
     image: AnyPhotograph,
     fov: float | None = None,
     *,
+    colour: ColourArgument | None = None,
+    part: str | int | None = None,
     max_lights: int | None = None,
     working_side: int = 1024,
     reduction: str = "bilinear",
@@ -115,8 +118,11 @@ def detect_photograph(
         uint16 are decoded from sRGB; arrays of floating point are linear.
     fov : float, optional
         Horizontal field of view in degrees, below 180, of a camera without distortion. When left
-        out, the EXIF of the file gives it: the focal length equivalent to 35 mm film by the
-        diagonal, or the focal length with the resolution of the sensor. A note names the source.
+        out, the file gives it: a picture of `EnvMap.view` states it, and EXIF has the focal length
+        equivalent to 35 mm film, by the diagonal, or the focal length with the resolution of the
+        sensor. A note names the source.
+    colour, part
+        Colour space of the samples of a file, and its layer; see `EnvMap.open`.
     max_lights : int, optional
         Largest number of lights. The dimmest are dropped; nothing is merged.
     working_side : int
@@ -160,7 +166,7 @@ def detect_photograph(
     -------
     PhotographLights
         Brightest first, with places in pixels. Each of n samples has ``height * width / n`` pixels
-        at its first position, and with a field of view their exact solid angle. The sum over
+        at its first position, and with a field of view their solid angle. The sum over
         samples is right on average, and inaccurate for lights smaller than the distance between
         samples. No background is subtracted, because the article has none.
 
@@ -186,7 +192,7 @@ def detect_photograph(
     """
     start = time.perf_counter()
     options = (amount("threshold", threshold), amount("rise", rise), flag("relative", relative))
-    photograph = photograph_pixels(image)
+    photograph = photograph_pixels(image, colour, part)
     camera, notes = _camera(photograph, fov)
     luminance = images.luminance(photograph.radiance)
     working = _working_image(luminance, working_side, reduction, blur_px)
@@ -270,22 +276,18 @@ def _means_of_all(
 
 def _camera(
     photograph: PhotographPixels, fov: float | None
-) -> tuple[Pinhole | None, tuple[str, ...]]:
-    """Camera of a horizontal field of view in degrees, or of the EXIF, with a note on it."""
+) -> tuple[Layout | None, tuple[str, ...]]:
+    """Layout for a horizontal field of view in degrees, or that of the file, with a note on it."""
     height, width, _ = photograph.radiance.shape
     if fov is not None:
-        angle = amount("fov", fov, most=_WIDEST_DEG)
-        if angle == 0:
-            raise EnvLightsError("fov must be above 0 degrees; got 0")
-        return Pinhole.of_field(height, width, math.radians(angle)), ()
-    if photograph.focal is None:
+        view = math.radians(amount("fov", fov, *_VIEWS_DEG))
+        return layouts.planar(height, width, field_of_view=view), ()
+    focal = photograph.focal
+    view = 0.0 if focal is None else 2 * math.atan(width / 2 / focal.pixels)
+    if focal is None or not _VIEWS_DEG[0] <= math.degrees(view) <= _VIEWS_DEG[1]:
         return None, ("no field of view is known, so there are no directions; give fov in degrees",)
-    camera = Pinhole(height, width, photograph.focal.pixels)
-    angle = math.degrees(camera.field_of_view)
-    return camera, (
-        f"the horizontal field of view is {angle:.1f} degrees, from the EXIF"
-        f" ({photograph.focal.tag})",
-    )
+    note = f"the horizontal field of view is {math.degrees(view):.1f} degrees, from {focal.origin}"
+    return layouts.planar(height, width, field_of_view=view), (note,)
 
 
 def _working_image(

@@ -2,22 +2,31 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, fields
-from typing import Any, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from envlights import _html, _thumbnails
+from envlights import _html, _targets, _thumbnails
 from envlights._arrays import seal
 from envlights._light_arrays import row_of, rows_of
+from envlights._native import EnvLightsError
 from envlights._result import Result
-from envlights._tables import MOST_ROWS, Table
+from envlights._tables import MOST_ROWS, Table, frame_of
 from envlights.detection.lights import DetectionReport
+from envlights.detection.photograph_file import fields_of, save_table
+from envlights.envmap import EnvMap
+from envlights.io.own_json import read_json
 from envlights.kernels.image import LUMINANCE
-from envlights.lights import Rows, brightest_first, rgb_cell
+from envlights.lights import Lights, Rows, brightest_first, rgb_cell
 
+if TYPE_CHECKING:
+    import pandas as pd
+
+_KIND, _VERSION = "lights of a photograph", 1
 #: Frame of directions, as `to_dict` says it.
 FRAME = "of the photograph: it looks along +z, its right is -x, its upper side +y"
 _UNITS = (
@@ -28,6 +37,8 @@ _UNITS = (
 #: Arrays with a row for each light; the last two are None without a field of view.
 _ARRAYS = ("position", "pixel_flux", "peak_pixel", "peak_luminance", "flux_share", "is_clipped")
 _WITH_FIELD = ("direction", "irradiance")
+#: Arrays of numbers in a data frame.
+_SCALARS = ("share", "luminance", "peak_luminance", "is_clipped")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -100,8 +111,8 @@ class PhotographLights(Result):
     """Lights of a photograph, brightest first.
 
     Each array has a row for each light. `lights[:4]` holds the first four with their samples;
-    `report` still describes the whole detection. With directions, ``el.Lights(found.direction,
-    found.irradiance)`` are lights for a scene, in the frame of the photograph.
+    `report` still describes the whole detection. With directions, `discs` are lights for a scene,
+    in the frame of the photograph.
     """
 
     position: NDArray[np.float64]
@@ -244,6 +255,76 @@ class PhotographLights(Result):
         towards = "  ".join(f"{value:+.3f}" for value in self.direction[row])
         return [*place, towards, rgb_cell(self.irradiance[row]), remark]
 
+    def discs(self) -> Lights:
+        """The lights as points with their irradiance, in the frame of the photograph.
+
+        Raises
+        ------
+        EnvLightsError
+            If there are no directions, because the field of view is unknown.
+        """
+        if self.direction is None or self.irradiance is None:
+            raise EnvLightsError(
+                "the lights of this photograph have no directions, because its field of view is"
+                " unknown; give fov= to `detect_photograph`"
+            )
+        return Lights(self.direction, self.irradiance)
+
+    def to_frame(self) -> pd.DataFrame:
+        """Data frame with a row for each light; needs pandas, from the extra `frame`.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Each component of a place, a vector or a colour has a column.
+        """
+        return frame_of(self._frame_columns())
+
+    def _frame_columns(self) -> dict[str, NDArray[Any]]:
+        columns = dict(zip(("x_px", "y_px"), self.position.T, strict=True))
+        columns |= dict(zip(("red", "green", "blue"), self.pixel_flux.T, strict=True))
+        columns |= {name: getattr(self, name) for name in _SCALARS}
+        if self.direction is None or self.irradiance is None:
+            return columns
+        colours = ("irradiance_red", "irradiance_green", "irradiance_blue")
+        columns |= dict(zip(colours, self.irradiance.T, strict=True))
+        return columns | dict(zip("xyz", self.direction.T, strict=True))
+
+    def save(
+        self, path: str | os.PathLike[str], environment: EnvMap | ArrayLike | None = None
+    ) -> None:
+        """Write the lights in the format of the suffix; a failure leaves no file.
+
+        Parameters
+        ----------
+        path : path-like
+            ``.json`` keeps everything but the picture, and `load` reads it. ``.csv`` without
+            directions is a table of places. The other formats of `Lights.save` need directions.
+        environment : EnvMap or array_like, optional
+            Map around the lights, for formats that accept one.
+
+        Raises
+        ------
+        EnvLightsError
+            If the format needs directions, and there are none.
+        """
+        target = _targets.target_of(path).name
+        if target == "csv" and self.direction is None:
+            save_table(path, self.size, self._frame_columns())
+            return
+        _targets.save(self if target == "json" else self.discs(), path, environment)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> PhotographLights:
+        """Read lights that `save` wrote as ``.json``, without their times and picture.
+
+        Raises
+        ------
+        EnvLightsError
+            If the file is missing, has another kind or version, or holds impossible lights.
+        """
+        return read_json(path, _KIND, (_VERSION,), _from_dict)
+
     def to_dict(self) -> dict[str, Any]:
         """All fields except times and picture as plain numbers, lists and strings."""
         arrays = {name: getattr(self, name).tolist() for name in self._array_names()}
@@ -251,8 +332,8 @@ class PhotographLights(Result):
             each.name: getattr(self.samples, each.name).tolist() for each in fields(self.samples)
         }
         return {
-            "format": "envlights lights of a photograph",
-            "version": 1,
+            "format": f"envlights {_KIND}",
+            "version": _VERSION,
             "frame": FRAME,
             "units": _UNITS,
             "size": list(self.size),
@@ -262,6 +343,12 @@ class PhotographLights(Result):
             "samples": samples,
             "report": self.report.to_dict(),
         }
+
+
+def _from_dict(data: dict[str, Any]) -> PhotographLights:
+    fields_of_file = fields_of(data)
+    samples = PhotographSamples(*fields_of_file.pop("samples"))
+    return PhotographLights(**fields_of_file, samples=samples)
 
 
 # Not a full sequence: `count` and `index` are missing.

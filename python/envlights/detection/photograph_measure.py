@@ -13,8 +13,8 @@ from envlights.detection.article_steps import BrightSamples, MergedSamples, sums
 from envlights.detection.lights import DetectionReport
 from envlights.detection.photograph_lights import PhotographLights, PhotographSamples
 from envlights.detection.photograph_pixels import PhotographPixels
-from envlights.detection.pinhole import Pinhole
 from envlights.kernels import image as images
+from envlights.layouts.layout import Layout
 
 #: Longer side of the picture that the lights hold for display.
 _PICTURE_PX = 1024
@@ -24,7 +24,7 @@ _TINY = np.finfo(float).tiny
 
 def measure(
     photograph: PhotographPixels,
-    camera: Pinhole | None,
+    camera: Layout | None,
     luminance: NDArray[np.float32],
     working: NDArray[np.float32],
     samples: BrightSamples,
@@ -41,7 +41,8 @@ def measure(
     values = radiance[first[:, 0], first[:, 1]].astype(np.float64)
     each = height * width / max(samples.total, 1)
     flux = each * sums_of_lights(values, merged.light, lights)
-    total = float(luminance.sum(dtype=np.float64)) or 1.0
+    # A sample may stand for more pixels than are bright around it.
+    total = max(float(luminance.sum(dtype=np.float64)), float((flux @ images.LUMINANCE).sum()))
     place = _pixels_at(merged.peak, size, radiance.shape)
     reach_in_photograph = math.ceil((reach + 0.5) * to_photograph.max())
     position = ((merged.means + 0.5) * to_photograph)[:, ::-1]
@@ -52,18 +53,17 @@ def measure(
         "pixel_flux": flux,
         "peak_pixel": place,
         "peak_luminance": working[merged.peak[:, 0], merged.peak[:, 1]].astype(np.float64),
-        "flux_share": flux @ images.LUMINANCE / total,
+        "flux_share": flux @ images.LUMINANCE / (total or 1.0),
         "is_clipped": _native.are_clipped(
             radiance, place, reach_in_photograph, False, photograph.white
         ),
     }
     if camera is not None:
-        parts = camera.solid_angles(samples.own_pixel, size) * working.size / max(samples.total, 1)
+        parts = _solid_angles(camera, samples.own_pixel, size, each)
         centres = ((samples.own_pixel + 0.5) * to_photograph)[:, ::-1]
-        arrays["direction"] = camera.directions(position)
-        arrays["irradiance"] = _irradiance(
-            values, parts, camera.directions(centres), merged.light, lights
-        )
+        towards = _native.projection_directions(camera, np.ascontiguousarray(centres))
+        arrays["direction"] = _native.projection_directions(camera, np.ascontiguousarray(position))
+        arrays["irradiance"] = _irradiance(values, parts, towards, merged.light, lights)
     return PhotographLights(
         **arrays,
         samples=kept,
@@ -80,6 +80,19 @@ def _pixels_at(
     """Pixels of the photograph at the centres of pixels of the working image."""
     uv = (pixel[:, ::-1] + 0.5) / size[::-1]
     return images.uv_to_pixel(uv, shape[0], shape[1])
+
+
+def _solid_angles(
+    camera: Layout, pixel: NDArray[np.int64], size: tuple[int, int], each: float
+) -> NDArray[np.float64]:
+    """Solid angle of `each` pixels of the photograph at pixels of the working image.
+
+    The working image is a photograph with square pixels and the same horizontal field of view.
+    """
+    angles = _native.projection_solid_angles(camera._replace(height=size[0], width=size[1]))
+    pixels_of_photograph = (camera.width / size[1]) ** 2
+    chosen: NDArray[np.float64] = angles[pixel[:, 0], pixel[:, 1]]
+    return chosen * (each / pixels_of_photograph)
 
 
 def _irradiance(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,9 +13,13 @@ from envlights._map_array import image_array
 from envlights._native import EnvLightsError
 from envlights._white import white_of_codes
 from envlights.envmap import EnvMap
+from envlights.io.colour import ColourArgument
 from envlights.io.focal_length import FocalLength, focal_length
-from envlights.io.images import open_image, read_image
+from envlights.io.hints import Hints
+from envlights.io.images import OpenImage, open_image, read_image
 from envlights.io.source import AnySource, Source, is_source, named_source
+from envlights.layouts.attribute import with_statement
+from envlights.layouts.records import NO_ARGUMENTS
 
 #: Path, bytes or file object of a photograph, or its samples.
 AnyPhotograph = AnySource | ArrayLike
@@ -30,32 +35,62 @@ class PhotographPixels(NamedTuple):
     """Clip level; None for floating point."""
 
     focal: FocalLength | None
-    """Focal length of the EXIF."""
+    """Focal length that the file states."""
 
     notes: tuple[str, ...]
     """Remarks on conversions and assumptions."""
 
 
-def photograph_pixels(image: Any) -> PhotographPixels:
-    """Pixels of an `AnyPhotograph`, or a refusal."""
+def photograph_pixels(
+    image: Any, colour: ColourArgument | None, part: str | int | None
+) -> PhotographPixels:
+    """Pixels of an `AnyPhotograph`, or a refusal; `colour` and `part` describe a file."""
     if isinstance(image, EnvMap):
         raise EnvLightsError(
             "a photograph must be a file or an array; got EnvMap, whose lights `detect` finds"
         )
-    return _of_file(named_source(image)) if is_source(image) else _of_array(image)
+    if is_source(image):
+        return _of_file(named_source(image), colour, part)
+    if given := [name for name, value in (("colour", colour), ("part", part)) if value is not None]:
+        raise EnvLightsError(f"{', '.join(given)} describe a file; got an array; leave them out")
+    return _of_array(image)
 
 
-def _of_file(source: Source) -> PhotographPixels:
-    with open_image(source) as file:
-        if file.place.crop:
-            raise EnvLightsError(
-                f"{source.name} is a part of a panorama, by its GPano metadata, and no photograph"
-                " of a pinhole camera; open it with `EnvMap.open` and use `detect`"
-            )
-    read = read_image(source)
+def _of_file(
+    source: Source, colour: ColourArgument | None, part: str | int | None
+) -> PhotographPixels:
+    options: dict[str, Any] = {"colour": colour, "part": part, "any_projection": True}
+    with open_image(source, **options) as file:
+        _check_plane(file)
+    read = read_image(source, **options)
     height, width, _ = read.pixels.shape
-    focal = focal_length(source, height, width)
-    return _clean(read.pixels, read.white, focal, list(read.notes))
+    notes = list(read.notes)
+    focal = _of_layout(read.hints, height, width, notes) or focal_length(source, height, width)
+    return _clean(read.pixels, read.white, focal, notes)
+
+
+def _check_plane(file: OpenImage) -> None:
+    """Refuse a picture whose metadata name a projection other than that of a pinhole camera."""
+    other = file.hints.names_other_projection
+    if file.place.crop or other not in ("", "planar"):
+        what = "a part of a panorama" if file.place.crop else f"of the projection {other}"
+        raise EnvLightsError(
+            f"{file.name} is {what}, by its metadata, and no photograph of a pinhole camera; open"
+            " it with `EnvMap.open` and use `detect`"
+        )
+
+
+def _of_layout(hints: Hints, height: int, width: int, notes: list[str]) -> FocalLength | None:
+    """Focal length of a picture of our own, by its statement on the layout."""
+    try:
+        stated, _ = with_statement(NO_ARGUMENTS, hints, (height, width))
+    except EnvLightsError as refusal:
+        notes.append(str(refusal))
+        return None
+    if stated.fov is None or stated.projection != "planar":
+        return None
+    pixels = width / 2 / math.tan(math.radians(stated.fov) / 2)
+    return FocalLength(pixels, "its layout attribute")
 
 
 def _of_array(image: ArrayLike) -> PhotographPixels:

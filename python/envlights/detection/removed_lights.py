@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights._check import rotation
 from envlights.detection.lights import DetectedLights
-from envlights.lights import Lights
+from envlights.lights import LIGHTS_HEADER, Lights
 
 #: Smallest `off_axis` that is printed.
 _PRINTED = 1e-3
@@ -65,9 +65,8 @@ class RemovedLights(DetectedLights):
 
     def to_dict(self) -> dict[str, Any]:
         """All fields except the times as plain numbers, lists and strings."""
-        # Leave out the header of detected lights; files of removed lights are files of `Lights`.
-        header = ("format", "version", "frame", "units")
-        return {name: value for name, value in super().to_dict().items() if name not in header}
+        # Files of removed lights are files of `Lights`.
+        return {**super().to_dict(), **LIGHTS_HEADER}
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Lights:  # type: ignore[override]

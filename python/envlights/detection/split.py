@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import fields, replace
+from pathlib import Path
 from time import perf_counter
 from typing import Any, NamedTuple
 
@@ -11,6 +13,7 @@ from numpy.typing import NDArray
 
 from envlights import _native
 from envlights._check import amount, count, describe
+from envlights._links import save_with_map
 from envlights._native import EnvLightsError
 from envlights.detection.component_tree import detect_with_luminance
 from envlights.detection.lights import DetectedLights, DetectionReport
@@ -56,6 +59,45 @@ class Split(NamedTuple):
 
     rest: EnvMap
     """The map without them, of the same size and nowhere negative."""
+
+    def save(self, *paths: str | os.PathLike[str]) -> tuple[Path, ...]:
+        """Write the lights with the rest around them, for one program or several.
+
+        A scene loads the rest by a relative name. Blender, OpenUSD, Unity and Unreal name the file
+        of the rest among `paths`, or one that is written beside the first scene,
+        ``sun.ambient.exr`` beside ``sun.usda``; glTF names it in its extras. Mitsuba, pbrt and
+        Radiance get a map of their own form beside the scene; three.js has it in its file. JSON and
+        CSV hold the lights alone.
+
+        Parameters
+        ----------
+        *paths : path-like
+            Scenes (`el.export.TARGETS` lists the suffixes), and files of the rest (.exr, .hdr).
+
+        Returns
+        -------
+        tuple of Path
+            All written files.
+
+        Raises
+        ------
+        EnvLightsError
+            If there is no path, a suffix is unknown, two files have the same path, or one cannot be
+            written.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> import envlights as el
+        >>> parts = el.split(el.synthetic.plain(0, 128).radiance)
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     paths = Path(folder, "rest.exr"), Path(folder, "sun.py")
+        ...     [path.name for path in parts.save(*paths)]
+        ['rest.exr', 'sun.py']
+        """
+        if not paths:
+            raise EnvLightsError("there is no path; give one or several, such as 'sun.usda'")
+        return save_with_map(self.lights, self.rest, paths)
 
     def __str__(self) -> str:
         return f"{self.lights}\n\nthe map without these lights: {self.rest}"
@@ -128,6 +170,9 @@ def split(
     away, are dimmed: the clouds around a sun, or the dim part of a softbox. A luminance of y
     thresholds, with y above 1.5, becomes 2 - 1/4 / (y - 1) thresholds.
 
+    Of a map that shows a part of the sphere (`EnvMap.seen`), only what is seen is removed and
+    counted, and nothing is filled from unseen pixels. They stay black in the rest.
+
     The irradiance of a clipped light is a lower bound, because the map has lost the radiance above
     its clip level.
 
@@ -159,11 +204,17 @@ def split(
     if chosen is lights:
         _check_peaks(chosen, pixels)
     is_border = env.registration == "border-sampled"
-    parts = _native.split_map(env.radiance, is_border, pixels)
+    parts = _native.split_map(env.radiance, is_border, pixels, env.seen)
     removed = _removed_lights(chosen, parts, _report(chosen, len(found), perf_counter() - start))
     notes = (*env.notes, *_notes(removed))
     rest = EnvMap.unchecked(
-        parts.rest, registration=env.registration, notes=notes, white=env.white, seen=env.seen
+        parts.rest,
+        registration=env.registration,
+        notes=notes,
+        white=env.white,
+        seen=env.seen,
+        source=env.source,
+        units=env.units,
     )
     return Split(removed, rest)
 
@@ -278,4 +329,11 @@ def _notes(removed: RemovedLights) -> tuple[str, ...]:
     if not len(removed):
         return ()
     percent = 100 * removed.flux_share.sum()
-    return (f"{removed.in_short()} with {percent:.3g} % of the flux removed",)
+    notes = [f"{removed.in_short()} with {percent:.3g} % of the flux removed"]
+    if cut := int(removed.is_cut.sum()):
+        lights = "light lies" if cut == 1 else "lights lie"
+        notes.append(
+            f"{cut} removed {lights} at the border of what the map shows, so only the seen part was"
+            " removed, and the flux is that of this part"
+        )
+    return tuple(notes)

@@ -4,12 +4,15 @@
 |----------------------------------------------------------|----------------|
 | lights, and a constant or a map around them              | `scene.py`     |
 | from our frame to the target's                           | `axes.py`      |
+| from lux and cd/m2 to the target's units                 | `units.py`     |
 | textures beside the file, and the file last              | `files.py`     |
 | the package's own JSON                                   | `own_json.py`  |
 | a table of numbers                                       | `csv.py`       |
 | glTF 2.0                                                 | `gltf.py`      |
 | three.js                                                 | `three.py`     |
 | OpenUSD                                                  | `usd.py`       |
+| MuJoCo                                                   | `mujoco.py`    |
+| Godot 4                                                  | `godot.py`     |
 | Unity, Unreal, and engines with axes to choose           | `engine.py`    |
 | Mitsuba 3                                                | `mitsuba.py`   |
 | Blender                                                  | `blender.py`   |
@@ -28,7 +31,9 @@ from envlights.export.blender import add_to_blender, blender, save_blender
 from envlights.export.csv import csv, save_csv
 from envlights.export.engine import engine, save_engine, save_unity, save_unreal, unity, unreal
 from envlights.export.gltf import gltf, save_gltf
+from envlights.export.godot import godot, save_godot
 from envlights.export.mitsuba import mitsuba, save_mitsuba
+from envlights.export.mujoco import mujoco, save_mujoco
 from envlights.export.pbrt import pbrt, save_pbrt
 from envlights.export.radiance import radiance, save_radiance
 from envlights.export.targets import TARGETS
@@ -46,7 +51,9 @@ __all__ = [
     "csv",
     "engine",
     "gltf",
+    "godot",
     "mitsuba",
+    "mujoco",
     "pbrt",
     "radiance",
     "read_csv",
@@ -55,7 +62,9 @@ __all__ = [
     "save_csv",
     "save_engine",
     "save_gltf",
+    "save_godot",
     "save_mitsuba",
+    "save_mujoco",
     "save_pbrt",
     "save_radiance",
     "save_three",

@@ -82,6 +82,8 @@ AXES = {
     "three": Axes(_THREE, _THREE),
     "radiance": Axes(_CYCLE, _CYCLE),
     "pbrt": Axes(_PBRT, _PBRT),
+    "mujoco": Axes(_CYCLE),
+    "godot": Axes(_SAME, _SAME),
     "unity": Axes(_MIRRORED_X, _PANORAMIC),
     "unreal": Axes(_UNREAL),
 }

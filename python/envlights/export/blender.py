@@ -7,12 +7,12 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from envlights._native import EnvLightsError
 from envlights.envmap import EnvMap
 from envlights.export.axes import AXES
-from envlights.export.files import save_scene, texture_name
+from envlights.export.files import check_link, panorama, save_scene
 from envlights.export.scene import Scene, scene_of
 from envlights.lights import Lights
 from envlights.rig import Rig
@@ -26,6 +26,7 @@ import os
 import bpy
 from mathutils import Vector
 
+# Units: @UNITS@.
 # Direction towards the light (z up), irradiance at normal incidence, full angle in radians.
 LIGHTS = [
 @LIGHTS@]
@@ -71,7 +72,7 @@ def beside(name):
     places = [os.path.join(os.path.dirname(path), name) for path in (__file__, *texts)]
     found = [path for path in places if os.path.isfile(path)]
     if not found:
-        raise FileNotFoundError(f"{name} must be in the folder of this script")
+        raise FileNotFoundError(f"the map {name} must be beside this script, at {places[0]}")
     return os.path.abspath(found[0])
 
 
@@ -103,9 +104,10 @@ def blender(
     another way: rotate imported objects by 90 degrees about the vertical.
 
     Units: the strength of a sun lamp is irradiance at normal incidence in W/m², its colour is a
-    factor, and `angle` is the full angle of the disc. The background is radiance. Exposure is a
-    setting of the scene, in Color Management; the view transform "Standard" shows the map's colours
-    unchanged.
+    factor, and `angle` is the full angle of the disc. The background is radiance. After
+    `EnvMap.calibrated` the numbers are lux and cd/m² over 683 lm/W, as Blender's glTF importer
+    converts them, so that a glTF of the rig gives the same lamps. Exposure is a setting of the
+    scene, in Color Management; the view transform "Standard" shows the map's colours unchanged.
 
     Kept: directions, irradiances, sizes; a constant ambient term as background, harmonics and an
     ambient term over a floor as a small map. Lost: harmonics where they are negative.
@@ -133,17 +135,20 @@ def blender(
     >>> next(line for line in script.splitlines() if line.startswith("    ("))
     '    ([0.0, 0.0, 1.0], [3.0, 2.0, 1.0], 0.5),'
     """
-    return _script(scene_of(rig, environment), texture)
+    return _script(scene_of(rig, environment, target="blender"), texture)
 
 
 def save_blender(
     rig: Rig | Lights,
     path: str | os.PathLike[str],
     environment: EnvMap | ArrayLike | None = None,
+    *,
+    texture: str | None = None,
 ) -> None:
-    """Write `blender` at `path`, and its map beside it, if it has one."""
-    scene, name = scene_of(rig, environment), texture_name(path)
-    save_scene(path, _script(scene, name), _textures(scene, name))
+    """Write `blender` at `path`, and its map beside it, unless the map is the file `texture`."""
+    scene = scene_of(rig, environment, target="blender")
+    name, textures = panorama(path, scene.environment, texture)
+    save_scene(path, _script(scene, name), textures)
 
 
 def add_to_blender(rig: Rig | Lights, environment: EnvMap | ArrayLike | None = None) -> None:
@@ -175,12 +180,16 @@ def add_to_blender(rig: Rig | Lights, environment: EnvMap | ArrayLike | None = N
 
 
 def _script(scene: Scene, name: str) -> str:
+    if scene.environment is not None:
+        # Blender takes backslashes in paths for slashes on all systems.
+        check_link(name, "Blender", "\\")
     lights = scene.lights
     towards = AXES["blender"].to_target(lights.direction).tolist()
     rows = zip(towards, lights.irradiance.tolist(), lights.angular_radius.tolist(), strict=True)
     written = "".join(f"    ({there}, {at}, {2 * radius}),\n" for there, at, radius in rows)
     ambient = np.zeros(3) if scene.ambient is None else scene.ambient
     parts = {
+        "@UNITS@": scene.statement,
         "@LIGHTS@": written,
         "@AMBIENT@": str(ambient.tolist()),
         "@MAP@": "None" if scene.environment is None else ascii(name),
@@ -189,7 +198,3 @@ def _script(scene: Scene, name: str) -> str:
     for mark, text in parts.items():
         script = script.replace(mark, text)
     return script
-
-
-def _textures(scene: Scene, name: str) -> dict[str, NDArray[np.float32]]:
-    return {} if scene.environment is None else {name: scene.environment.radiance}

@@ -8,7 +8,7 @@ import numpy as np
 
 from envlights.export.files import save_scene
 from envlights.export.scene import check_rig
-from envlights.io.csv_table import AMBIENTS, FORMAT, HEADER
+from envlights.io.csv_table import AMBIENTS, FORMAT, HEADER, SCALE
 from envlights.lights import Lights
 from envlights.rig import Rig
 
@@ -35,7 +35,7 @@ def csv(rig: Rig | Lights) -> str:
     light,0.0,1.0,0.0,3.0,2.0,1.0,0.5
     """
     lights = check_rig(rig).discs()
-    lines = [FORMAT, _FRAME]
+    lines = [FORMAT, f"{_FRAME}{SCALE}{lights.units}"]
     ambient = getattr(rig, "ambient", None)
     if ambient is not None:
         floor = ", over a floor" if getattr(rig, "floor", False) else ""

@@ -19,7 +19,7 @@ from envlights._native import EnvLightsError
 from envlights.ambient import turned_ambient
 from envlights.envmap import EnvMap
 from envlights.export.axes import AXES, Axes, Matrix
-from envlights.export.files import save_scene, texture_name
+from envlights.export.files import check_link, panorama, save_scene
 from envlights.export.scene import Scene, scene_of
 from envlights.lights import Lights
 from envlights.rig import Rig
@@ -62,7 +62,7 @@ def engine(
 
     Examples
     --------
-    Godot is right-handed and looks along -z:
+    An engine that is right-handed and looks along -z, as OpenGL does:
 
     >>> import envlights as el
     >>> lamp = el.Lights([[0, 0, 1]], [[3, 2, 1]])
@@ -71,7 +71,7 @@ def engine(
     ([0.0, 0.0, -1.0], 'right')
     """
     axes = Axes(matrix_of(right, up, forward))
-    scene = scene_of(rig, environment)
+    scene = scene_of(rig, environment, target="engine")
     # A map replaces the harmonics.
     harmonics = getattr(rig, "ambient", ()) if environment is None else ()
     described = {"right": right, "up": up, "forward": forward}
@@ -81,7 +81,7 @@ def engine(
         "axes": described,
         "handedness": "right" if axes.handedness > 0 else "left",
         "matrix": [list(row) for row in axes.matrix],
-        "units": _UNITS,
+        "units": f"{_UNITS}; {scene.statement}",
         "lights": _lights(scene, axes),
         **_ambient(scene, harmonics, axes, texture),
     }
@@ -157,31 +157,39 @@ def save_engine(
     right: str,
     up: str,
     forward: str,
+    texture: str | None = None,
 ) -> None:
-    """Write `engine` as JSON; a map goes beside it, ``scene.ambient.exr``."""
+    """Write `engine` as JSON; a map goes beside it, unless it is the file `texture`."""
     axes = {"right": right, "up": up, "forward": forward}
-    scene = engine(rig, environment, **axes, texture=texture_name(path))
-    _save(scene, scene_of(rig, environment), path)
+    around = scene_of(rig, environment, target="engine").environment
+    name, textures = panorama(path, around, texture)
+    _save(engine(rig, environment, **axes, texture=name), path, textures)
 
 
 def save_unity(
     rig: Rig | Lights,
     path: str | os.PathLike[str],
     environment: EnvMap | ArrayLike | None = None,
+    *,
+    texture: str | None = None,
 ) -> None:
-    """Write `unity` as JSON; a map goes beside it."""
-    scene = unity(rig, environment, texture=texture_name(path))
-    _save(scene, scene_of(rig, environment), path)
+    """Write `unity` as JSON; a map goes beside it, unless it is the file `texture`."""
+    around = scene_of(rig, environment, target="unity").environment
+    name, textures = panorama(path, around, texture)
+    _save(unity(rig, environment, texture=name), path, textures)
 
 
 def save_unreal(
     rig: Rig | Lights,
     path: str | os.PathLike[str],
     environment: EnvMap | ArrayLike | None = None,
+    *,
+    texture: str | None = None,
 ) -> None:
-    """Write `unreal` as JSON; a map goes beside it."""
-    scene = unreal(rig, environment, texture=texture_name(path))
-    _save(scene, scene_of(rig, environment), path)
+    """Write `unreal` as JSON; a map goes beside it, unless it is the file `texture`."""
+    around = scene_of(rig, environment, target="unreal").environment
+    name, textures = panorama(path, around, texture)
+    _save(unreal(rig, environment, texture=name), path, textures)
 
 
 def matrix_of(right: str, up: str, forward: str) -> Matrix:
@@ -230,6 +238,7 @@ def _ambient(scene: Scene, harmonics: ArrayLike, axes: Axes, texture: str) -> di
         return {"ambient": scene.ambient.tolist()}
     if scene.environment is None:
         return {}
+    check_link(texture, "a reader of JSON")
     coefficients = np.asarray(harmonics, np.float64)
     if coefficients.ndim < 2:
         return {"map": texture}
@@ -241,8 +250,7 @@ def _about_y(turn: NDArray[np.float64]) -> float:
     return float(np.rad2deg(np.arctan2(turn[2, 0], turn[0, 0])) % 360)
 
 
-def _save(scene: dict[str, Any], parts: Scene, path: str | os.PathLike[str]) -> None:
-    textures = {}
-    if parts.environment is not None:
-        textures[scene["map"]] = parts.environment.cells()
+def _save(
+    scene: dict[str, Any], path: str | os.PathLike[str], textures: dict[str, NDArray[np.float32]]
+) -> None:
     save_scene(path, json.dumps(scene, indent=2, allow_nan=False) + "\n", textures)

@@ -7,11 +7,13 @@ import os
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from envlights.envmap import EnvMap
 from envlights.export.axes import AXES
-from envlights.export.files import save_scene
-from envlights.export.scene import check_rig
+from envlights.export.files import check_link, panorama, save_scene
+from envlights.export.scene import check_rig, scene_of
+from envlights.export.units import UNITS
 from envlights.lights import Lights
 from envlights.rig import Rig
 
@@ -24,24 +26,40 @@ _NOTE = (
     " 1, y, z, x, xy, yz, 3zz-1, xz, xx-yy."
 )
 
+_MAP_NOTE = (
+    "glTF has no environment map: load the file of `environment`, whose name is relative to this"
+    " one. It is an equirectangular map of radiance; its centre is along +z, its left quarter along"
+    " +x."
+)
 
-def gltf(rig: Rig | Lights) -> dict[str, Any]:
+
+def gltf(
+    rig: Rig | Lights,
+    environment: EnvMap | ArrayLike | None = None,
+    *,
+    texture: str = "ambient.exr",
+) -> dict[str, Any]:
     """A glTF 2.0 asset: a node for each light.
 
     Axes: +y up and front +z, as in envlights. A directional light shines along the local -z of its
     node.
 
-    Units: `intensity` times `color` is irradiance at normal incidence. In glTF its unit is lux. The
-    numbers here have the scale of the map. If that is W/m² and your viewer expects lux, multiply
-    the intensities by 683 lm/W, or by the luminous efficacy of your white. Blender's importer
-    divides by 683 unless its lighting mode is "Unitless"; three.js uses the numbers unchanged.
+    Units: `intensity` times `color` is irradiance at normal incidence, in lux after
+    `EnvMap.calibrated`; the numbers of other maps have the scale of the map. The extras of `asset`
+    say which. Blender's importer divides by 683 lm/W unless its lighting mode is "Unitless";
+    three.js uses the numbers unchanged.
 
     Kept: directions, irradiances. Lost: glTF has neither sizes nor an ambient light. The `extras`
-    hold them for programs that read them: `angular_radius` in radians, `ambient` in radiance.
+    hold them for programs that read them: `angular_radius` in radians, `ambient` in radiance, or
+    the name of a map as `environment`.
 
     Parameters
     ----------
     rig : Rig or Lights
+    environment : EnvMap or array_like, optional
+        Map that replaces the ambient term.
+    texture : str
+        Name of the map's file, if there is a map; `save_gltf` writes it.
 
     Returns
     -------
@@ -62,7 +80,9 @@ def gltf(rig: Rig | Lights) -> dict[str, Any]:
     lights = check_rig(rig).discs()
     towards = AXES["gltf"].to_target(lights.direction)
     scene: dict[str, Any] = {"name": "envlights"}
-    asset: dict[str, Any] = {"asset": {"version": "2.0", "generator": "envlights"}, "scene": 0}
+    extras = {"units": UNITS["gltf"].statement(lights.units)}
+    about = {"version": "2.0", "generator": "envlights", "extras": extras}
+    asset: dict[str, Any] = {"asset": about, "scene": 0}
     asset["scenes"] = [scene]
     # An empty list is not valid.
     if len(lights):
@@ -79,14 +99,26 @@ def gltf(rig: Rig | Lights) -> dict[str, Any]:
         found = [_light(j, *row) for j, row in enumerate(rows)]
         asset["extensions"] = {_EXTENSION: {"lights": found}}
         asset["extensionsUsed"] = [_EXTENSION]
-    if np.any(getattr(rig, "ambient", 0)):
+    if environment is not None:
+        check_link(texture, "a reader of JSON")
+        scene["extras"] = {"environment": texture, "note": _MAP_NOTE}
+    elif np.any(getattr(rig, "ambient", 0)):
         scene["extras"] = _extras(rig)
     return asset
 
 
-def save_gltf(rig: Rig | Lights, path: str | os.PathLike[str]) -> None:
-    """Write `gltf` at `path`."""
-    save_scene(path, json.dumps(gltf(rig), indent=2, allow_nan=False) + "\n")
+def save_gltf(
+    rig: Rig | Lights,
+    path: str | os.PathLike[str],
+    environment: EnvMap | ArrayLike | None = None,
+    *,
+    texture: str | None = None,
+) -> None:
+    """Write `gltf` at `path`; a map goes beside it, unless it is the file `texture`."""
+    around = None if environment is None else scene_of(rig, environment, target="gltf").environment
+    name, textures = panorama(path, around, texture)
+    asset = gltf(rig, environment, texture=name)
+    save_scene(path, json.dumps(asset, indent=2, allow_nan=False) + "\n", textures)
 
 
 def _light(j: int, irradiance: NDArray[np.float64], radius: float) -> dict[str, Any]:

@@ -15,13 +15,25 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from envlights import kernels
 from envlights._native import EnvLightsError
 from envlights.envmap import EnvMap
 from envlights.export.discs import MOST_ROWS, rows_for, split_by_size
-from envlights.export.files import save_scene, texture_name
+from envlights.export.files import check_link, save_scene, texture_name
 from envlights.export.scene import Scene, scene_of
 from envlights.lights import Lights
 from envlights.rig import Rig
+
+#: End of the name of a map with its rows as Mitsuba reads them.
+TEXTURE = ".ambient.mitsuba.exr"
+#: A dollar sign begins the name of a parameter; XML forbids the others.
+_REFUSED = ("$", "\ufffe", "\uffff", *(chr(c) for c in range(32) if chr(c) not in "\t\n\r"))
+
+#: Normals among which the one with most light is searched.
+_NORMALS = kernels.pixel_directions(8, 16).reshape(-1, 3)
+#: Least weight of an emitter. It costs others 1 % of their paths at most, and emitters that are
+#: brightened after loading still light the scene.
+_LEAST_WEIGHT = 0.01
 
 
 def mitsuba(rig: Rig | Lights, environment: EnvMap | ArrayLike | None = None) -> dict[str, Any]:
@@ -43,8 +55,16 @@ def mitsuba(rig: Rig | Lights, environment: EnvMap | ArrayLike | None = None) ->
 
     Notes
     -----
-    Mitsuba picks one emitter at random for each path. Many emitters give noise. Rendering each
-    alone and adding the images avoids it.
+    After `EnvMap.calibrated` the numbers are lux and cd/m2, and so are the pixels of an image.
+
+    Mitsuba picks one emitter at random at each surface. `sampling_weight` makes an emitter more
+    probable in proportion to the irradiance of the surface that it lights most; the mean is 1, the
+    weight of other emitters. For four points and their surroundings, the noise is 0.27 to 0.75
+    times that of equal weights (128 paths per pixel, three maps). Rendering each emitter alone,
+    with paths in the same proportion, and adding the images lowers it again, by a factor of 0.52
+    to 0.95.
+
+    ``"hide_emitters": True`` in the integrator hides the surroundings from the camera.
 
     Examples
     --------
@@ -53,14 +73,14 @@ def mitsuba(rig: Rig | Lights, environment: EnvMap | ArrayLike | None = None) ->
     >>> emitters["light_0"]["direction"], emitters["light_0"]["irradiance"]["value"]
     ([0.0, -1.0, 0.0], [3.0, 2.0, 1.0])
     """
-    scene = scene_of(rig, environment)
+    scene = scene_of(rig, environment, target="mitsuba")
     emitters = directional(scene.lights)
     radiance = _map_of(scene, is_sharp=environment is not None)
     if radiance is not None:
         emitters["ambient"] = envmap(radiance)
     elif scene.ambient is not None:
         emitters["ambient"] = constant(scene.ambient)
-    return emitters
+    return add_weights(emitters, largest_irradiance(radiance, scene.ambient))
 
 
 def save_mitsuba(
@@ -72,23 +92,29 @@ def save_mitsuba(
 
     A map goes beside it, ``scene.ambient.mitsuba.exr``, with its rows as Mitsuba reads them.
     """
-    scene = scene_of(rig, environment)
+    scene = scene_of(rig, environment, target="mitsuba")
     radiance = _map_of(scene, is_sharp=environment is not None)
     root = ElementTree.Element("scene", version="3.0.0")
-    for name, light in directional(scene.lights).items():
+    root.append(ElementTree.Comment(f" {scene.statement} "))
+    lights = directional(scene.lights)
+    for name, light in lights.items():
         emitter = ElementTree.SubElement(root, "emitter", type="directional", id=name)
         x, y, z = map(repr, light["direction"])
         ElementTree.SubElement(emitter, "vector", name="direction", x=x, y=y, z=z)
         _rgb_element(emitter, "irradiance", light["irradiance"]["value"])
     textures = {}
     if radiance is not None:
-        name = texture_name(path, "ambient.mitsuba")
+        name = texture_name(path, TEXTURE)
+        check_link(name, "Mitsuba", _REFUSED)
         emitter = ElementTree.SubElement(root, "emitter", type="envmap", id="ambient")
         ElementTree.SubElement(emitter, "string", name="filename", value=name)
         textures[name] = radiance
     elif scene.ambient is not None:
         emitter = ElementTree.SubElement(root, "emitter", type="constant", id="ambient")
         _rgb_element(emitter, "radiance", scene.ambient.tolist())
+    weights = sampling_weights(lights, largest_irradiance(radiance, scene.ambient))
+    for emitter, weight in zip(root.iter("emitter"), weights, strict=True):
+        ElementTree.SubElement(emitter, "float", name="sampling_weight", value=repr(weight))
     ElementTree.indent(root)
     save_scene(path, ElementTree.tostring(root, encoding="unicode") + "\n", textures)
 
@@ -122,6 +148,45 @@ def envmap(radiance: NDArray[Any]) -> dict[str, Any]:
             " or save an .xml, which needs no Mitsuba"
         ) from None
     return {"type": "envmap", "bitmap": bitmap(radiance.astype(np.float32))}
+
+
+def add_weights(
+    emitters: dict[str, dict[str, Any]], surroundings: NDArray[np.float64] | None
+) -> dict[str, dict[str, Any]]:
+    """Emitters of `directional`, and surroundings after them, with their `sampling_weight`."""
+    lights = {name: each for name, each in emitters.items() if "irradiance" in each}
+    weights = sampling_weights(lights, surroundings)
+    return {
+        name: {**emitter, "sampling_weight": weight}
+        for (name, emitter), weight in zip(emitters.items(), weights, strict=True)
+    }
+
+
+def sampling_weights(
+    lights: dict[str, dict[str, Any]], surroundings: NDArray[np.float64] | None
+) -> list[float]:
+    """Weights in proportion to irradiance, of each light and of surroundings; their mean is 1."""
+    irradiances = [light["irradiance"]["value"] for light in lights.values()]
+    if surroundings is not None:
+        irradiances.append(surroundings.tolist())
+    sizes = np.linalg.norm(np.reshape(irradiances, (-1, 3)), axis=1)
+    if not sizes.any():
+        return [1.0] * len(sizes)
+    weights: list[float] = np.maximum(sizes / sizes.mean(), _LEAST_WEIGHT).tolist()
+    return weights
+
+
+def largest_irradiance(
+    radiance: NDArray[Any] | None, ambient: NDArray[np.float64] | None
+) -> NDArray[np.float64] | None:
+    """Irradiance of the surface that gets most from a map with rows on the poles, or a constant."""
+    if radiance is None:
+        return None if ambient is None else np.pi * ambient
+    # Half a row too high: that changes no weight.
+    cells = np.ascontiguousarray(radiance[:-1], np.float32)
+    irradiance = kernels.irradiance(cells, _NORMALS)
+    largest: NDArray[np.float64] = irradiance[np.linalg.norm(irradiance, axis=1).argmax()]
+    return largest
 
 
 def discs_on_poles(lights: Lights, least_rows: int = 0) -> NDArray[np.float64] | None:

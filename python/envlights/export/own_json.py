@@ -5,23 +5,16 @@ from __future__ import annotations
 import json
 import os
 
+from envlights._units import statement
 from envlights.export.files import save_scene
-from envlights.kernels.sphere import FRAME
-from envlights.lights import Lights
+from envlights.lights import LIGHTS_HEADER, Lights
 from envlights.rig import Rig
-
-#: Header of a file of lights, because `Lights.to_dict` holds only arrays.
-_LIGHTS = {
-    "format": "envlights lights",
-    "version": 1,
-    "frame": FRAME,
-    "units": "irradiance: at normal incidence; linear Rec.709 RGB; angular_radius: radians",
-}
 
 
 def save_json(rig: Rig | Lights, path: str | os.PathLike[str]) -> None:
     """Write the result of `to_dict`, which `load` of the same class reads."""
     data = rig.to_dict()
     if "format" not in data:
-        data = {**_LIGHTS, **data}
+        units = f"{LIGHTS_HEADER['units']}; {statement(data['scale'])}"
+        data = {**LIGHTS_HEADER, "units": units, **data}
     save_scene(path, json.dumps(data, indent=2, allow_nan=False) + "\n")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 
 import numpy as np
@@ -10,10 +9,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights.envmap import EnvMap
 from envlights.export.axes import AXES
-from envlights.export.discs import looked_up, split_by_size, with_discs
-from envlights.export.files import save_scene, texture_name
+from envlights.export.discs import split_by_size, with_discs
+from envlights.export.files import check_link, save_scene, texture_name
 from envlights.export.scene import Scene, scene_of
+from envlights.layouts.layout import Layout, equirectangular
 from envlights.lights import Lights
+from envlights.resampling import resample
 from envlights.rig import Rig
 
 #: Angular radius in radians below which a light has no size in pbrt: 0.7 degrees, which is four
@@ -21,9 +22,19 @@ from envlights.rig import Rig
 _NARROW = 4 * np.pi / 1024
 #: Pixels along a side of pbrt's map for each row of ours: about the same at the horizon.
 _SIDE = 1.25
-#: Samples along a side of each of its pixels, which are averaged.
-_SAMPLES = 3
-_HEADER = "# Lights of envlights for pbrt-v4: Include this file after WorldBegin.\n"
+#: Directions of the centre, of the right and of the upper edge of that map, which has +z of pbrt in
+#: its centre.
+_SQUARE = ((0.0, 1.0, 0.0), (0.0, 0.0, -1.0), (-1.0, 0.0, 0.0))
+#: End of the name of an equal-area map.
+TEXTURE = ".ambient.pbrt.exr"
+#: Escapes of pbrt in a string.
+_ESCAPES = str.maketrans(
+    {
+        **{"\\": r"\\", '"': r"\""},
+        **{"\b": r"\b", "\f": r"\f", "\n": r"\n", "\r": r"\r", "\t": r"\t"},
+    }
+)
+_HEADER = "# Lights of envlights for pbrt-v4: Include this file after WorldBegin."
 
 
 def pbrt(
@@ -38,7 +49,8 @@ def pbrt(
     right-handed (``Scale -1 1 1``), the lights are mirrored with it.
 
     Units: ``rgb L`` of a distant light is irradiance at normal incidence; that of an infinite light
-    is radiance, and so are the pixels of its map. The film sets the exposure with ``iso`` and
+    is radiance, and so are the pixels of its map. pbrt scales an RGB of 1 to 1 lux or 1 cd/m2, so
+    after `EnvMap.calibrated` the numbers are those. The film sets the exposure with ``iso`` and
     ``exposuretime``.
 
     Kept: directions, irradiances; a constant ambient term; harmonics, an ambient term over a floor,
@@ -63,7 +75,7 @@ def pbrt(
     >>> print(el.export.pbrt(el.Lights([[0, 1, 0]], [[3, 2, 1]])).splitlines()[-1])
     LightSource "distant" "rgb L" [3 2 1] "point3 from" [0 0 1] "point3 to" [0 0 0]
     """
-    return _sources(*_parts(scene_of(rig, environment)), texture)
+    return _sources(*_parts(scene_of(rig, environment, target="pbrt")), texture)
 
 
 def save_pbrt(
@@ -72,8 +84,8 @@ def save_pbrt(
     environment: EnvMap | ArrayLike | None = None,
 ) -> None:
     """Write `pbrt` at `path`, and the map of an infinite light beside it, if there is one."""
-    lights, scene = _parts(scene_of(rig, environment))
-    name = texture_name(path, "ambient.pbrt")
+    lights, scene = _parts(scene_of(rig, environment, target="pbrt"))
+    name = texture_name(path, TEXTURE)
     textures = {} if scene.environment is None else {name: _equal_area(scene.environment)}
     save_scene(path, _sources(lights, scene, name), textures)
 
@@ -92,42 +104,23 @@ def _sources(lights: Lights, scene: Scene, name: str) -> str:
         for direction, irradiance in zip(towards, lights.irradiance, strict=True)
     ]
     if scene.environment is not None:
-        lines.append(f'LightSource "infinite" "string filename" {json.dumps(name)}')
+        lines.append(f'LightSource "infinite" "string filename" {_string(name)}')
     elif scene.ambient is not None:
         lines.append(f'LightSource "infinite" "rgb L" {_numbers(scene.ambient)}')
-    return "\n".join([_HEADER, *lines]) + "\n"
+    return "\n".join([_HEADER, f"# Units: {scene.statement}.", *lines]) + "\n"
+
+
+def _string(name: str) -> str:
+    """A name in quotes; pbrt knows few escapes, and none for letters beyond ASCII."""
+    check_link(name, "pbrt")
+    return f'"{name.translate(_ESCAPES)}"'
 
 
 def _equal_area(env: EnvMap) -> NDArray[np.float32]:
     """A map in the form of pbrt: a square of pixels with equal solid angles."""
     side = int(np.ceil(_SIDE * env.height))
-    centres = (np.arange(side * _SAMPLES) + 0.5) / (side * _SAMPLES)
-    found = np.empty((side, side, 3), np.float32)
-    for row in range(side):
-        v = centres[row * _SAMPLES : (row + 1) * _SAMPLES]
-        uv = np.stack(np.meshgrid(centres, v), axis=-1).reshape(-1, 2)
-        samples = looked_up(env, AXES["pbrt"].from_target(_square_to_sphere(uv)))
-        parts = samples.reshape(_SAMPLES, side, _SAMPLES, 3)
-        found[row] = parts.mean(axis=(0, 2), dtype=np.float64)
-    return found
-
-
-def _square_to_sphere(uv: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Unit vectors, z up, of points of the unit square (Clarberg 2008, the equal-area octahedron).
-
-    The square inscribed on its edges' centres is the upper half; its corners fold to the nadir.
-    """
-    u, v = 2 * uv.T - 1
-    across = np.abs(u) + np.abs(v)
-    inside = 1 - across
-    r = 1 - np.abs(inside)
-    z = np.copysign(1 - r**2, inside)
-    # r is 0 at the zenith and in the corners, where the azimuth does not matter.
-    azimuth = ((np.abs(v) - np.abs(u)) / np.maximum(r, np.finfo(float).tiny) + 1) * np.pi / 4
-    planar = r * np.sqrt(2 - r**2)
-    x = np.copysign(planar * np.cos(azimuth), u)
-    y = np.copysign(planar * np.sin(azimuth), v)
-    return np.stack([x, y, z], axis=1)
+    square = Layout("octahedral-equal-area", side, side, axes=_SQUARE)
+    return resample(env.radiance, None, equirectangular(env.height), square)[0]
 
 
 def _numbers(values: NDArray[np.float64]) -> str:

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import os
-from pathlib import PurePath
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights._check import describe
+from envlights._light_arrays import LARGEST_LIGHT
 from envlights._native import EnvLightsError
 from envlights.envmap import EnvMap
 from envlights.export.axes import AXES
 from envlights.export.discs import looked_up, split_by_size, with_discs
-from envlights.export.files import save_scene, texture_name
+from envlights.export.files import CONTROLS, check_link, save_scene, texture_name
 from envlights.export.scene import Scene, scene_of
 from envlights.lights import Lights
 from envlights.rig import Rig
@@ -23,10 +23,10 @@ from envlights.rig import Rig
 _WIDE = 0.2
 #: Angular radius of a point; a source must have one.
 _POINT = 1e-4
-#: Column and row of the picture in a direction of the sky; the centre looks along +x.
-_LOOK_UP = "1-atan2(Dy,Dx)/PI 0.5+atan2(Dz,sqrt(Dx*Dx+Dy*Dy))/PI"
+#: End of the name of a picture whose mantissas are rounded as Radiance reads them.
+TEXTURE = ".ambient.hdr"
 _HEADER = """\
-# Lights of envlights, z up. Irradiance and radiance on the scale of the map.
+# Lights of envlights, z up. Units: @UNITS@.
 # rtrace and rpict: -ab 1 or more for the ambient term and wide lights, -dj 1 for soft shadows.
 """
 
@@ -42,13 +42,16 @@ def radiance(
     east, along +x.
 
     Units: a source has radiance and the full angle of its disc in degrees; the radiance is
-    irradiance over :math:`\pi \sin^2 a` for the angular radius a. The numbers have the scale of
-    the map. Radiance reads them as W/m²/sr; `pfilt` and `ximage` set the exposure of a picture.
+    irradiance over :math:`\pi \sin^2 a` for the angular radius a. Radiance reads the numbers as
+    W/m²/sr. After `EnvMap.calibrated` they are cd/m² over Radiance's 179 lm/W: 179 times the result
+    of `rtrace -I` is lux, with the weights 0.2126, 0.7152 and 0.0722 of Rec.709. The numbers of
+    other maps have the scale of the map; `pfilt` and `ximage` set the exposure of a picture.
 
     Kept: directions, irradiances, sizes; a constant ambient term as `glow`; harmonics, an ambient
     term over a floor, and lights wider than 11 degrees in radius as a picture on a `glow`, which is
     sampled with the ambient light. A source hides the sky behind it, so the radiance of the sky
-    is added to it. Lost: negative parts of harmonics, and up to 0.4 % in each sample of a picture.
+    is added to it. Lost: negative parts of harmonics, and up to 0.8 % in each sample of a picture,
+    without bias.
 
     Parameters
     ----------
@@ -77,7 +80,7 @@ def radiance(
     0
     4 0 0 1 11.4591559
     """
-    return _description(*_parts(scene_of(rig, environment)), texture)
+    return _description(*_parts(scene_of(rig, environment, target="radiance")), texture)
 
 
 def save_radiance(
@@ -86,9 +89,9 @@ def save_radiance(
     environment: EnvMap | ArrayLike | None = None,
 ) -> None:
     """Write `radiance` at `path`, and the picture of the sky beside it, if there is one."""
-    lights, scene = _parts(scene_of(rig, environment))
-    name = str(PurePath(texture_name(path)).with_suffix(".hdr"))
-    textures = {} if scene.environment is None else {name: scene.environment.radiance}
+    lights, scene = _parts(scene_of(rig, environment, target="radiance"))
+    name = texture_name(path, TEXTURE)
+    textures = {} if scene.environment is None else {name: _picture(scene.environment)}
     save_scene(path, _description(lights, scene, name), textures)
 
 
@@ -99,16 +102,20 @@ def _parts(scene: Scene) -> tuple[Lights, Scene]:
 
 
 def _description(lights: Lights, scene: Scene, name: str) -> str:
-    if scene.environment is not None and any(letter.isspace() for letter in name):
-        raise EnvLightsError(f"Radiance cannot read a file name with a space; got {describe(name)}")
     radius = np.maximum(lights.angular_radius, _POINT)
     seen = lights.irradiance / (np.pi * np.sin(radius) ** 2)[:, None] + _sky(scene, lights)
+    if seen.max(initial=0) > LARGEST_LIGHT:
+        raise EnvLightsError(
+            f"Radiance has single precision (up to {LARGEST_LIGHT:.3g}), and a light has the"
+            f" radiance {seen.max():.3g}; scale the rig, or give its lights a size"
+        )
     towards = AXES["radiance"].to_target(lights.direction)
     sources = [
         _source("light", f"light_{j}", rgb, direction, 2 * angle)
         for j, (rgb, direction, angle) in enumerate(zip(seen, towards, radius, strict=True))
     ]
-    return "\n".join([_HEADER, *sources, *_glow(scene, name)])
+    header = _HEADER.replace("@UNITS@", scene.statement)
+    return "\n".join([header, *sources, *_glow(scene, name)])
 
 
 def _sky(scene: Scene, lights: Lights) -> NDArray[np.float64]:
@@ -122,11 +129,45 @@ def _glow(scene: Scene, name: str) -> list[str]:
     """A source in all directions with a constant or a picture; none for a black sky."""
     up, around = np.array([0, 0, 1]), 2 * np.pi
     if scene.environment is not None:
-        picture = f"void colorpict sky_map\n7 red green blue {name} . {_LOOK_UP}\n0\n0\n"
+        where = f"{_word(name)} . {_look_up(scene.environment)}"
+        picture = f"void colorpict sky_map\n7 red green blue {where}\n0\n0\n"
         return [picture + _source("glow", "sky", np.ones(3), up, around, "sky_map")]
     if scene.ambient is not None:
         return [_source("glow", "sky", scene.ambient, up, around)]
     return []
+
+
+def _picture(env: EnvMap) -> NDArray[np.float32]:
+    """Pixels of a map with one more pixel on each side, because Radiance does not wrap pictures."""
+    rows = np.pad(env.radiance, ((1, 1), (0, 0), (0, 0)), "edge")
+    return np.pad(rows, ((0, 0), (1, 1), (0, 0)), "wrap")
+
+
+def _look_up(env: EnvMap) -> str:
+    """Column and row of `_picture` in a direction of the sky; the centre looks along +x.
+
+    Radiance interpolates between pixels; the outer ones lie on the edges of the picture, at 0 and
+    1, or at the aspect ratio along the longer side.
+    """
+    width, height = env.width, env.height
+    aspect = (width + 2) / (height + 2)
+    column = f"{aspect!r}*({width / 2!r}*(1-atan2(Dy,Dx)/PI)+0.5)/{width + 1}"
+    row = f"({height}*(0.5+atan2(Dz,sqrt(Dx*Dx+Dy*Dy))/PI)+0.5)/{height + 1}"
+    return f"{column} {row}"
+
+
+def _word(name: str) -> str:
+    """File name as one word of a description, in quotes where that is necessary."""
+    # Versions that know no quotes would run what follows a line break and an exclamation mark.
+    check_link(name, "Radiance", CONTROLS)
+    quotes = [quote for quote in "\"'" if quote not in name]
+    if not quotes or name.startswith("~"):
+        raise EnvLightsError(
+            "Radiance cannot read the name of a picture that begins with ~ or holds both kinds of"
+            f" quotes; got {describe(name)}; give the scene another name"
+        )
+    is_plain = len(quotes) == 2 and not any(letter.isspace() for letter in name)
+    return name if is_plain else f"{quotes[0]}{name}{quotes[0]}"
 
 
 def _source(

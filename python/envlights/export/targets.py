@@ -3,20 +3,26 @@
 from __future__ import annotations
 
 from envlights._capabilities import Capabilities
-from envlights._targets import Target, register
+from envlights._targets import PANORAMA, Target, register
 from envlights.export.blender import save_blender
 from envlights.export.csv import save_csv
 from envlights.export.engine import save_unity, save_unreal
 from envlights.export.gltf import save_gltf
+from envlights.export.godot import DIRECTIONAL_LIGHTS, save_godot
+from envlights.export.mitsuba import TEXTURE as MITSUBA_TEXTURE
 from envlights.export.mitsuba import save_mitsuba
+from envlights.export.mujoco import LAMPS, save_mujoco
 from envlights.export.own_json import save_json
+from envlights.export.pbrt import TEXTURE as PBRT_TEXTURE
 from envlights.export.pbrt import save_pbrt
+from envlights.export.radiance import TEXTURE as RADIANCE_TEXTURE
 from envlights.export.radiance import save_radiance
+from envlights.export.scene import CASTERS
 from envlights.export.three import save_three
+from envlights.export.units import UNITS
 from envlights.export.usd import save_usd
 
-#: Targets in the order of the help.
-TARGETS = (
+_TARGETS = (
     Target(
         "json",
         "envlights itself",
@@ -39,11 +45,10 @@ TARGETS = (
         Capabilities(
             sizes="none",
             harmonics="none",
-            environment=False,
-            units="lux",
-            remark="no ambient light: set the one in `extras` by hand; sizes are in `extras` too",
+            remark="set ambient light or map of `extras` by hand; sizes are there too",
             source="Khronos, KHR_lights_punctual: a directional light has no size",
         ),
+        PANORAMA,
     ),
     Target(
         "three",
@@ -52,7 +57,6 @@ TARGETS = (
         save_three,
         Capabilities(
             sizes="none",
-            units="lux, nits for ambient light",
             remark="sizes are in `userData`",
             source="three.js, src/lights: DirectionalLight, HemisphereLight, LightProbe",
         ),
@@ -64,10 +68,10 @@ TARGETS = (
         save_usd,
         Capabilities(
             harmonics="map",
-            units="nits",
             remark="Storm, the viewer of usdview, ignores `angle`",
             source="OpenUSD, UsdLux: DistantLight, inputs:angle",
         ),
+        PANORAMA,
     ),
     Target(
         "mitsuba",
@@ -77,6 +81,7 @@ TARGETS = (
         Capabilities(
             harmonics="map", remark="sizes are in a map", source="Mitsuba 3, plugins: envmap"
         ),
+        MITSUBA_TEXTURE,
     ),
     Target(
         "blender",
@@ -85,10 +90,10 @@ TARGETS = (
         save_blender,
         Capabilities(
             harmonics="map",
-            units="W/m2",
             remark="for Cycles; a map has no shadows in EEVEE",
             source="Blender manual, Cycles: Sun Light, Angle",
         ),
+        PANORAMA,
     ),
     Target(
         "radiance",
@@ -96,6 +101,7 @@ TARGETS = (
         (".rad",),
         save_radiance,
         Capabilities(harmonics="map", source="Radiance, The RADIANCE Lighting Simulation: source"),
+        RADIANCE_TEXTURE,
     ),
     Target(
         "pbrt",
@@ -107,6 +113,37 @@ TARGETS = (
             remark="sizes below 0.7 degrees are points, others are in a map",
             source="pbrt-v4 file format: infinite and distant lights",
         ),
+        PBRT_TEXTURE,
+    ),
+    Target(
+        "mujoco",
+        "MuJoCo",
+        (".mujoco.xml",),
+        save_mujoco,
+        Capabilities(
+            sizes="none",
+            harmonics="none",
+            floor=False,
+            lights=LAMPS,
+            casters=CASTERS,
+            remark="of a map, the mean alone; for the classic renderer",
+            source="MuJoCo 3.12, src/render/classic/render_gl3.c: eight lights of OpenGL",
+        ),
+    ),
+    Target(
+        "godot",
+        "Godot 4",
+        (".tscn",),
+        save_godot,
+        Capabilities(
+            sizes="soften",
+            harmonics="map",
+            lights=DIRECTIONAL_LIGHTS,
+            casters=CASTERS,
+            remark="sizes above 1.5 degrees are points; a map needs Forward+ or Mobile",
+            source="Godot 4, scene_forward_lights_inc.glsl, light_storage.cpp",
+        ),
+        PANORAMA,
     ),
     Target(
         "unity",
@@ -115,9 +152,10 @@ TARGETS = (
         save_unity,
         Capabilities(
             sizes="soften",
-            units="lux in HDRP, radiance elsewhere",
+            remark="other pipelines than HDRP use `intensity_without_pi`",
             source="Unity manual, HDRP: Light, Angular Diameter",
         ),
+        PANORAMA,
     ),
     Target(
         "unreal",
@@ -127,12 +165,23 @@ TARGETS = (
         Capabilities(
             sizes="soften",
             harmonics="map",
-            units="lux",
             remark="set the rotation of the map by hand",
             source="Unreal Engine documentation: Directional Light, Source Angle",
         ),
+        PANORAMA,
     ),
 )
+
+
+def _with_units(target: Target) -> Target:
+    """`target` with its units from their own table; our own files keep those of the map."""
+    if target.name not in UNITS:
+        return target
+    return target._replace(shows=target.shows._replace(units=UNITS[target.name].in_short()))
+
+
+#: Targets in the order of the help.
+TARGETS = tuple(map(_with_units, _TARGETS))
 
 register(TARGETS)
 

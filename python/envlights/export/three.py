@@ -35,6 +35,8 @@ _TEXTURE = {
     "flipY": True,
     "generateMipmaps": False,
 }
+#: Columns of the largest map: as text, it has 20 MB; one of 4096 columns has 16 times as many.
+_COLUMNS = 1024
 _VERSION = {"version": 4.7, "type": "Object", "generator": "envlights"}
 
 
@@ -47,8 +49,9 @@ def three(rig: Rig | Lights, environment: EnvMap | ArrayLike | None = None) -> d
 
     Units: colour times intensity of a directional light is irradiance at normal incidence.
     `AmbientLight` and `HemisphereLight` have irradiance too, pi times our radiance; `LightProbe`
-    and environments have radiance. Since release 155 this needs no setting. The renderer's
-    ``toneMappingExposure`` sets the exposure.
+    and environments have radiance. Since release 155 this needs no setting. After
+    `EnvMap.calibrated` the numbers are lux and cd/m². The renderer's ``toneMappingExposure`` sets
+    the exposure.
 
     Kept: directions, irradiances; a constant ambient term as `AmbientLight`, harmonics as
     `LightProbe`, an ambient term over a floor as `HemisphereLight`; a map as the scene's
@@ -58,7 +61,7 @@ def three(rig: Rig | Lights, environment: EnvMap | ArrayLike | None = None) -> d
     ----------
     rig : Rig or Lights
     environment : EnvMap or array_like, optional
-        Map that replaces the ambient term. It is written as text: reduce large maps.
+        Map that replaces the ambient term. It is written as text, with up to 1024 columns.
 
     Returns
     -------
@@ -73,14 +76,14 @@ def three(rig: Rig | Lights, environment: EnvMap | ArrayLike | None = None) -> d
     >>> light["type"], light["intensity"], light["matrix"][12:15]
     ('DirectionalLight', 3.0, [10.0, 0.0, 0.0])
     """
-    scene = scene_of(rig, environment)
+    scene = scene_of(rig, environment, target="three")
     lights = scene.lights
     rows = zip(lights.direction, lights.irradiance, lights.angular_radius, strict=True)
     children = [_light(j, *row) for j, row in enumerate(rows)]
-    root = _thing("Scene", "envlights", children=children)
+    root = _thing("Scene", "envlights", children=children, userData={"units": scene.statement})
     written: dict[str, Any] = {"metadata": _VERSION}
     if environment is not None and scene.environment is not None:
-        image, texture = _map(scene.environment)
+        image, texture = _map(_at_most(scene.environment))
         written |= {"images": [image], "textures": [texture]}
         root |= {"environment": texture["uuid"], "background": texture["uuid"]}
     elif scene.ambient is not None or scene.environment is not None:
@@ -130,6 +133,10 @@ def _colour(values: NDArray[np.float64]) -> dict[str, Any]:
     hue, lightness, saturation = colorsys.rgb_to_hls(*codes.tolist())
     colour = f"hsl({360 * hue:.12f},{100 * saturation:.12f}%,{100 * lightness:.12f}%)"
     return {"color": colour, "intensity": most}
+
+
+def _at_most(env: EnvMap) -> EnvMap:
+    return env if env.width <= _COLUMNS else env.resized(_COLUMNS)
 
 
 def _map(env: EnvMap) -> tuple[dict[str, Any], dict[str, Any]]:

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from envlights._native import EnvLightsError
 from envlights.envmap import EnvMap
 from envlights.export.axes import AXES
-from envlights.export.files import save_scene, texture_name
+from envlights.export.files import CONTROLS, check_link, panorama, save_scene
 from envlights.export.scene import Scene, scene_of
 from envlights.io.files import as_path
 from envlights.lights import Lights
@@ -22,7 +22,7 @@ from envlights.rig import Rig
 _HEAD = """#usda 1.0
 (
     defaultPrim = "rig"
-    doc = "Lights: irradiance at normal incidence; dome: radiance; linear Rec.709 RGB"
+    doc = "Lights: irradiance at normal incidence; dome: radiance; linear Rec.709 RGB; @UNITS@"
     metersPerUnit = 1
     upAxis = "Y"
 )
@@ -54,7 +54,8 @@ def usd(
         ``DistantLight``: along its local -z, `angle` is the full angle in degrees, and `normalize`
         makes intensity times color our irradiance, in W m\ :sup:`-2`, whatever the angle.
         ``DomeLight``: intensity times color is our radiance; or a latlong texture with our
-        orientation. The stage has +y up.
+        orientation. The stage has +y up. After `EnvMap.calibrated` the numbers are lux and cd/m2,
+        the units of UsdLux at exposure 0.
 
     Examples
     --------
@@ -63,23 +64,24 @@ def usd(
     >>> "float inputs:intensity = 3.0" in text, "color3f inputs:color = (1.0, 0.5, 0.0)" in text
     (True, True)
     """
-    return _text(scene_of(rig, environment), texture)
+    return _text(scene_of(rig, environment, target="usd"), texture)
 
 
 def save_usd(
     rig: Rig | Lights,
     path: str | os.PathLike[str],
     environment: EnvMap | ArrayLike | None = None,
+    *,
+    texture: str | None = None,
 ) -> None:
     """Write `usd` as text (.usda, .usd), or as a crate (.usdc), which needs the extra `usd`.
 
-    A map goes beside it, ``scene.ambient.exr``.
+    A map goes beside it, ``scene.ambient.exr``, unless it is the file `texture`.
     """
-    scene = scene_of(rig, environment)
-    name = texture_name(path)
+    scene = scene_of(rig, environment, target="usd")
+    name, textures = panorama(path, scene.environment, texture)
     text = _text(scene, name)
     content = _crate(text) if as_path(path).suffix.lower() == ".usdc" else text
-    textures = {} if scene.environment is None else {name: scene.environment.cells()}
     save_scene(path, content, textures)
 
 
@@ -89,13 +91,25 @@ def _text(scene: Scene, texture: str) -> str:
     prims = [_light(f"light_{j}", *row) for j, row in enumerate(rows)]
     if scene.environment is not None:
         file = [
-            f"asset inputs:texture:file = @./{texture}@",
+            f"asset inputs:texture:file = {_asset(texture)}",
             'token inputs:texture:format = "latlong"',
         ]
         prims.append(_prim("DomeLight", "ambient", ["float inputs:intensity = 1.0", *file]))
     elif scene.ambient is not None:
         prims.append(_prim("DomeLight", "ambient", _colour(scene.ambient)))
-    return _HEAD + "\n".join(prims) + "}\n"
+    return _HEAD.replace("@UNITS@", scene.statement) + "\n".join(prims) + "}\n"
+
+
+def _asset(texture: str) -> str:
+    """A path as a literal, which OpenUSD looks up beside the stage, not in its search paths.
+
+    <UDIM> would stand for the numbers of many files, and a backslash for a slash.
+    """
+    check_link(texture, "OpenUSD", ["<UDIM>", "\\", *CONTROLS])
+    path = texture if texture.startswith("../") else f"./{texture}"
+    if "@" not in path:
+        return f"@{path}@"
+    return "@@@" + path.replace("@@@", r"\@@@") + "@@@"
 
 
 def _light(

@@ -200,6 +200,7 @@ def fit(
         answer,
         request,
         notes=(*reduction.notes, *wording.clipping(reduction.clipped_flux_share)),
+        units=reduction.units,
         floor=floor,
         # With a requested error, all numbers of lights have sizes.
         sized_error=answer.error if of_discs and answer.lights and not request.has_goal else None,

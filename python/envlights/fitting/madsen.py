@@ -15,12 +15,13 @@ from envlights._interruptible import interruptible
 from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights._tables import Table
+from envlights._units import OWN_SCALE
 from envlights._unseen import Unseen
 from envlights.envmap import AnyMap, EnvMap, as_envmap
 from envlights.fitting.wording import clipping
 from envlights.kernels import madsen, probe, sampling
 from envlights.light import azimuths, elevations
-from envlights.lights import Lights, rgb_cell
+from envlights.lights import Lights, rgb_cell, rgb_heading
 from envlights.report import FitReport, StopReason
 from envlights.rig import Rig
 
@@ -75,6 +76,9 @@ class PaperFit(Result):
     notes: tuple[str, ...] = ()
     """Remarks on samples of the map that were changed, and on assumptions."""
 
+    units: str = OWN_SCALE
+    """Unit of the map; see `EnvMap.units`."""
+
     def in_short(self) -> str:
         """Number of lights, error, steps and stop reason."""
         lights = f"{len(self.direction)} lights, error {100 * self.error:.3g} %"
@@ -95,7 +99,7 @@ class PaperFit(Result):
             azimuth, elevation = np.rad2deg([azimuths(towards[None]), elevations(towards[None])])
             place = [f"{number}", f"{azimuth[0]:.1f}°", f"{elevation[0]:+.1f}°"]
             rows.append([*place, rgb_cell(irradiance)])
-        return Table(["light", "azimuth", "elevation", "irradiance (R, G, B)"], rows)
+        return Table(["light", "azimuth", "elevation", rgb_heading(self.units)], rows)
 
     @property
     def error(self) -> float:
@@ -134,7 +138,8 @@ class PaperFit(Result):
         measured_on = f"the {PROBE_FACES} fitted normals"
         report = FitReport(steps=self.steps, stop_reason=self.stop_reason, measured_on=measured_on)
         ambient = self.k_a / (np.pi * self.k_d) * self.ambient
-        return Rig(ambient, Lights(self.direction, self.irradiance), self.error, report, self.notes)
+        lights = Lights(self.direction, self.irradiance, units=self.units)
+        return Rig(ambient, lights, self.error, report, self.notes)
 
 
 def fit_paper(
@@ -229,7 +234,7 @@ def fit_paper(
     found, directions, irradiance = (freeze(part) for part in madsen.unpack_lights(x))
     history, (k_a, k_d, _) = tuple(errors), surface
     notes = (*env.notes, *clipping(env.clipped_flux_share if env.white else 0.0))
-    return PaperFit(found, directions, irradiance, history, stop, k_a, k_d, notes)
+    return PaperFit(found, directions, irradiance, history, stop, k_a, k_d, notes, env.units)
 
 
 class _Surface(NamedTuple):

@@ -7,6 +7,7 @@ from typing import NamedTuple, TypeGuard
 
 from envlights import _native
 from envlights._native import ReducedMap
+from envlights._units import OWN_SCALE
 from envlights._unseen import Unseen
 from envlights.envmap import AnyMap, EnvMap
 from envlights.fitting.unseen_part import fill_for_fit
@@ -15,6 +16,9 @@ from envlights.kernels.probe import WORKING_COLUMNS
 
 #: Fraction of the flux of a channel from which a cell of the reduced map becomes a point source.
 POINT_SHARE = 5e-3
+#: Columns into which smaller maps are divided: the bright pixels of a reduced map are points. A
+#: bright pixel of 64 columns as one point hid an error of 1.6 %, and of 512 columns 0.02 %.
+LEAST_COLUMNS = 512
 
 
 class Reduction(NamedTuple):
@@ -42,16 +46,20 @@ class Reduction(NamedTuple):
     unseen_spread: float = 0.0
     """Relative RMS difference of the probe between two fills of the unseen part."""
 
+    units: str = OWN_SCALE
+    """Unit of the map; see `EnvMap.units`."""
+
 
 def reduction_of(env: EnvMap, floor: bool, unseen: Unseen = None) -> Reduction:
     """Reduction of a map in memory, after its unseen part is filled."""
     part = fill_for_fit(env, floor, unseen)
     env = part.env
-    cells = _native.reduce_map(
-        env.radiance, env.is_border_sampled, WORKING_COLUMNS, POINT_SHARE, floor
-    )
+    times = 1 if env.is_border_sampled else -(-LEAST_COLUMNS // env.width)
+    radiance = env.radiance.repeat(times, axis=0).repeat(times, axis=1)
+    cells = _native.reduce_map(radiance, env.is_border_sampled, WORKING_COLUMNS, POINT_SHARE, floor)
     share = 0.0 if env.white is None else env.clipped_flux_share
-    return Reduction(cells, env.width, env.notes, share, part.seen_share, part.unseen_spread)
+    unseen_part = part.seen_share, part.unseen_spread
+    return Reduction(cells, env.width, env.notes, share, *unseen_part, env.units)
 
 
 def is_file(env: AnyMap) -> TypeGuard[str | os.PathLike[str] | bytes]:
@@ -67,4 +75,6 @@ def reduction_of_file(path: str | os.PathLike[str] | bytes, floor: bool) -> Redu
     It equals that of `EnvMap.open`.
     """
     reduced = reduce_file(path, WORKING_COLUMNS, POINT_SHARE, floor)
-    return None if reduced is None else Reduction(*reduced)
+    if reduced is None or reduced.width < LEAST_COLUMNS:
+        return None
+    return Reduction(*reduced[:-1], units=reduced.units)

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights._native import FitAnswer
+from envlights._units import OWN_SCALE
 from envlights.fitting.request import Request
 from envlights.lights import Lights, brightest_first
 from envlights.report import FitReport, StopReason
@@ -20,6 +21,7 @@ def rig_of(
     *,
     scale: float = 1.0,
     notes: tuple[str, ...] = (),
+    units: str = OWN_SCALE,
     floor: bool = False,
     **report_fields: Any,
 ) -> Rig:
@@ -49,7 +51,7 @@ def rig_of(
     radii = np.array(answer.angular_radii)
     return Rig(
         ambient if len(ambient) > 1 else ambient.sum(axis=0),
-        Lights.unchecked(answer.directions[order], irradiance[order], radii[order]),
+        Lights.unchecked(answer.directions[order], irradiance[order], radii[order], units),
         answer.error,
         report,
         notes,

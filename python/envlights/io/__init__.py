@@ -8,6 +8,7 @@
 | read all other kinds by OpenImageIO           | `openimageio.py`                                 |
 | - size and XMP of JPEG, tags of TIFF          | `jpeg_segments.py`, `tiff_tags.py`               |
 | choose a part and its channels                | `channels.py`                                    |
+| find the layout that our own files state      | `description.py`                                 |
 | place the picture on the sphere               | `placement.py`, `gpano.py`, `xmp.py`             |
 | find what alpha hides                         | `alpha.py`                                       |
 | choose among a file's statements on colour    | `colour.py`, `colour_spaces.py`, `icc.py`        |
@@ -15,6 +16,7 @@
 | convert primaries to Rec.709                  | `primaries.py`                                   |
 | the steps in order                            | `images.py`                                      |
 | reduce a file row by row for a fit            | `reduced_file.py`                                |
+| exposure and focal length of EXIF             | `exif_exposure.py`, `focal_length.py`            |
 | merge exposures into one image                | `exposures/`                                     |
 | read raw files of cameras                     | `raw.py`                                         |
 | write images                                  | `image_output.py`                                |

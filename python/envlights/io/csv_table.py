@@ -4,16 +4,22 @@ from __future__ import annotations
 
 import os
 import re
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from envlights._native import EnvLightsError
+from envlights._units import OWN_SCALE, PHOTOMETRIC
 from envlights.io.files import as_path
+
+_T = TypeVar("_T")
 
 FORMAT = "# envlights CSV, version 1"
 
+#: End of the second line, before the unit; files without it have the map's own scale.
+SCALE = "; scale: "
 HEADER = "kind,x,y,z,red,green,blue,angular_radius"
 _RIG = re.compile(r"# relative RMS error (\S+)(, over a floor)?")
 #: First cells of the rows of an ambient term: constant, or nine harmonics.
@@ -37,6 +43,9 @@ class Table(NamedTuple):
 
     error: float | None
     """Relative RMS error of the rig."""
+
+    units: str
+    """Unit of the radiance; see `EnvMap.units`."""
 
     floor: bool
     """True if a floor hides the ambient light from below."""
@@ -69,7 +78,17 @@ def read_csv(path: str | os.PathLike[str]) -> Table:
     if (ambient is None) != (rms is None):
         raise EnvLightsError(f"{path} is not a complete rig: ambient and error go together")
     floor = bool(header and header[2])
-    return Table(lights[:, :3], lights[:, 3:6], lights[:, 6], ambient, rms, floor)
+    units = PHOTOMETRIC if lines[1].endswith(f"{SCALE}{PHOTOMETRIC}") else OWN_SCALE
+    return Table(lights[:, :3], lights[:, 3:6], lights[:, 6], ambient, rms, units, floor)
+
+
+def load_csv(path: str | os.PathLike[str], build: Callable[[Table], _T]) -> _T:
+    """Result of `build` for the table in a file, or a refusal that names the file."""
+    table = read_csv(path)
+    try:
+        return build(table)
+    except EnvLightsError as error:
+        raise EnvLightsError(f"{path} holds impossible lights: {error}") from None
 
 
 def _rows(lines: list[str]) -> list[list[str]]:

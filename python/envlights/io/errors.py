@@ -5,6 +5,16 @@ from __future__ import annotations
 import errno
 
 from envlights._native import EnvLightsError
+from envlights._printable import printable
+
+
+def _on_one_line(refusal: EnvLightsError) -> str:
+    """Message in which names from files and paths cannot forge lines or control a terminal."""
+    return printable(super(EnvLightsError, refusal).__str__())
+
+
+# Compiled code defines the class, and raises it too.
+EnvLightsError.__str__ = _on_one_line  # type: ignore[method-assign, assignment]
 
 
 class MissingFileError(EnvLightsError, FileNotFoundError):

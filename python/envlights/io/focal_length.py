@@ -19,13 +19,13 @@ _UNITS_MM = {2.0: 25.4, 3.0: 10.0}
 
 
 class FocalLength(NamedTuple):
-    """Focal length of a pinhole camera, and the tag that it comes from."""
+    """Focal length of a pinhole camera, and its source."""
 
     pixels: float
     """Focal length in pixels of the picture."""
 
-    tag: str
-    """Name of the tag, with its value."""
+    origin: str
+    """Source, with its value, for a sentence."""
 
 
 def focal_length(source: Source, height: int, width: int) -> FocalLength | None:
@@ -41,7 +41,9 @@ def focal_length(source: Source, height: int, width: int) -> FocalLength | None:
         on_film = file.number("Exif:FocalLengthIn35mmFilm")
         if on_film:
             pixels = on_film / _DIAGONAL_MM * math.hypot(width, height)
-            return FocalLength(pixels, f"FocalLengthIn35mmFilm {on_film:g} mm, by the diagonal")
+            return FocalLength(
+                pixels, f"the EXIF (FocalLengthIn35mmFilm {on_film:g} mm, by the diagonal)"
+            )
         return _on_sensor(file, max(height, width))
 
 
@@ -54,5 +56,5 @@ def _on_sensor(file: OpenImageIOFile, longest: int) -> FocalLength | None:
     if not length or not density or not unit:
         return None
     reduction = longest / max((side for side in sides if side), default=float(longest))
-    tag = f"FocalLength {length:g} mm and the resolution of the sensor"
-    return FocalLength(length * density / unit * reduction, tag)
+    origin = f"the EXIF (FocalLength {length:g} mm and the resolution of the sensor)"
+    return FocalLength(length * density / unit * reduction, origin)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from envlights.io.source import printable
+from envlights._printable import printable
 
 #: Relative difference of two ratios that rounding to whole pixels explains.
 _ROUNDING = 0.01

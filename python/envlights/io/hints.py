@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from envlights.io.description import projection_of_layout
+
 
 class Hints(NamedTuple):
     """Statements of a file about the projection of its picture; all are empty for an array."""
@@ -38,12 +40,17 @@ class Hints(NamedTuple):
     order: str = ""
     """Order of cube faces that the names of six files determine; see `layouts.conventions`."""
 
+    layout: str = ""
+    """Statement of our own files on their layout; see `layouts.attribute`."""
+
     @property
     def names_other_projection(self) -> str:
         """Projection other than equirectangular that the metadata name; empty if none."""
-        if self.environment == "cube":
+        stated = projection_of_layout(self.layout)
+        if self.environment == "cube" or stated == "cube":
             return "cube map"
-        return "" if self.projection in ("", "equirectangular") else self.projection
+        named = stated or self.projection
+        return "" if named in ("", "equirectangular") else named
 
 
 #: Hints of a picture that says nothing.

@@ -1,4 +1,4 @@
-"""Writer of linear RGB as OpenEXR or Radiance files, and of codes as PNG files."""
+"""Writers of linear RGB: OpenEXR, TIFF and PNG files by OpenImageIO, and Radiance files."""
 
 from __future__ import annotations
 
@@ -13,9 +13,11 @@ from numpy.typing import NDArray
 from envlights import _native
 from envlights._check import check_choice, flag
 from envlights._native import EnvLightsError
+from envlights._srgb import encode_srgb
+from envlights._units import OWN_SCALE, PHOTOMETRIC
 from envlights.io.files import as_path, write_atomically
 from envlights.io.images import REC709, read_image
-from envlights.io.openimageio import failure, oiio
+from envlights.io.openimageio import WHITE_LUMINANCE, failure, oiio
 
 #: Lossless compressions of OpenEXR.
 COMPRESSIONS = ("zip", "piz", "rle", "none")
@@ -38,6 +40,7 @@ def write_exr(
     compression: str = COMPRESSIONS[0],
     environment: str = "",
     comments: Iterable[str] = (),
+    units: str = OWN_SCALE,
 ) -> None:
     """Write linear Rec.709 RGB, (height, width, 3), as an OpenEXR file.
 
@@ -55,6 +58,8 @@ def write_exr(
         edges of six faces in the order of OpenEXR: readers take the pixels so.
     comments : iterable of str
         Lines of the attribute ``comments``.
+    units : str
+        "cd/m2" becomes the attribute ``whiteLuminance``: the luminance of RGB (1, 1, 1).
     """
     check_choice("compression", compression, COMPRESSIONS)
     check_choice("environment", environment, ("", *_TEXTURE_FORMATS))
@@ -63,12 +68,11 @@ def write_exr(
             f"cannot write {path} with half floats: its largest sample is {radiance.max():g},"
             f" above their {_LARGEST_HALF:g}; write it with half=False"
         )
-    spec = _spec(radiance, oiio.HALF if half else oiio.FLOAT)
+    spec = _spec(radiance, oiio.HALF if half else oiio.FLOAT, comments)
     spec.attribute("compression", compression)
-    if lines := _lines(comments):
-        # OpenImageIO writes this as the attribute `comments`.
-        spec.attribute("ImageDescription", "\n".join(lines))
     spec.attribute("chromaticities", oiio.TypeDesc("float[8]"), REC709)
+    if units == PHOTOMETRIC:
+        spec.attribute(WHITE_LUMINANCE, 1.0)
     if environment:
         spec.attribute("textureformat", _TEXTURE_FORMATS[environment])
         spec.attribute("openexr:levelmode", 0)  # one level, no pyramid
@@ -76,9 +80,9 @@ def write_exr(
     _write(path, spec, radiance)
 
 
-def write_png(path: str | os.PathLike[str], codes: NDArray[np.uint8]) -> None:
+def write_codes(path: str | os.PathLike[str], codes: NDArray[np.uint8]) -> None:
     """Write sRGB codes, (height, width, 3 or 4), as a PNG file; alpha is not in the colour."""
-    spec = _spec(codes, oiio.UINT8)
+    spec = _spec(codes, oiio.UINT8, ())
     spec.attribute("oiio:UnassociatedAlpha", 1)
     spec.attribute("oiio:ColorSpace", "sRGB")
     _write(path, spec, codes)
@@ -133,30 +137,85 @@ def write_hdr(
     write_atomically(path, write)
 
 
+def write_tiff(
+    path: str | os.PathLike[str],
+    radiance: NDArray[np.float32],
+    *,
+    comments: Iterable[str] = (),
+) -> None:
+    """Write linear Rec.709 RGB, (height, width, 3), as a TIFF file of 32-bit floats.
+
+    Parameters
+    ----------
+    path : path-like
+    radiance : ndarray, shape (height, width, 3)
+    comments : iterable of str
+        Lines of the tag ``ImageDescription``.
+    """
+    spec = _spec(radiance, oiio.FLOAT, comments)
+    spec.attribute("compression", "zip")
+    _write(path, spec, radiance)
+
+
+def write_png(
+    path: str | os.PathLike[str],
+    radiance: NDArray[np.float32],
+    *,
+    comments: Iterable[str] = (),
+) -> None:
+    """Write linear Rec.709 RGB, (height, width, 3), as a PNG file of 16-bit sRGB codes.
+
+    Parameters
+    ----------
+    path : path-like
+    radiance : ndarray, shape (height, width, 3)
+        Samples from 0 to 1; a larger one is refused.
+    comments : iterable of str
+        Lines of the text ``Description``.
+    """
+    largest = float(radiance.max(initial=0))
+    if not largest <= 1:
+        raise EnvLightsError(
+            f"cannot write {path}: its largest sample is {largest:g}, above the 1 of PNG files;"
+            " scale the map, use its `limited(1)`, or write an .exr, .hdr or .tif file"
+        )
+    codes = np.round(encode_srgb(radiance) * 65535).astype(np.uint16)
+    spec = _spec(radiance, oiio.UINT16, comments)
+    spec.attribute("oiio:ColorSpace", "sRGB")
+    _write(path, spec, codes)
+
+
 def _lines(comments: Iterable[str]) -> list[str]:
     """Comments without line breaks and other control characters, one line each."""
     return ["".join(c if c.isprintable() else " " for c in comment) for comment in comments]
 
 
-#: Formats by suffix.
+#: Suffixes of maps.
 MAP_SUFFIXES = (".exr", ".hdr")
+#: Suffixes of pictures in any projection.
+PICTURE_SUFFIXES = (*MAP_SUFFIXES, ".tif", ".tiff", ".png")
 
 
-def map_suffix(path: str | os.PathLike[str]) -> str:
-    """Suffix of a map file, or a refusal."""
+def map_suffix(
+    path: str | os.PathLike[str], suffixes: tuple[str, ...] = MAP_SUFFIXES, what: str = "a map"
+) -> str:
+    """Suffix of the file of a map or of a picture, or a refusal."""
     suffix = as_path(path).suffix.lower()
-    if suffix not in MAP_SUFFIXES:
+    if suffix not in suffixes:
         raise EnvLightsError(
-            f"cannot save a map as {path}; the suffix must be one of {', '.join(MAP_SUFFIXES)}"
+            f"cannot save {what} as {path}; the suffix must be one of {', '.join(suffixes)}"
         )
     return suffix
 
 
-def _spec(radiance: NDArray[Any], sample: oiio.BASETYPE) -> oiio.ImageSpec:
+def _spec(radiance: NDArray[Any], sample: oiio.BASETYPE, comments: Iterable[str]) -> oiio.ImageSpec:
     height, width, channels = radiance.shape
     spec = oiio.ImageSpec(width, height, channels, sample)
     # Leave out the time of writing, so that equal maps give equal files.
     spec.attribute("DateTime", "")
+    if lines := _lines(comments):
+        # OpenImageIO writes this as `comments` of OpenEXR and as `Description` of PNG.
+        spec.attribute("ImageDescription", "\n".join(lines))
     return spec
 
 

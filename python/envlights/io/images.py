@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 
 from envlights._check import count
 from envlights._native import EnvLightsError
+from envlights._printable import printable
+from envlights._units import OWN_SCALE, PHOTOMETRIC
 from envlights._white import CodeHistogram, white_of
 from envlights.io.alpha import seen_of_alpha, straight_codes, visible
 from envlights.io.channels import Choice, choose
@@ -55,6 +57,12 @@ class Image:
     hints: Hints = NO_HINTS
     """Statements of the file about its projection."""
 
+    units: str = OWN_SCALE
+    """Unit of the pixels; see `EnvMap.units`."""
+
+    ev100: float | None = None
+    """Exposure value at ISO 100 of a single exposure; None if unknown."""
+
 
 @dataclass(frozen=True)
 class OpenImage:
@@ -79,7 +87,8 @@ class OpenImage:
     def notes(self) -> tuple[str, ...]:
         """Remarks of all steps."""
         notes = (*self.choice.notes, *self.raw.header.notes, *self.colour.notes)
-        return (*notes, *self.place.notes)
+        # Names of channels and colour spaces may hold any characters.
+        return tuple(map(printable, (*notes, *self.place.notes)))
 
     @property
     def hints(self) -> Hints:
@@ -92,7 +101,13 @@ class OpenImage:
             header.cube_sides,
             header.border_sampled,
             *view,
+            layout=header.layout,
         )
+
+    @property
+    def units(self) -> str:
+        """Unit of the linear samples."""
+        return PHOTOMETRIC if self.raw.header.has_luminance else OWN_SCALE
 
     def samples(self) -> Iterator[tuple[int, NDArray[Any], NDArray[Any]]]:
         """First row, colours and alpha of some rows at a time, in the type of the file."""
@@ -138,6 +153,8 @@ class OpenImage:
             white,
             None if seen is None else self.place.apply(seen, border=1),
             self.hints,
+            self.units,
+            header.ev100,
         )
 
     def _white(
@@ -211,7 +228,7 @@ def _check_projection(hints: Hints) -> None:
     """Refuse a picture whose metadata name a projection other than equirectangular."""
     if other := hints.names_other_projection:
         raise EnvLightsError(
-            f"cannot read {hints.name}: its metadata say that it is a {other}; give an"
+            f"cannot read {hints.name}: its metadata name the projection {other}; give an"
             " equirectangular map"
         )
 

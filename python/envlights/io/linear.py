@@ -36,10 +36,10 @@ class Linear:
         Negative results of the matrix become 0. Floats without a conversion are not copied.
         """
         linear = self._decode(samples)
+        if self._divisor is not None:
+            linear = linear / self._divisor[: linear.shape[2]]
         if linear.shape[2] == 1:
             return np.repeat(linear, 3, axis=2)
-        if self._divisor is not None:
-            linear = linear / self._divisor
         if self._matrix is None:
             return linear
         converted, outside = _native.apply_matrix(np.ascontiguousarray(linear), self._matrix)

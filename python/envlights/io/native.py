@@ -10,6 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights._native import EnvLightsError, PngFile, RadianceFile
+from envlights.io.description import (
+    description_of_png,
+    description_of_radiance,
+    layout_of_description,
+)
 from envlights.io.errors import DamagedFileError
 from envlights.io.raw_image import FileColour, Header, Part, RawImage
 from envlights.io.source import WANTED, Source
@@ -64,6 +69,7 @@ def open_radiance(source: Source, max_pixels: int) -> NativeFile:
         colour=FileColour(chromaticities=picture.primaries, is_xyz=picture.is_xyz),
         orientation=picture.orientation,
         exposure=picture.exposure,
+        layout=layout_of_description(description_of_radiance(data)),
     )
     return NativeFile(source.name, header, lambda: picture.rows, picture)
 
@@ -89,6 +95,7 @@ def open_png(source: Source, max_pixels: int) -> NativeFile:
         orientation=picture.orientation,
         alpha="straight" if "A" in channels else "none",
         xmp=picture.xmp,
+        layout=layout_of_description(description_of_png(data)),
         notes=("only the first image of the animation was read",) if picture.is_animated else (),
     )
 

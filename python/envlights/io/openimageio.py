@@ -18,10 +18,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights._native import EnvLightsError
+from envlights._printable import printable
+from envlights.io.description import layout_of_description
 from envlights.io.errors import DamagedFileError
+from envlights.io.exif_exposure import ev100_of, exposure_tags
 from envlights.io.jpeg_segments import Segments, segments
 from envlights.io.raw_image import FileColour, Header, Part, RawImage, Window
-from envlights.io.source import WANTED, Source, printable
+from envlights.io.source import WANTED, Source
 from envlights.io.tiff_tags import tags
 
 if TYPE_CHECKING:
@@ -34,7 +37,14 @@ else:
 
     oiio = _OnDemand()
 
-__all__ = ["OpenImageIOFile", "check_size", "failure", "oiio", "open_with_openimageio"]
+__all__ = [
+    "WHITE_LUMINANCE",
+    "OpenImageIOFile",
+    "check_size",
+    "failure",
+    "oiio",
+    "open_with_openimageio",
+]
 
 #: Suffix from which the library takes the reader of a kind.
 _SUFFIXES = {
@@ -45,6 +55,8 @@ _SUFFIXES = {
     "tiff": ".tif",
     "dds": ".dds",
 }
+#: Attribute of OpenEXR: luminance of RGB (1, 1, 1) in cd/m2.
+WHITE_LUMINANCE = "whiteLuminance"
 #: Rows of one read, or more if tiles are taller.
 _ROWS_AT_ONCE = 128
 #: NumPy type of each sample format that is read.
@@ -180,6 +192,7 @@ class OpenImageIOFile:
         # of a cube is one face.
         has_windows = kind == "openexr" and data != display and environment != "cube"
         is_applied = kind == "jpeg" and dtype.kind == "f"
+        nits = _number(spec.getattribute(WHITE_LUMINANCE)) if kind == "openexr" else None
         return Header(
             width=spec.width,
             height=spec.height,
@@ -190,13 +203,17 @@ class OpenImageIOFile:
             orientation=_orientation(spec),
             data_window=data if has_windows else None,
             display_window=display if has_windows else None,
+            exposure=(1 / nits,) * 3 if nits else (1.0, 1.0, 1.0),
+            ev100=_ev100(spec) if dtype.kind == "u" else None,
+            has_luminance=bool(nits),
             alpha=_alpha(spec),
             border_sampled=bool(spec.getattribute("oiio:sampleborder")),
             environment=environment,
             cube_sides=_text(spec, "dds:CubeMapSides"),
             xmp=self._xmp or _text(spec, "xmp").encode(),
+            layout=layout_of_description(_text(spec, "ImageDescription")),
             has_gain_map=is_applied,
-            notes=(*_notes(kind), *self._gain_map_notes(is_applied=is_applied)),
+            notes=(*_notes(kind, nits), *self._gain_map_notes(is_applied=is_applied)),
         )
 
     def _gain_map_notes(self, *, is_applied: bool) -> list[str]:
@@ -213,11 +230,7 @@ class OpenImageIOFile:
 
     def number(self, name: str, least: float = 0.0) -> float | None:
         """Value of a numeric attribute above `least`; None if there is none."""
-        value = self.attribute(name)
-        if isinstance(value, tuple):
-            value = value[0] / value[1] if len(value) == 2 and value[1] else None
-        is_number = isinstance(value, int | float) and np.isfinite(value) and value > least
-        return float(value) if is_number else None
+        return _number(self.attribute(name), least)
 
     def close(self) -> None:
         """Close the file."""
@@ -317,9 +330,29 @@ def _text(spec: oiio.ImageSpec, key: str) -> str:
     return value if isinstance(value, str) else ""
 
 
-def _notes(kind: str) -> list[str]:
-    """Remark on a reader with published memory faults."""
-    return vulnerable_openexr() if kind == "openexr" else []
+def _number(value: Any, least: float = 0.0) -> float | None:
+    """`value` of an attribute, a number or a fraction, as a float above `least`; else None."""
+    if isinstance(value, tuple) and len(value) == 1:  # the sensitivity of a TIFF
+        value = value[0]
+    if isinstance(value, tuple):
+        value = value[0] / value[1] if len(value) == 2 and value[1] else None
+    is_number = isinstance(value, int | float) and np.isfinite(value) and value > least
+    return float(value) if is_number else None
+
+
+def _ev100(spec: oiio.ImageSpec) -> float | None:
+    """Exposure value at ISO 100 of a photograph; None if its EXIF does not determine it."""
+    return ev100_of(exposure_tags(lambda name, least=0.0: _number(spec.getattribute(name), least)))
+
+
+def _notes(kind: str, nits: float | None) -> list[str]:
+    """Remarks on a reader with published memory faults, and on the luminance of a value of 1."""
+    said = []
+    if nits and nits != 1:
+        said.append(
+            f"a value of 1 is {nits:g} cd/m2 (whiteLuminance); radiance was multiplied by it"
+        )
+    return [*said, *(vulnerable_openexr() if kind == "openexr" else [])]
 
 
 @cache

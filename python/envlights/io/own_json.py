@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 
 from envlights._check import describe
 from envlights._native import EnvLightsError
+from envlights._printable import printable_parts
 from envlights.io.files import as_path
 
 _T = TypeVar("_T")
@@ -29,7 +30,7 @@ def read_json(
     import json  # here, so that `import envlights` does not wait for it
 
     try:
-        data = json.loads(as_path(path).read_text(encoding="utf-8"))
+        data = printable_parts(json.loads(as_path(path).read_text(encoding="utf-8")))
     except OSError as error:
         raise EnvLightsError(f"cannot read {path}: {error.strerror}") from None
     except (ValueError, RecursionError) as error:
@@ -51,7 +52,7 @@ def _check_version(path: object, kind: str, versions: tuple[int, ...], data: Any
     if not isinstance(data, dict) or data.get("format") != name:
         raise EnvLightsError(f"{path} is not {_one(kind)}: it does not say 'format': '{name}'")
     if data.get("version") not in versions:
-        version, read = describe(data.get("version")), " and ".join(map(str, versions))
+        version, read = describe(data.get("version")), ", ".join(map(str, versions))
         raise EnvLightsError(
             f"{path} is {_one(kind)} of version {version}; this package reads {read}"
         )

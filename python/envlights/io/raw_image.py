@@ -76,7 +76,15 @@ class Header:
     """Rectangle of the whole picture, in the same coordinates as the data window."""
 
     exposure: tuple[float, float, float] = (1.0, 1.0, 1.0)
-    """Cumulative multipliers of the channels (EXPOSURE times COLORCORR); divide samples by them."""
+    """Cumulative multipliers of the channels; divide samples by them.
+
+    EXPOSURE times COLORCORR of Radiance; 1 / whiteLuminance of OpenEXR."""
+
+    ev100: float | None = None
+    """Exposure value at ISO 100 from the EXIF of integers; None if unknown."""
+
+    has_luminance: bool = False
+    """True if samples over `exposure` are cd/m2: OpenEXR's whiteLuminance."""
 
     alpha: str = "none"
     """Meaning of the alpha channel: "none", "straight" or "premultiplied"."""
@@ -92,6 +100,9 @@ class Header:
 
     xmp: bytes = b""
     """XMP packet."""
+
+    layout: str = ""
+    """Statement of our own files on their layout; see `description`."""
 
     has_gain_map: bool = False
     """True if the samples are those of a gain map, which ends at a largest value."""

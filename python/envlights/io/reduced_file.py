@@ -1,7 +1,7 @@
 """Reduction of the rows of a file to the cells of a fit, without the whole map in memory.
 
 It is for files whose rows are the rows of the map: no alpha, no crop, no orientation, no primaries
-to be converted. All others are left to `read_image`, and so are files that it refuses or cleans.
+to be converted. All others are left to `EnvMap.open`, and so are files that it may refuse or clean.
 """
 
 from __future__ import annotations
@@ -21,6 +21,13 @@ from envlights.io.source import AnySource
 
 #: Rows of a step through samples in memory; counts of 16-bit codes need 0.2 MB for each 16 rows.
 _ROWS_AT_ONCE = 128
+#: Distance from the axis of a disc, in radii, beyond which the first row is a corner, and up to
+#: which the middle row is the disc.
+_CORNER, _DISC = 0.35, 0.9
+#: Largest ratio of the median code or radiance of corners to that of the disc. Black corners of
+#: JPEG files have codes up to 5 of 255. At 1, 2 of 18 real maps would be read as a whole, at 0.3
+#: none.
+_DARK = 0.3
 
 
 class ReducedFile(NamedTuple):
@@ -37,6 +44,9 @@ class ReducedFile(NamedTuple):
 
     clipped_flux_share: float
     """Fraction of the flux in clipped pixels; 0 for a file without a clip level."""
+
+    units: str
+    """Unit of the cells; see `EnvMap.units`."""
 
 
 class _Cells(NamedTuple):
@@ -69,8 +79,10 @@ def reduce_file(
             return None
         try:
             if file.raw.radiance is not None:
+                if _may_be_discs([file.raw.rows(row, row + 1)[0] for row in _lines_of(file)]):
+                    return None
                 reduced = _native.reduce_radiance(file.raw.radiance, *cells)
-                return ReducedFile(reduced, file.raw.header.width, file.notes, 0.0)
+                return ReducedFile(reduced, file.raw.header.width, file.notes, 0.0, file.units)
             return _of_rows(file, cells)
         except UnusableSamplesError:
             return None
@@ -85,6 +97,7 @@ def _is_plain(file: OpenImage) -> bool:
         and header.alpha == "none"
         and file.place.is_plain
         and not file.hints.names_other_projection
+        and not file.hints.layout
         and not file.hints.stereo
         and colour.matrix is None
         and not header.has_gain_map
@@ -101,16 +114,19 @@ def _of_rows(file: OpenImage, cells: _Cells) -> ReducedFile | None:
     has_codes = header.dtype.kind == "u"
     size = (header.height, header.width, header.border_sampled)
     reducer = _native.RowReducer(size, cells, table, has_codes)
-    for rows in _whole_blocks(_rows(file), reducer.block):
+    lines: list[NDArray[Any]] = []
+    for rows in _whole_blocks(_rows(file, lines), reducer.block):
         if not reducer.add(rows):
             return None
+    if _may_be_discs(lines):
+        return None
     reduced = reducer.finish()
     share, notes = _clipped(reducer, header.height, table) if has_codes else (0.0, [])
     if reduced is None or share is None:
         return None
     if reducer.negative:
         notes.append(note_of_negative(reducer.negative))
-    return ReducedFile(reduced, header.width, (*file.notes, *notes), share)
+    return ReducedFile(reduced, header.width, (*file.notes, *notes), share, file.units)
 
 
 def _clipped(
@@ -135,13 +151,40 @@ def _table(file: OpenImage) -> NDArray[np.float32] | None:
     return np.ascontiguousarray(table) if table.ndim == 1 else None
 
 
-def _rows(file: OpenImage) -> Iterator[NDArray[Any]]:
-    """Samples of some rows at a time, three for each pixel; half floats as their bits."""
+def _lines_of(file: OpenImage) -> tuple[int, int, int]:
+    """First, middle and last row."""
+    height = file.raw.header.height
+    return 0, height // 2, height - 1
+
+
+def _may_be_discs(lines: list[NDArray[Any]]) -> bool:
+    """True if the first and the last row are dark where the corners of two discs would be.
+
+    The corners of a dual fisheye are darker than 95 % of its discs. If it is possible,
+    `EnvMap.open` decides on all pixels.
+    """
+    first, middle, last = (line.max(axis=-1) for line in lines)
+    half = len(first) // 2
+    at = np.abs(np.arange(half) * 2 / max(half - 1, 1) - 1)
+    corner, disc = at > _CORNER, at < _DISC
+    return not disc.any() or all(
+        np.median(np.concatenate([first[side][corner], last[side][corner]]))
+        < _DARK * np.median(middle[side][disc])
+        for side in (slice(0, half), slice(half, 2 * half))
+    )
+
+
+def _rows(file: OpenImage, lines: list[NDArray[Any]]) -> Iterator[NDArray[Any]]:
+    """Samples of some rows at a time, three for each pixel; half floats as their bits.
+
+    The rows of `_lines_of` are appended to `lines`.
+    """
     header, step = file.raw.header, file.raw.rows_at_once
     if header.kind == "png":  # whole in memory
         step = _ROWS_AT_ONCE
     for top in range(0, header.height, step):
         rows = file.raw.rows(top, min(top + step, header.height))
+        lines += [rows[row - top] for row in _lines_of(file) if top <= row < top + len(rows)]
         if rows.shape[2] == 1:
             rows = np.repeat(rows, 3, axis=2)
         rows = np.ascontiguousarray(rows)

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from envlights._native import EnvLightsError
+from envlights._printable import printable
 from envlights.io.errors import MissingFileError
 
 #: Image files that are read.
@@ -197,8 +198,3 @@ def _link(beside: Path, path: Path) -> None:
         beside.symlink_to(path)
     except OSError:
         beside.write_bytes(path.read_bytes())
-
-
-def printable(text: str) -> str:
-    """`text` on one line, with other characters escaped."""
-    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)

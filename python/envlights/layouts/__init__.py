@@ -4,6 +4,7 @@
 |---------------------------------------------------|-------------------|
 | read one picture, or six faces by their names     | `sources.py`      |
 | recognise the projection                          | `recognition.py`  |
+| - from the statement of our own files             | `attribute.py`    |
 | - take one eye of two                             | `stereo.py`       |
 | - from the shape and the pixels                   | `shapes.py`, `evidence.py` |
 | - the order of the faces of a cube                | `cubes.py`, `seams.py` |

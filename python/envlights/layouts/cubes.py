@@ -244,7 +244,7 @@ def _doubt(evidence: Evidence) -> str:
 def _misfit(name: str, evidence: Evidence) -> str:
     return (
         f"the edges of the faces fit {title_of(evidence.chosen)}, not {title_of(name)} as"
-        f" requested; {_scores(evidence)}"
+        f" stated; {_scores(evidence)}"
     )
 
 

@@ -13,7 +13,7 @@ from envlights.layouts.conventions import CONVENTIONS, CROSSES, FACES, Cross
 _Samples = TypeVar("_Samples", bound=np.generic)
 
 #: Arrangements of six faces in one picture.
-ARRANGEMENTS = ("stack", "strip", *CROSSES)
+ARRANGEMENTS: tuple[str, ...] = ("stack", "strip", *CROSSES)
 
 
 def upright_faces(stored: NDArray[_Samples], order: str) -> NDArray[_Samples]:

@@ -235,13 +235,27 @@ def _view(radians: float, widest: float) -> float:
     return float(radians)
 
 
-def looking(towards: ArrayLike) -> Axes:
+def checked_axes(axes: ArrayLike) -> Axes:
+    """Axes of a picture, or a refusal of vectors that are not orthonormal."""
+    matrix = reals("axes", axes, 2)
+    if matrix.shape != (3, 3) or not np.allclose(matrix @ matrix.T, np.eye(3), atol=1e-6):
+        raise EnvLightsError(
+            "axes must be three orthonormal vectors, forward, right and up; got"
+            f" {np.asarray(axes).tolist()}"
+        )
+    rows = [tuple(row) for row in matrix.tolist()]
+    return (rows[0], rows[1], rows[2])
+
+
+def looking(towards: ArrayLike, name: str = "towards") -> Axes:
     """Axes of a level camera that looks along a direction.
 
     Parameters
     ----------
     towards : array_like, shape (3,)
         Direction of any length. Straight up or down the pictures are those of the faces of a cube.
+    name : str
+        Name of the argument, for a refusal.
 
     Raises
     ------
@@ -253,11 +267,11 @@ def looking(towards: ArrayLike) -> Axes:
     >>> looking([0, 0, 2]) == FRONT
     True
     """
-    vector = reals("towards", towards, 1)
+    vector = reals(name, towards, 1)
     length = float(np.linalg.norm(vector)) if vector.shape == (3,) else 0.0
     if not 0 < length < math.inf:
         raise EnvLightsError(
-            "towards must be a direction: three finite numbers, not all 0; got"
+            f"{name} must be a direction: three finite numbers, not all 0; got"
             f" {np.asarray(towards).tolist()}"
         )
     forward = vector / length

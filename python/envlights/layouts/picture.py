@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,14 +13,33 @@ from numpy.typing import NDArray
 from envlights import _html, _thumbnails
 from envlights._check import check_choice
 from envlights._native import EnvLightsError
+from envlights._units import OWN_SCALE
 from envlights.io.files import as_path
-from envlights.io.image_output import COMPRESSIONS, MAP_SUFFIXES, map_suffix, write_exr, write_hdr
-from envlights.layouts.conventions import CONVENTIONS
-from envlights.layouts.faces import ARRANGEMENTS, arranged_faces, stored_faces, upright_faces
+from envlights.io.image_output import (
+    COMPRESSIONS,
+    PICTURE_SUFFIXES,
+    map_suffix,
+    write_exr,
+    write_hdr,
+    write_png,
+    write_tiff,
+)
+from envlights.layouts.attribute import line_of
+from envlights.layouts.conventions import CONVENTIONS, CROSSES
+from envlights.layouts.faces import (
+    ARRANGEMENTS,
+    arranged_faces,
+    faces_of_cross,
+    split_strip,
+    stored_faces,
+    upright_faces,
+)
 from envlights.layouts.layout import Layout
 
 #: Placeholder for the name of a face in a path.
 PLACEHOLDER = "{face}"
+#: Least seen share of a pixel with known radiance; with less, rounding decides it.
+_LEAST_SHARE = 0.1
 #: Textures that no library of ours writes, and a program that does.
 _TEXTURES = {
     ".dds": "`texassemble cube` of DirectXTex makes one of six files",
@@ -44,7 +63,7 @@ class Picture:
     """
 
     array: NDArray[np.float32]
-    """Linear RGB, (height, width, 3); of a cube the stack of its faces, in the order of `faces`."""
+    """Linear RGB, (height, width, 3); of a cube its faces, in the order of `faces`."""
 
     layout: Layout
     """Projection; that of a cube describes its upright faces, front right back left up down."""
@@ -58,6 +77,27 @@ class Picture:
     notes: tuple[str, ...] = ()
     """Remarks on the origin; they become comments of a file."""
 
+    arrangement: str = ARRANGEMENTS[0]
+    """Arrangement of the faces of a cube in `array`: "stack", "strip" or a cross."""
+
+    units: str = OWN_SCALE
+    """Unit of the samples; see `EnvMap.units`."""
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Shape of `array`: height, width, 3."""
+        return self.height, self.width, 3
+
+    @property
+    def height(self) -> int:
+        """Rows of the picture."""
+        return int(self.array.shape[0])
+
+    @property
+    def width(self) -> int:
+        """Columns of the picture."""
+        return int(self.array.shape[1])
+
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
         """Samples, for `numpy.asarray`."""
         if copy:
@@ -65,13 +105,14 @@ class Picture:
         return np.asarray(self.array, dtype)
 
     def __repr__(self) -> str:
-        height, width, _ = self.array.shape
-        parts = [f"{width}x{height} {self.layout.kind}"]
+        parts = [f"{self.width}x{self.height} {self.layout.kind}"]
         if self.layout.kind in ("cube", "equirectangular"):
             parts.append("border-sampled" if self.layout.border_sampled else "cell-centred")
         if self.layout.mapping:
             parts.append(self.layout.mapping)
-        if self.faces:
+        if self.arrangement in CROSSES:
+            parts.append(CROSSES[self.arrangement].title)
+        elif self.faces:
             parts.append(f"faces in the order of {CONVENTIONS[self.faces].title}")
         return f"Picture({', '.join(parts)})"
 
@@ -86,19 +127,21 @@ class Picture:
         self,
         path: str | os.PathLike[str],
         *,
-        arrangement: str = "stack",
+        arrangement: str | None = None,
         half: bool = False,
         compression: str = "zip",
     ) -> tuple[Path, ...]:
-        """Write one OpenEXR (.exr) or Radiance (.hdr) file, or one for each face of a cube.
+        """Write one file, or one for each face of a cube.
 
         Parameters
         ----------
         path : path-like
-            A file with the suffix ``.exr`` or ``.hdr``. With ``{face}`` in its name, or for a
-            folder, six files, named as usual for the order of the faces: ``px nx py ny pz nz``.
+            A file with the suffix ``.exr``, ``.hdr``, ``.tif`` (32-bit floats) or ``.png`` (16-bit
+            sRGB, for radiance up to 1). With ``{face}`` in its name, or for a folder, six files,
+            named as usual for the order of the faces: ``px nx py ny pz nz``.
         arrangement : {"stack", "strip", "horizontal-cross", "vertical-cross", ...}
-            Arrangement of the faces of a cube in one file: 1:6, 6:1, 4:3 or 3:4.
+            Arrangement of the faces of a cube in one file: 1:6, 6:1, 4:3 or 3:4. When left out,
+            that of the picture.
         half, compression
             For .exr; see `EnvMap.save`.
 
@@ -110,27 +153,36 @@ class Picture:
         Raises
         ------
         EnvLightsError
-            If the suffix is another, or a file cannot be written.
+            If the suffix is another, a sample is too large for the format, or a file cannot be
+            written.
 
         Notes
         -----
+        A line of the file's description, ``envlights:layout=...``, states the layout, so that
+        `EnvMap.open` reads a single file without arguments.
+
         The stack of a border-sampled cube in the order of OpenEXR, and a border-sampled
         equirectangular picture, get the attribute ``envmap`` of OpenEXR.
         """
-        check_choice("arrangement", arrangement, ARRANGEMENTS)
+        if arrangement is not None:
+            check_choice("arrangement", arrangement, ARRANGEMENTS)
         options: dict[str, Any] = {"half": half, "compression": compression}
+        options["units"] = self.units
         files = self._face_files(path)
         if files:
-            if arrangement != "stack":
+            if arrangement not in (None, "stack"):
                 raise EnvLightsError(
                     f"arrangement={arrangement!r} is of one file; got {path}, which names six"
                 )
-            stored = self.array.reshape(6, self.layout.width, self.layout.width, 3)
+            stored = stored_faces(self._upright(), self.faces)
             for file, face in zip(files, stored, strict=True):
-                _write(file, face, self._comments(), options)
+                _write(file, face, (repr(self), *self.notes), options)
             return files
-        environment = self._environment(arrangement)
-        _write(path, self._arranged_array(arrangement), self._comments(), options, environment)
+        arrangement = self.arrangement if arrangement is None else arrangement
+        environment, array = self._environment(arrangement), self._arranged_array(arrangement)
+        faces = arrangement if arrangement in CROSSES else self.faces
+        stated = line_of(self.layout, array.shape[:2], faces)
+        _write(path, array, (repr(self), *stated, *self.notes), options, environment)
         return (as_path(path),)
 
     def _face_files(self, path: str | os.PathLike[str]) -> tuple[Path, ...]:
@@ -149,7 +201,7 @@ class Picture:
         return tuple(target.with_name(target.name.replace(PLACEHOLDER, name)) for name in names)
 
     def _arranged_array(self, arrangement: str) -> NDArray[np.float32]:
-        if arrangement == "stack":
+        if arrangement == self.arrangement:
             return self.array
         if not self.faces:
             raise EnvLightsError(
@@ -160,20 +212,18 @@ class Picture:
 
     def _upright(self) -> NDArray[np.float32]:
         """Upright faces, (6, n, n, 3), in our order."""
-        n = self.layout.width
-        return upright_faces(self.array.reshape(6, n, n, 3), self.faces)
+        if self.arrangement in CROSSES:
+            return faces_of_cross(self.array, self.arrangement)
+        return upright_faces(split_strip(self.array), self.faces)
 
     def _environment(self, arrangement: str) -> str:
         """Environment attribute that describes the file; empty if none does."""
         if not self.layout.border_sampled:
             return ""
-        if self.layout.is_whole_sphere and self.array.shape[1] == 2 * self.array.shape[0]:
+        if self.layout.is_whole_sphere and self.width == 2 * self.height:
             return "latlong"
         is_stack = arrangement == "stack" and self.faces == "openexr"
         return "cube" if is_stack else ""
-
-    def _comments(self) -> tuple[str, ...]:
-        return (repr(self), *self.notes)
 
 
 def picture_of(
@@ -183,6 +233,7 @@ def picture_of(
     faces: str = "opengl",
     seen: NDArray[Any] | None = None,
     notes: tuple[str, ...] = (),
+    arrangement: str = ARRANGEMENTS[0],
 ) -> Picture:
     """Picture of samples that are arranged for a layout.
 
@@ -198,21 +249,36 @@ def picture_of(
         Share of each sample that is seen.
     notes : tuple of str
         Remarks on the origin.
+    arrangement : str
+        Arrangement of a cube's faces in the picture: one of `ARRANGEMENTS`.
     """
     array = np.ascontiguousarray(samples, np.float32)
     share = None if seen is None else np.ascontiguousarray(seen, np.float32)
     if layout.kind != "cube":
         return Picture(array, layout, "", share, notes)
     check_choice("faces", faces, tuple(CONVENTIONS))
-    array = _in_order(array, layout.width, faces)
-    share = None if share is None else _in_order(share, layout.width, faces)
-    return Picture(array, layout, faces, share, notes)
+    check_choice("arrangement", arrangement, ARRANGEMENTS)
+    array = _in_arrangement(array, faces, arrangement)
+    share = None if share is None else _in_arrangement(share, faces, arrangement)
+    return Picture(array, layout, faces, share, notes, arrangement)
 
 
-def _in_order(stack: NDArray[Any], n: int, faces: str) -> NDArray[Any]:
-    """Stack of faces as a convention stores them."""
-    stored = stored_faces(stack.reshape(6, n, n, *stack.shape[2:]), faces)
-    return np.ascontiguousarray(stored).reshape(stack.shape)
+def straight(picture: Picture) -> Picture:
+    """Picture whose radiance is no longer multiplied by its seen share; it is 1 or 0 then.
+
+    The border of a photograph lies inside pixels of its map. Without this, it comes back darker.
+    """
+    if picture.seen is None:
+        return picture
+    known = picture.seen >= _LEAST_SHARE
+    share = np.where(known, picture.seen, np.float32(1))[..., None]
+    array = np.where(known[..., None], picture.array / share, np.float32(0))
+    return replace(picture, array=array, seen=None if known.all() else known.astype(np.float32))
+
+
+def _in_arrangement(stack: NDArray[Any], faces: str, arrangement: str) -> NDArray[Any]:
+    """Stack of upright faces as a convention or a cross arranges them."""
+    return np.ascontiguousarray(arranged_faces(split_strip(stack), faces, arrangement))
 
 
 def check_picture_path(path: str | os.PathLike[str]) -> None:
@@ -229,9 +295,9 @@ def check_picture_path(path: str | os.PathLike[str]) -> None:
     if not suffix:
         raise EnvLightsError(
             f"cannot save a picture as {path}: there is no such folder; make it first, or give the"
-            " name of an .exr or .hdr file"
+            " name of a file"
         )
-    map_suffix(target)
+    map_suffix(target, PICTURE_SUFFIXES, "a picture")
 
 
 def _write(
@@ -243,9 +309,11 @@ def _write(
 ) -> None:
     """Write one file by its suffix."""
     check_picture_path(path)
-    if map_suffix(path) == MAP_SUFFIXES[0]:
+    suffix = as_path(path).suffix.lower()
+    if suffix == ".exr":
         write_exr(path, array, environment=environment, comments=comments, **options)
         return
     if options["half"] or options["compression"] != COMPRESSIONS[0]:
         raise EnvLightsError(f"cannot save {path}: half and compression are of .exr files")
-    write_hdr(path, array, comments=comments)
+    write = {".hdr": write_hdr, ".png": write_png}.get(suffix, write_tiff)
+    write(path, array, comments=comments)

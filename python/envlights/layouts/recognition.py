@@ -13,6 +13,7 @@ from envlights._check import amount, describe, reals
 from envlights._native import EnvLightsError
 from envlights.io.hints import NO_HINTS, Hints
 from envlights.layouts import layout as layouts
+from envlights.layouts.attribute import with_statement
 from envlights.layouts.cubes import arrange_cube
 from envlights.layouts.evidence import is_dual_fisheye
 from envlights.layouts.layout import Axes, Layout
@@ -77,6 +78,7 @@ def recognise(
     """
     arguments.check()
     picture = samples_of(samples)
+    arguments, is_stated = with_statement(arguments, hints, picture.shape[-3:-1])
     picture, seen, notes = one_eye(picture, seen, hints, arguments)
     kind = _kind(picture, hints, arguments)
     check_unused(kind.projection, arguments.names())
@@ -84,7 +86,8 @@ def recognise(
         found = arrange_cube(picture, seen, hints, arguments, kind.recognised_by)
     else:
         found = _arrange(picture, seen, hints, arguments, kind)
-    return found._replace(notes=(*notes, *found.notes))
+    source = found.source._replace(recognised_by="attribute") if is_stated else found.source
+    return found._replace(source=source, notes=(*notes, *found.notes))
 
 
 def _kind(picture: NDArray[Any], hints: Hints, arguments: Arguments) -> _Kind:
@@ -144,7 +147,7 @@ def _arrange(
         )
     height, width = picture.shape[:2]
     layout, notes = _LAYOUTS[kind.projection](height, width, hints, arguments)
-    if layout.is_whole_sphere and kind.recognised_by != "argument" and is_dual_fisheye(picture):
+    if layout.is_whole_sphere and arguments.projection is None and is_dual_fisheye(picture):
         raise EnvLightsError(
             f"a picture of {width}x{height} pixels with two discs in black squares is a dual"
             " fisheye, whose lenses only its camera knows; stitch it in the camera's program, or"
@@ -191,7 +194,8 @@ def _cylinder(height: int, width: int, hints: Hints, arguments: Arguments) -> _M
     if degrees is None:
         raise _needs("a cylindrical panorama", "fov=", "the degrees of azimuth that it covers")
     made = layouts.cylinder(height, width, field_of_view=math.radians(degrees), horizon=horizon)
-    notes = [] if horizon is not None else ["the horizon is taken to be the middle row (horizon=)"]
+    is_known = horizon is not None or hints.layout
+    notes = [] if is_known else ["the horizon is taken to be the middle row (horizon=)"]
     if arguments.fov is None:
         notes.insert(0, f"a cylindrical panorama of {degrees:.4g} degrees (GPano)")
     return made, tuple(notes)
@@ -273,7 +277,9 @@ def _square(height: int, width: int, what: str) -> int:
 
 
 def _axes(arguments: Arguments, default: Axes = layouts.FRONT) -> Axes:
-    return default if arguments.towards is None else layouts.looking(arguments.towards)
+    if arguments.towards is not None:
+        return layouts.looking(arguments.towards)
+    return default if arguments.axes is None else layouts.checked_axes(arguments.axes)
 
 
 def _circle(arguments: Arguments) -> tuple[float, float, float] | None:

@@ -48,9 +48,12 @@ class Arguments(NamedTuple):
     eye: str | None = None
     """Half of a stereo panorama: "left" or "right"."""
 
+    axes: ArrayLike | None = None
+    """Unit vectors forward, right and up of the picture, from the statement of a file."""
+
     def names(self) -> list[str]:
-        """Names of the arguments that are not None, without `projection`."""
-        each = zip(self._fields[1:], self[1:], strict=True)
+        """Names of the arguments of a user that are not None, without `projection`."""
+        each = zip(self._fields[1:-1], self[1:-1], strict=True)
         return [name for name, value in each if value is not None]
 
     def check(self) -> None:

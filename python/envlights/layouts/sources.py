@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from envlights._check import count, describe
 from envlights._native import EnvLightsError
 from envlights.io.images import MOST_PIXELS, Image, read_image
-from envlights.io.source import AnySource, name_of
+from envlights.io.source import AnySource, is_source, name_of
 from envlights.layouts.face_names import order_of_names
 from envlights.layouts.faces import check_square
 
@@ -34,6 +34,15 @@ class _Files(NamedTuple):
     name: str
     stems: list[str]
     files: list[AnySource]
+
+
+def is_picture_source(value: Any) -> bool:
+    """True for anything that is read as a file, or as six files of a cube."""
+    if isinstance(value, Mapping):
+        return bool(value) and all(map(is_source, value.values()))
+    if isinstance(value, list | tuple):
+        return bool(value) and all(map(is_source, value))
+    return is_source(value)
 
 
 def read_picture(source: Any, **options: Any) -> Image:
@@ -179,8 +188,21 @@ def _stack_of(name: str, order: str, images: list[Image]) -> Image:
         notes=tuple(notes),
         white=_white(images),
         seen=seen,
-        hints=first.hints._replace(name=name, order=order, border_sampled=False),
+        ev100=first.ev100 if len({image.ev100 for image in images}) == 1 else None,
+        units=_units(images),
+        hints=first.hints._replace(name=name, order=order, border_sampled=False, layout=""),
     )
+
+
+def _units(images: list[Image]) -> str:
+    """Unit of all images, or a refusal of several units."""
+    units = {image.units for image in images}
+    if len(units) > 1:
+        raise EnvLightsError(
+            "the faces of a cube must have one scale; some files have luminance in cd/m2"
+            " (whiteLuminance), others do not; give files of one origin"
+        )
+    return units.pop()
 
 
 def _share(image: Image) -> NDArray[np.float32]:

@@ -13,7 +13,7 @@ from envlights.plot.figure import Picture
 _COLOURS = ("#c0392b", "#1e8449", "#2456a6")
 #: Our axes on paper, seen from (1, 1, 1); all three point towards the viewer.
 _DRAWN = np.array([[0.85, -0.45], [0.0, 1.0], [-0.85, -0.45]])
-_COLUMNS = 5
+_COLUMNS = 6
 
 
 def axes_picture() -> Picture:

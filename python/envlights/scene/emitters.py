@@ -11,10 +11,12 @@ from envlights import kernels
 from envlights._native import EnvLightsError
 from envlights.envmap import EnvMap
 from envlights.export.mitsuba import (
+    add_weights,
     constant,
     directional,
     discs_on_poles,
     envmap,
+    largest_irradiance,
     sharp_rows_on_poles,
 )
 from envlights.rig import Rig
@@ -33,12 +35,14 @@ def emitters(rig: Rig) -> list[tuple[float, dict[str, Any]]]:
     """
     lights, discs = directional(rig.lights), discs_on_poles(rig.lights)
     if discs is None and rig.ambient.ndim == 1:
-        return [(1.0, {**lights, "ambient": constant(rig.ambient)})]
+        around = largest_irradiance(None, rig.ambient)
+        return [(1.0, add_weights({**lights, "ambient": constant(rig.ambient)}, around))]
     # A scene of Mitsuba has one environment: discs and ambient term share a map.
     discs = np.zeros((_ROWS, 2 * _ROWS, 3)) if discs is None else discs
     sky = _radiance(rig.ambient, *discs.shape[:2])
     added, taken = discs + np.maximum(sky, 0), np.maximum(-sky, 0)
-    sets = [(1.0, {**lights, "ambient": envmap(added)})]
+    around = largest_irradiance(added, None)
+    sets = [(1.0, add_weights({**lights, "ambient": envmap(added)}, around))]
     if taken.max() > _ROUNDING * added.max():
         sets.append((-1.0, {"ambient": envmap(taken)}))
     return sets

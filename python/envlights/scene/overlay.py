@@ -16,7 +16,7 @@ from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights._srgb import encode_srgb
 from envlights.io.files import as_path
-from envlights.io.image_output import write_exr, write_png
+from envlights.io.image_output import write_codes, write_exr
 
 #: Ways to draw the shadow over the picture of a floor, from exact to rough.
 BLENDINGS = ("multiply", "alpha", "black", "product", "codes")
@@ -192,7 +192,7 @@ class ShadowOverlay(Result):
             return
         white = 1.0 if alpha is None else self.radiance.max() or 1.0
         coded = [encode_srgb(colour / white)] + ([] if alpha is None else [alpha[..., None]])
-        write_png(path, np.rint(255 * np.concatenate(coded, axis=-1)).astype(np.uint8))
+        write_codes(path, np.rint(255 * np.concatenate(coded, axis=-1)).astype(np.uint8))
 
     def in_short(self) -> str:
         """Number of points, lights and the darkest ratio."""

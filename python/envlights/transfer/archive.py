@@ -18,6 +18,7 @@ from numpy.lib.format import read_array_header_1_0, read_array_header_2_0
 from numpy.typing import NDArray
 
 from envlights._native import EnvLightsError
+from envlights._printable import printable_parts
 from envlights.io.files import as_path, write_atomically
 from envlights.transfer.compact import CompactBasis, places_of
 from envlights.transfer.pair_summary import PairSummary
@@ -43,7 +44,9 @@ _DAMAGE = (
 )
 
 _FORMAT = "envlights transfer model"
-_VERSION = 1
+_VERSION = 2
+#: Version 1 had wall times in its report.
+_READABLE_VERSIONS = (1, 2)
 
 #: Arrays of a model file beside format and version; `scales` for a compact basis.
 _NAMES = (
@@ -130,9 +133,10 @@ def _check_version(path: object, archive: zipfile.ZipFile) -> None:
         said[name] = str(_array(archive, name)) if is_short else ""
     if said["format"] != _FORMAT:
         raise EnvLightsError(f"{path} is not a model: it does not say 'format': '{_FORMAT}'")
-    if said["version"] != str(_VERSION):
+    if said["version"] not in map(str, _READABLE_VERSIONS):
         found = f"of version {said['version']}" if said["version"] else "without a readable version"
-        raise EnvLightsError(f"{path} is a model {found}; this package reads version {_VERSION}")
+        wanted = ", ".join(map(str, _READABLE_VERSIONS))
+        raise EnvLightsError(f"{path} is a model {found}; this package reads {wanted}")
 
 
 def _check_size(path: object, archive: zipfile.ZipFile, names: list[str]) -> None:
@@ -178,7 +182,7 @@ def _fields(data: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
             *(data[name] for name in ("direct", "coefficients", "outside", "energy"))
         ),
         "parameters": json.loads(str(data["parameters"])),
-        "report": TransferReport.from_dict(json.loads(str(data["report"]))),
+        "report": TransferReport.from_dict(printable_parts(json.loads(str(data["report"])))),
     }
 
 

@@ -12,6 +12,7 @@ from envlights import _html
 from envlights._check import amount, count
 from envlights._result import Result
 from envlights._tables import Table
+from envlights._times import time_lines, times_of
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -52,8 +53,8 @@ class TransferReport(Result):
         return float(np.median(self.unseen_errors)) if self.unseen_errors else np.inf
 
     def to_dict(self) -> dict[str, Any]:
-        """All fields as plain numbers, lists and strings."""
-        return asdict(self)
+        """All fields except the times as plain numbers, lists and strings."""
+        return {name: value for name, value in asdict(self).items() if name != "seconds"}
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> TransferReport:
@@ -66,13 +67,17 @@ class TransferReport(Result):
             unseen_errors=tuple(amount("unseen_errors", e) for e in data["unseen_errors"]),
             training_errors=tuple(amount("training_errors", e) for e in data["training_errors"]),
             notes=tuple(str(note) for note in data["notes"]),
-            seconds={str(stage): amount("seconds", s) for stage, s in data["seconds"].items()},
+            seconds=times_of(data),
         )
 
     def in_short(self) -> str:
         """Size, energy and ridge."""
         size = f"rank {self.rank} from {self.pairs} pairs"
         return f"{size}, {100 * self.energy:.4g} % of the energy, ridge {self.ridge:.3g}"
+
+    def verbose(self) -> str:
+        """Text with the wall times."""
+        return "\n".join([str(self), *time_lines(self.seconds)])
 
     def _html_parts(self) -> tuple[str, ...]:
         kinds = {

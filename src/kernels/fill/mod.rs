@@ -16,4 +16,5 @@ mod unseen_part;
 
 pub(crate) use harmonic_fill::harmonic_fill;
 pub(crate) use level::{Level, Upsampling};
+pub(crate) use unseen_part::LEAST_SHARE;
 pub use unseen_part::fill_unseen;

@@ -16,7 +16,7 @@ use crate::kernels::image::{Grid, block_fractions, check_rgb, luminance_f32};
 use crate::kernels::sphere::{Registration, check_lengths};
 
 /// Least share of a known pixel, over the largest share. In pixels of less, rounding and resampling decide the radiance.
-const LEAST_SHARE: f32 = 0.1;
+pub const LEAST_SHARE: f32 = 0.1;
 
 /// A map, and the share of each pixel that it shows.
 #[derive(Clone, Copy)]

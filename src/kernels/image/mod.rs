@@ -17,6 +17,7 @@
 //! | - samples in the type of a file               | `sample_types.rs` |
 //! | - pixels of the largest codes                 | `top_codes.rs` |
 //! | means over blocks of pixels                   | `block_rows.rs`, `block_layout.rs` |
+//! | - share of each block that a map shows        | `seen_part.rs` |
 //! | a picture in another layout, or rotated       | `resample.rs`  |
 //! | - bright pixels, each with its flux           | `splat.rs`     |
 
@@ -35,6 +36,7 @@ mod resample;
 mod row_reducer;
 mod sample_types;
 mod samples;
+mod seen_part;
 mod splat;
 mod top_codes;
 mod white;
@@ -52,4 +54,5 @@ pub use row_reducer::{ReducedRows, ReductionOptions, RowReducer};
 pub use sample_types::Sample;
 pub use samples::{Unusable, unusable};
 pub(crate) use samples::{check_rgb, check_samples};
+pub use seen_part::SeenPart;
 pub use white::{CODES, code_histogram, white_of};

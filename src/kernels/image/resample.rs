@@ -24,7 +24,7 @@ struct ResamplingSettings {
     samples_per_pixel: f64,
     /// A bright pixel has more than this fraction of the flux of any channel.
     bright_fraction: f64,
-    /// Least ratio of a bright pixel to the mean radiance.
+    /// Least ratio of a bright pixel to the mean radiance of what is seen.
     bright_contrast: f64,
     /// Columns of one look-up, so that all its arrays stay in the first cache.
     columns_at_once: usize,
@@ -89,7 +89,7 @@ fn whole(
 ) -> Result<Option<Array2<f32>>> {
     let samples = samples_of(picture.radiance, 0..picture.radiance.dim().0);
     let old = samples.as_chunks::<3>().0;
-    let lights = Lights::of(old, picture.layout);
+    let lights = Lights::of(old, picture.layout, picture.layout.extent().0);
     let new = rgb_of(&mut out)?;
     let rest = lights.without(old, |rgb, _| *rgb);
     let width = to.size()[1];
@@ -116,7 +116,7 @@ fn with_shares(
     let samples = samples_of(picture.radiance, 0..picture.radiance.dim().0);
     let old = samples.as_chunks::<3>().0;
     let shares: Option<Vec<f32>> = picture.seen.map(|seen| seen.iter().copied().collect());
-    let lights = Lights::of(old, picture.layout);
+    let lights = Lights::of(old, picture.layout, seen_extent(picture));
     let new = rgb_of(&mut out)?;
     let share = |pixel: usize| shares.as_ref().map_or(1.0, |shares| shares[pixel]);
     let rest = lights.without(old, |&[r, g, b], pixel| [r, g, b, share(pixel)]);
@@ -233,9 +233,9 @@ impl<'a, const N: usize> Gather<'a, N> {
 struct Lights(Vec<BrightPixel>);
 
 impl Lights {
-    fn of(old: &[[f32; 3]], layout: &dyn SphereProjection) -> Self {
+    /// Bright pixels of a picture that shows a solid angle of `extent`.
+    fn of(old: &[[f32; 3]], layout: &dyn SphereProjection, extent: f64) -> Self {
         let (width, total) = (layout.size()[1], flux(old, layout));
-        let (extent, _) = layout.extent();
         let in_row = |(row, line): (usize, &[[f32; 3]])| -> Vec<BrightPixel> {
             interrupt::check();
             let angles = layout.solid_angles_of_row(row).into_iter();
@@ -290,6 +290,18 @@ impl Lights {
         }
         parts.into_iter().map(|(pixel, _)| pixel).collect()
     }
+}
+
+/// Solid angle of the part of a picture that is seen.
+///
+/// With the whole sphere instead, an even photograph in a map would be bright, and its pixels would be moved one by one.
+fn seen_extent(picture: &SourcePicture<'_>) -> f64 {
+    let Some(seen) = picture.seen else { return picture.layout.extent().0 };
+    let rows = seen.outer_iter().enumerate().map(|(row, shares)| {
+        let angles = picture.layout.solid_angles_of_row(row);
+        shares.iter().zip(angles).map(|(&share, angle)| f64::from(share) * angle).sum::<f64>()
+    });
+    rows.sum()
 }
 
 /// Flux of the channels of light, summed by rows and then in their order.

@@ -3,11 +3,41 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::{DVec3, Vec3A};
+use ndarray::ArrayView2;
 
 use super::light_pixels::LightPixels;
-use crate::error::Result;
-use crate::kernels::image::{CellCentres, Grid, block_fractions};
+use crate::error::{Error, Result};
+use crate::kernels::fill::LEAST_SHARE;
+use crate::kernels::image::{CellCentres, Grid, SeenPart, block_fractions};
 use crate::kernels::sphere::{self, Registration};
+
+/// Share of a map that is seen, by which its radiance is multiplied.
+pub struct SeenShares<'a> {
+    /// Share of each pixel, row after row.
+    pixels: &'a [f32],
+    /// Share of each coarse pixel.
+    blocks: SeenPart,
+    /// Least share of a coarse pixel with known radiance.
+    least: f32,
+}
+
+impl<'a> SeenShares<'a> {
+    /// Shares of the pixels, and their means over blocks.
+    fn new(
+        pixels: &'a [f32],
+        map_size: (usize, usize),
+        registration: Registration,
+        block: usize,
+    ) -> Result<Self> {
+        let (wanted, seen) = (map_size.0 * map_size.1, pixels.len());
+        let view = ArrayView2::from_shape(map_size, pixels);
+        let view =
+            view.map_err(|_| Error::LengthMismatch { what: "seen", other: "pixels", wanted, seen })?;
+        let blocks = SeenPart::of(view, registration, block);
+        let least = LEAST_SHARE * blocks.shares().iter().copied().fold(0.0, f32::max);
+        Ok(Self { pixels, blocks, least })
+    }
+}
 
 /// A map averaged over square blocks of pixels; each block is one coarse pixel.
 pub struct CoarseMap<'a> {
@@ -24,6 +54,8 @@ pub struct CoarseMap<'a> {
     /// Pixels of the map along each side of a coarse pixel.
     pub block: usize,
     luminance: &'a [f32],
+    /// Share that is seen; none if all is.
+    seen: Option<SeenShares<'a>>,
     /// Fraction of each row and column of the map in the coarse pixel that holds it.
     fractions: [Vec<f32>; 2],
     centres: CellCentres,
@@ -40,6 +72,7 @@ impl<'a> CoarseMap<'a> {
         map_size: (usize, usize),
         registration: Registration,
         lights: &'a LightPixels<'_>,
+        seen: Option<&'a [f32]>,
     ) -> Result<Self> {
         let block = lights.block.max(1);
         let pixel_grid = Grid::of_pixels(map_size.0, map_size.1, registration);
@@ -49,10 +82,34 @@ impl<'a> CoarseMap<'a> {
         sphere::check_lengths("pixels", size.0 * size.1, [("luminance", lights.luminance.len())])?;
         let fractions = block_fractions(&pixel_grid, block);
         let luminance = lights.luminance;
-        Ok(Self { pixels, map_size, pixel_grid, size, grid, block, luminance, fractions, centres })
+        let seen = seen.map(|seen| SeenShares::new(seen, map_size, registration, block)).transpose()?;
+        Ok(Self { pixels, map_size, pixel_grid, size, grid, block, luminance, seen, fractions, centres })
     }
 
-    /// Mean radiance of a coarse pixel by solid angle: exact if all its pixels are equal.
+    /// True if enough of a coarse pixel is seen for its radiance.
+    pub fn is_known(&self, pixel: usize) -> bool {
+        self.seen.as_ref().is_none_or(|seen| seen.blocks.shares()[pixel] >= seen.least)
+    }
+
+    /// True if nothing of a coarse pixel is seen.
+    pub fn is_unseen(&self, pixel: usize) -> bool {
+        self.seen.as_ref().is_some_and(|seen| seen.blocks.shares()[pixel] == 0.0)
+    }
+
+    /// Share of a coarse pixel that is seen, by which its mean radiance is divided; 1 if too little is seen.
+    fn share(&self, pixel: usize) -> f32 {
+        match &self.seen {
+            Some(seen) if seen.blocks.shares()[pixel] >= seen.least => seen.blocks.shares()[pixel],
+            _ => 1.0,
+        }
+    }
+
+    /// Share of a pixel of the map that is seen.
+    pub fn share_of_pixel(&self, row: usize, column: usize) -> f32 {
+        self.seen.as_ref().map_or(1.0, |seen| seen.pixels[row * self.map_size.1 + column])
+    }
+
+    /// Mean radiance of the seen part of a coarse pixel by solid angle: exact if all its pixels are equal.
     pub fn radiance(&self, pixel: usize) -> Vec3A {
         let (row, column) = (pixel / self.size.1 * self.block, pixel % self.size.1 * self.block);
         let (height, width) = self.map_size;
@@ -65,12 +122,12 @@ impl<'a> CoarseMap<'a> {
             let sum: Vec3A = weighted.map(|(&rgb, &weight)| weight * (Vec3A::from_array(rgb) - first)).sum();
             difference += self.fractions[0][row] * sum;
         }
-        first + difference
+        (first + difference) / self.share(pixel)
     }
 
-    /// Mean luminance of a coarse pixel.
+    /// Mean luminance of the seen part of a coarse pixel.
     pub fn luminance(&self, pixel: usize) -> f32 {
-        self.luminance[pixel]
+        self.luminance[pixel] / self.share(pixel)
     }
 
     /// Integral of the luminance over the sphere.

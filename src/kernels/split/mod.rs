@@ -17,6 +17,9 @@
 //!   n . V,   V = integral of T(w) w dw        (one vector for each channel)
 //! ```
 //!
+//! Of a map that shows a part of the sphere, radiance is multiplied by its share `s` already. Unseen pixels are holes of the
+//! fill, so nothing is filled from their black, and the rest is the smaller one of the map and `s` times the fill.
+//!
 //! A light has one direction `d` and an RGB irradiance `E`; a surface receives `E n.d`. `d` is the direction of the luminance of V,
 //! so luminance is exact. A channel whose vector has another direction differs by its component across `d`: red and blue
 //! are refracted differently by a lens, and a halo has another colour than its lamp. Callers get all three vectors.
@@ -51,6 +54,7 @@ pub struct MapSplit {
 
 /// Remove lights from an equirectangular map of radiance, (height, width, 3), finite and not negative.
 ///
+/// `seen` is the share of each pixel that the map shows, row after row, by which its radiance is multiplied already.
 /// `rest` receives the map without the lights. It has the shape of the map, in C order.
 ///
 /// # Errors
@@ -61,6 +65,7 @@ pub fn split(
     radiance: ArrayView3<'_, f32>,
     registration: Registration,
     lights: &LightPixels<'_>,
+    seen: Option<&[f32]>,
     mut rest: ArrayViewMut3<'_, f32>,
 ) -> Result<MapSplit> {
     image::check_rgb(radiance)?;
@@ -69,13 +74,13 @@ pub fn split(
     sphere::check_memory(&[height, width, 2])?;
     let samples = image::samples_of(radiance, 0..height);
     let pixels = samples.as_chunks::<3>().0;
-    let map = CoarseMap::new(pixels, (height, width), registration, lights)?;
+    let map = CoarseMap::new(pixels, (height, width), registration, lights, seen)?;
     let members = lights.members(map.size)?;
     let rest_pixels = rest.as_slice_mut().unwrap_or_default().as_chunks_mut::<3>().0;
     // Copy the map on one thread while another one fills the region: both last equally long.
     let fill = || {
         let region = Region::new(&map, &members, directions.len(), lights.threshold as f32);
-        let fill = harmonic_fill(map.grid.clone(), region.pixels_to_fill(), |pixel| region.rest(&map, pixel));
+        let fill = harmonic_fill(map.grid.clone(), region.pixels_to_fill(&map), |pixel| region.rest(&map, pixel));
         (region, fill)
     };
     let ((), (region, fill)) = rayon::join(|| copy(pixels, rest_pixels, width), fill);

@@ -31,24 +31,33 @@ impl Region {
         }
         let is_filled = light_of.iter().map(|&light| light != NO_LIGHT).collect();
         glow::add_glow(map, &mut light_of, threshold);
-        light_of.iter_mut().filter(|light| **light as usize > removed).for_each(|light| *light = NO_LIGHT);
+        for (pixel, light) in light_of.iter_mut().enumerate() {
+            if *light as usize > removed || map.is_unseen(pixel) {
+                *light = NO_LIGHT;
+            }
+        }
         Self { light_of, is_filled, threshold }
     }
 
-    /// Flat indices of the pixels to fill, in ascending order.
-    pub fn pixels_to_fill(&self) -> Vec<usize> {
-        let is_filled = |&pixel: &usize| self.is_filled[pixel] && self.light_of[pixel] != NO_LIGHT;
+    /// Flat indices of the pixels to fill, in ascending order: those of lights, and those without known radiance.
+    pub fn pixels_to_fill(&self, map: &CoarseMap<'_>) -> Vec<usize> {
+        let is_of_light = |pixel: usize| self.is_filled[pixel] && self.light_of[pixel] != NO_LIGHT;
+        if !(0..self.light_of.len()).any(is_of_light) {
+            return Vec::new();
+        }
+        let is_filled = |&pixel: &usize| is_of_light(pixel) || !map.is_known(pixel);
         (0..self.light_of.len()).filter(is_filled).collect()
     }
 
     /// Mean radiance of a pixel outside the fill, after the glow is dimmed.
     pub fn rest(&self, map: &CoarseMap<'_>, pixel: usize) -> Vec3A {
         let mean = map.radiance(pixel);
-        if self.light_of[pixel] == NO_LIGHT { mean } else { self.dim(mean) }
+        if self.light_of[pixel] == NO_LIGHT { mean } else { self.dim(mean, 1.0) }
     }
 
-    /// Remaining radiance of a glow.
-    pub fn dim(&self, radiance: Vec3A) -> Vec3A {
-        radiance * glow::remaining_fraction(luminance_f32(radiance.to_array()) / self.threshold)
+    /// Remaining radiance of a glow; `share` of it is seen, and `radiance` is multiplied by that.
+    pub fn dim(&self, radiance: Vec3A, share: f32) -> Vec3A {
+        let thresholds = luminance_f32(radiance.to_array()) / (self.threshold * share);
+        radiance * glow::remaining_fraction(thresholds)
     }
 }

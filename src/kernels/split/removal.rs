@@ -155,11 +155,12 @@ impl Remover<'_> {
         let integrals = rows.map(|(rest, row)| {
             let rest = &mut rest[columns.clone()];
             let integrals = &self.columns[columns.clone()];
+            let share = |x: usize| self.map.share_of_pixel(row, columns.start + x);
             let sums = if is_filled {
                 let fill = self.fill.row(row);
-                remove_pixels(rest, integrals, |x, map| map.min(fill.at(columns.start + x)))
+                remove_pixels(rest, integrals, |x, map| map.min(share(x) * fill.at(columns.start + x)))
             } else {
-                remove_pixels(rest, integrals, |_, map| self.region.dim(map))
+                remove_pixels(rest, integrals, |x, map| self.region.dim(map, share(x)))
             };
             sums.integrals(&self.rows[row])
         });

@@ -48,7 +48,9 @@ pub fn ring_pixels(
         for (pixel, source, number) in front.grow(ring, grows) {
             let light = light_of[source];
             pixels.push((pixel, light, number));
-            profiles[light as usize - 1].growing.push(map.luminance(pixel));
+            if map.is_known(pixel) {
+                profiles[light as usize - 1].growing.push(map.luminance(pixel));
+            }
         }
     }
     let is_in_width = |&(_, light, number): &(usize, u32, usize)| {

@@ -44,6 +44,9 @@ class MergeResult:
     notes: tuple[str, ...]
     """Remarks on the series."""
 
+    ev100: float | None = None
+    """Exposure value at ISO 100 of the radiance; None if the times have no unit."""
+
 
 def merge_exposures(
     pictures: Iterable[ArrayLike | str | os.PathLike[str]],
@@ -51,7 +54,7 @@ def merge_exposures(
     response: str | ArrayLike | None,
 ) -> MergeResult:
     """Merge pictures of one place, in any order, into one linear image."""
-    series = _read_all(pictures, times)
+    series, are_exposures = _read_all(pictures, times)
     notes = list(dict.fromkeys(note for picture in series for note in picture.notes))
     levels = whites(series)
     _note_whites(series, levels, notes)
@@ -68,13 +71,15 @@ def merge_exposures(
     white = exposures[0].white / exposures[0].time if is_lost else None
     shown = f"{seconds[0]:.3g} to {seconds[-1]:.3g}"
     about = f"{len(series)} exposures were merged, with times from {shown}"
-    return MergeResult(radiance, white, border_sampled, (about, *notes))
+    # An exposure of 1 s at ISO 100 and f/1 has the exposure value 0.
+    ev100 = 0.0 if are_exposures else None
+    return MergeResult(radiance, white, border_sampled, (about, *notes), ev100)
 
 
-def _read_all(pictures: object, times: object) -> list[Picture]:
-    """Pictures of a series, shortest first."""
+def _read_all(pictures: object, times: object) -> tuple[list[Picture], bool]:
+    """Pictures of a series, shortest first, and True if their times have a unit."""
     sources = series_of(pictures)
-    seconds = exposure_times(sources, times)
+    seconds, are_exposures = exposure_times(sources, times)
     order = np.argsort(seconds, kind="stable")
     series = [read(sources[place], int(place) + 1, seconds[place]) for place in order]
     check_sizes(series)
@@ -84,7 +89,7 @@ def _read_all(pictures: object, times: object) -> list[Picture]:
             f"exposures must be of one kind; {kinds} of {len(series)} are linear, the others are"
             " codes of a camera; give files of one format"
         )
-    return series
+    return series, are_exposures
 
 
 def _note_whites(series: list[Picture], levels: list[float], notes: list[str]) -> None:

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable
-from typing import Any
-
-import numpy as np
+from typing import Any, NamedTuple
 
 from envlights._check import amount, describe
 from envlights._native import EnvLightsError
 from envlights.io import raw
+from envlights.io.exif_exposure import exposure_tags
 from envlights.io.images import MOST_PIXELS
 from envlights.io.openimageio import open_with_openimageio
 from envlights.io.signature import kind_of
@@ -23,7 +22,17 @@ _TAGS = {
 }
 
 
-def exposure_times(pictures: list[Any], times: object) -> list[float]:
+class Times(NamedTuple):
+    """Exposure times of a series."""
+
+    seconds: list[float]
+    """Exposure time of each picture, for a sensitivity of ISO 100 and an aperture of 1."""
+
+    are_exposures: bool
+    """True if the files hold time, sensitivity and aperture, so that the times have a unit."""
+
+
+def exposure_times(pictures: list[Any], times: object) -> Times:
     """Exposure time of each picture: `times` by hand, or of the files."""
     if times is None:
         return _of_files(pictures)
@@ -36,7 +45,8 @@ def exposure_times(pictures: list[Any], times: object) -> list[float]:
         raise EnvLightsError(
             f"there must be a time for each exposure ({len(pictures)}); got {len(by_hand)}"
         )
-    return [_check_time(number, time) for number, time in enumerate(by_hand, 1)]
+    seconds = [_check_time(number, time) for number, time in enumerate(by_hand, 1)]
+    return Times(seconds, are_exposures=False)
 
 
 def _check_time(number: int, time: object) -> float:
@@ -46,7 +56,7 @@ def _check_time(number: int, time: object) -> float:
     return seconds
 
 
-def _of_files(pictures: list[Any]) -> list[float]:
+def _of_files(pictures: list[Any]) -> Times:
     """Time x sensitivity / aperture^2 of each file, if all files hold the same tags."""
     for number, picture in enumerate(pictures, 1):
         if not isinstance(picture, str | os.PathLike):
@@ -61,10 +71,11 @@ def _of_files(pictures: list[Any]) -> list[float]:
                 f"the EXIF of some exposures holds no {shown}: {', '.join(without)} of"
                 f" {len(shots)}; give times"
             )
-    return [
+    seconds = [
         shot["time"] * shot.get("speed", 100.0) / 100.0 / shot.get("aperture", 1.0) ** 2
         for shot in shots
     ]
+    return Times(seconds, are_exposures=all(set(_TAGS) <= set(shot) for shot in shots))
 
 
 def _exif(path: str | os.PathLike[str]) -> dict[str, float]:
@@ -79,15 +90,4 @@ def _tags(path: str | os.PathLike[str]) -> dict[str, float]:
     source = named_source(path)
     kind = kind_of(source, any_format=False)
     with open_with_openimageio(source, kind, MOST_PIXELS) as file:
-        aperture = file.number("FNumber")
-        if not aperture:
-            apex = file.number("Exif:ApertureValue", least=-np.inf)
-            aperture = None if apex is None else 2 ** (apex / 2)
-        time = file.number("ExposureTime")
-        if not time:
-            apex = file.number("Exif:ShutterSpeedValue", least=-np.inf)
-            time = None if apex is None else 2.0**-apex
-        tags = ("Exif:PhotographicSensitivity", "Exif:ISOSpeedRatings")
-        speed = max((number for tag in tags if (number := file.number(tag))), default=None)
-    found = {"time": time, "speed": speed, "aperture": aperture}
-    return {key: float(value) for key, value in found.items() if value}
+        return exposure_tags(file.number)

@@ -5,8 +5,8 @@
 //! has lost nothing, so it is treated as any other map.
 
 use super::super::clipping::LEAST_WHITE;
-use super::super::segment::seen_part::SeenPart;
 use super::super::segment::working_image::{TILE, WorkingImage};
+use crate::kernels::image::SeenPart;
 
 /// Settings of the clip level of a map that ends below the largest possible value.
 ///

@@ -3,7 +3,6 @@
 //! | step                                               | file                     |
 //! |----------------------------------------------------|--------------------------|
 //! | reduced luminance of the map                       | `working_image.rs`       |
-//! | - seen share of its pixels                         | `seen_part.rs`           |
 //! | threshold above which a pixel is bright            | `threshold.rs`           |
 //! | pixels above it                                    | `bright_pixels.rs`       |
 //! | neighbours on the sphere, runs of pixels in a row  | `adjacency.rs`, `run.rs` |
@@ -31,7 +30,6 @@ pub mod measure;
 pub mod merge;
 pub mod outline;
 pub mod run;
-pub mod seen_part;
 #[cfg(test)]
 pub(super) mod test_maps;
 pub mod threshold;

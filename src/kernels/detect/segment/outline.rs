@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::adjacency::Adjacency;
 use super::components::Segments;
-use super::seen_part::SeenPart;
+use crate::kernels::image::SeenPart;
 
 /// Trim the glow from each segment; its labelled pixels remain, and their neighbours, which the light's edge may cut.
 pub fn trim(adjacency: &Adjacency, mut segments: Segments) -> Segments {

@@ -17,8 +17,8 @@
 
 use rayon::prelude::*;
 
-use super::seen_part::SeenPart;
 use super::working_image::WorkingImage;
+use crate::kernels::image::SeenPart;
 
 /// Bits of an `f32`'s mantissa that a bin ignores.
 const IGNORED_BITS: u32 = 18;

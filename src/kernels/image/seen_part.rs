@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 use ndarray::ArrayView2;
 use rayon::prelude::*;
 
-use crate::kernels::image::{Grid, block_fractions};
+use super::{Grid, block_fractions};
 use crate::kernels::sphere::{Registration, band_heights};
 
 /// Settings of the border of the seen part.
