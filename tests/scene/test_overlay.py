@@ -149,6 +149,13 @@ def test_a_solid_in_the_floor_is_noted():
     assert "solid 0 (Ball) reaches 0.5 below the floor" in el.shadow_overlay(RIG, dome).notes[0]
 
 
+def test_points_under_a_solid_do_not_count_as_errors():
+    points = [[1.2, 0, -0.2], [0, 0, 0], [0.01, 0, 0], [3, 0, 0]]
+    seen = el.shadow_overlay(RIG, [BALL, BOX], points)
+    assert seen.covered.tolist() == [True, True, False, False]
+    assert el.shadow_overlay(RIG, [BALL, BOX], points[:2]).code_errors()["codes"] == (0, 0)
+
+
 def test_no_light_and_no_solid_give_no_shadow():
     dark = el.Rig([0, 0, 0], LIGHTS[:0], error=0.0)
     assert (el.shadow_overlay(dark, BALL, columns=8).ratio == 1).all()

@@ -82,7 +82,7 @@ def write_exr(
 
 def write_codes(path: str | os.PathLike[str], codes: NDArray[np.uint8]) -> None:
     """Write sRGB codes, (height, width, 3 or 4), as a PNG file; alpha is not in the colour."""
-    spec = _spec(codes, oiio.UINT8)
+    spec = _spec(codes, oiio.UINT8, ())
     spec.attribute("oiio:UnassociatedAlpha", 1)
     spec.attribute("oiio:ColorSpace", "sRGB")
     _write(path, spec, codes)
