@@ -103,7 +103,8 @@ def _digits(rows: NDArray[np.float64]) -> list[list[float]]:
 def picture(env: EnvMap) -> dict[str, Any]:
     """Map as an encoded picture, the radiance of its largest code, and an exposure.
 
-    The exposure is that of pictures of the map, or up to one stop off if things would be dim or white.
+    The exposure is that of pictures of the map, or up to one stop off for things that would be dim
+    or white.
     """
     radiance = env.radiance
     white, _ = _thumbnails.white_of(radiance)
