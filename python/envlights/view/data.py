@@ -1,0 +1,155 @@
+"""Data of a page: rigs, the map as a picture, its irradiance, and the albedo of its ground."""
+
+from __future__ import annotations
+
+import base64
+import io
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights import _thumbnails
+from envlights._srgb import encode_srgb
+from envlights.envmap import EnvMap
+from envlights.fitting.fit import fit
+from envlights.kernels import sphere
+from envlights.kernels.image import LUMINANCE
+from envlights.kernels.probe import working_irradiance
+from envlights.lights import Lights
+from envlights.rig import Rig
+
+#: Largest number of lights that are fitted beforehand; the shader has an array of this length.
+MOST_LIGHTS = 8
+#: Columns of the picture, which is 300 kB or less on real maps.
+_COLUMNS = 2048
+#: Radiance of the largest code over the white of a picture of the map: exposure can go down by 2
+#: stops before clipped parts turn grey.
+_HEADROOM = 4.0
+#: Quality of WebP: mean error of 1.4 codes. Of JPEG: the same error.
+_WEBP_QUALITY, _JPEG_QUALITY = 90, 92
+#: Rows of the table of the map's irradiance over all normals, which is smooth.
+_ROWS = 24
+#: Degrees below the horizon between which the ground is measured: above are things, below a tripod.
+_GROUND = (20.0, 80.0)
+#: Plausible albedos of a ground.
+_ALBEDOS = (0.02, 0.8)
+#: Irradiance over radiance of real harmonics of each order, times the constants of the polynomials
+#: 1, y, z, x, xy, yz, 3zz - 1, xz, xx - yy.
+_HARMONICS = np.repeat([np.pi, 2 * np.pi / 3, np.pi / 4], [1, 3, 5]) * [
+    *(0.282095, 0.488603, 0.488603, 0.488603),
+    *(1.092548, 1.092548, 0.315392, 1.092548, 0.546274),
+]
+
+
+def fitted_rigs(env: EnvMap) -> dict[str, list[Rig]]:
+    """Rigs of 1 to 8 lights for each ambient term and shape of lights.
+
+    Those with a constant ambient term are fitted over a floor. Harmonics cannot be.
+    """
+    counts = range(1, MOST_LIGHTS + 1)
+    rigs = {}
+    for shape, sizes in (("discs", True), ("points", False)):
+        rigs[f"constant {shape}"] = [fit(env, n, sizes=sizes, floor=True) for n in counts]
+        rigs[f"harmonics {shape}"] = [fit(env, n, sizes=sizes, ambient="sh2") for n in counts]
+    return rigs
+
+
+def rigs_of(rig: Rig) -> dict[str, list[Rig]]:
+    """Rig with its discs and, if it has any, with points in their place."""
+    name = "constant" if rig.ambient.ndim == 1 else "harmonics"
+    rigs = {f"{name} discs": [rig]}
+    if rig.lights.angular_radius.any():
+        points = Lights(rig.lights.direction, rig.lights.irradiance)
+        rigs[f"{name} points"] = [Rig(rig.ambient, points, 0.0, floor=rig.floor)]
+    return rigs
+
+
+def rig_data(rig: Rig) -> dict[str, Any]:
+    """Rig as the shader takes it: an ambient radiance, or harmonics of irradiance."""
+    ambient = np.atleast_2d(rig.ambient)
+    lights = rig.lights
+    columns = (lights.direction, lights.irradiance, lights.angular_radius)
+    colours = _thumbnails.hex_of(lights.irradiance)
+    return {
+        "ambient": _digits(ambient if len(ambient) == 1 else _HARMONICS[:, None] * ambient),
+        "floor": rig.floor,
+        "error": float(rig.error),
+        "lights": [
+            {"direction": _digits(d), "irradiance": _digits(e), "radius": float(a), "colour": c}
+            for d, e, a, c in zip(*columns, colours, strict=True)
+        ],
+    }
+
+
+def _digits(values: NDArray[np.float64]) -> list[Any]:
+    """Values with the digits of a 32-bit float."""
+    rounded: list[Any] = np.vectorize(lambda value: float(f"{value:.8g}"))(values).tolist()
+    return rounded
+
+
+def picture(env: EnvMap) -> dict[str, Any]:
+    """Map as an encoded picture, the radiance of its largest code, and an exposure."""
+    radiance = env.radiance
+    white, _ = _thumbnails.white_of(radiance)
+    small = _thumbnails.shrink(radiance, _COLUMNS)
+    codes = np.round(255 * encode_srgb(small / (_HEADROOM * white))).astype(np.uint8)
+    kind, content = _encoded(codes)
+    address = f"data:image/{kind};base64,{base64.b64encode(content).decode()}"
+    return {"map": address, "white": _HEADROOM * white, "exposure": 1 / white}
+
+
+def _encoded(codes: NDArray[np.uint8]) -> tuple[str, bytes]:
+    """WebP, or JPEG where the image library lacks it, with the name of the format."""
+    from PIL import Image, features
+
+    file = io.BytesIO()
+    has_webp = features.check("webp")
+    kind, quality = ("webp", _WEBP_QUALITY) if has_webp else ("jpeg", _JPEG_QUALITY)
+    Image.fromarray(codes).save(file, kind, quality=quality)
+    return kind, file.getvalue()
+
+
+def irradiance_table(env: EnvMap, over_floor: bool) -> dict[str, Any]:
+    """Irradiance of the map over all normals as half floats; over a floor, of its upper half."""
+    radiance = env.radiance
+    if over_floor:
+        radiance = radiance.copy()
+        radiance[env.height // 2 :] = 0
+    normals = sphere.pixel_directions(_ROWS, 2 * _ROWS).reshape(-1, 3)
+    values, _ = working_irradiance(radiance, normals, border_sampled=env.is_border_sampled)
+    halves = values.astype("<f2").tobytes()
+    return {"size": [2 * _ROWS, _ROWS], "halves": base64.b64encode(halves).decode()}
+
+
+def floor_albedo(env: EnvMap) -> tuple[NDArray[np.float64], list[str]]:
+    """Albedo of the ground of the map by channel, and a note if it is not plausible.
+
+    The mean radiance of the ground times pi, over the irradiance that it receives.
+    """
+    below = (np.arange(env.height) + 0.5) / env.height * 180 - 90
+    rows = (below > _GROUND[0]) & (below < _GROUND[1])
+    weights = np.cos(np.deg2rad(below[rows]))
+    means = env.radiance[rows].mean(axis=1, dtype=np.float64)
+    mean = weights @ means / weights.sum()
+    upper = env.radiance.copy()
+    upper[env.height // 2 :] = 0
+    lit, _ = working_irradiance(upper, [[0, 1, 0]], border_sampled=env.is_border_sampled)
+    measured = np.pi * mean / np.maximum(lit[0], np.finfo(float).tiny)
+    albedo = np.clip(measured, *_ALBEDOS)
+    if np.array_equal(albedo, measured):
+        return albedo, []
+    told = f"{measured @ LUMINANCE:.2g}" if np.isfinite(measured).all() else "unknown"
+    return albedo, [
+        f"The ground of the map reflects {told} of the light that reaches it, which is not"
+        f" plausible; the page uses {albedo @ LUMINANCE:.2g}."
+    ]
+
+
+def azimuth(rigs: dict[str, list[Rig]]) -> float:
+    """Azimuth of the camera: across the brightest light, whose shadow then falls to the side."""
+    lights = next(iter(rigs.values()))[-1].lights
+    if not len(lights):
+        return 0.0
+    x, _, z = lights.direction[int(np.argmax(lights.irradiance @ LUMINANCE))]
+    return float(np.arctan2(x, z) + 1.9)
