@@ -44,7 +44,8 @@ def textures(model: Model) -> dict[str, Any]:
     return {
         "lower": lower.tolist(),
         "step": step,
-        "size": (grid.max(axis=0) * step).tolist(),
+        "size": model.size.tolist(),
+        "notes": list(model.notes),
         "count": {"nodes": len(nodes), "triangles": len(rows)},
         "nodes": _texture(nodes),
         "triangles": _texture(_packed_rows(rows[order])),
@@ -118,6 +119,7 @@ def _packed_rows(rows: NDArray[np.uint32]) -> NDArray[np.uint32]:
     return np.stack([a | b << 21, b >> 11 | c << 10], axis=1, dtype=np.uint32)
 
 
-def _texture(texels: NDArray[np.uint32]) -> str:
-    """Base64 of texels, little-endian."""
-    return base64.b64encode(texels.astype("<u4").tobytes()).decode()
+def _texture(texels: NDArray[np.uint32]) -> dict[str, Any]:
+    """Channels of a texture, and its texels as base64, little-endian."""
+    content = base64.b64encode(texels.astype("<u4").tobytes()).decode()
+    return {"channels": texels.shape[1], "texels": content}

@@ -19,7 +19,8 @@ from envlights.envmap import AnyMap, as_envmap
 from envlights.export.files import save_scene
 from envlights.io.source import is_source, name_of
 from envlights.rig import Rig
-from envlights.view import data
+from envlights.view import data, model_textures
+from envlights.view.model import Model
 
 #: Rows of the map that is drawn for a rig without a map.
 _ROWS = 512
@@ -39,7 +40,7 @@ class View:
             "TITLE": escape(self.data["title"]),
             "STYLE": _text("view.css"),
             "SCRIPT": script(),
-            "DATA": _json({**self.data, "shaders": shaders()}),
+            "DATA": _json({**self.data, "shaders": shaders(bool(self.data["model"]))}),
         }
         page = _text("page.html")
         for name, text in parts.items():
@@ -60,7 +61,12 @@ class View:
 
 
 def view(
-    env: AnyMap | Rig, rig: Rig | None = None, *, title: str | None = None, unseen: Unseen = None
+    env: AnyMap | Rig,
+    rig: Rig | None = None,
+    *,
+    title: str | None = None,
+    unseen: Unseen = None,
+    model: Any = None,
 ) -> View:
     """Page that shows a ball and a box in a map, lit by a few lights, with their shadows."""
     if isinstance(env, Rig):
@@ -75,6 +81,7 @@ def view(
     world = as_envmap(env).filled(unseen)
     rigs = data.fitted_rigs(world) if rig is None else data.rigs_of(rig)
     floor, notes = data.floor_albedo(world)
+    shown = model if model is None or isinstance(model, Model) else Model.open(model)
     return View({
         "title": title,
         **data.picture(world),
@@ -82,7 +89,8 @@ def view(
         "floor": floor.tolist(),
         "rigs": {name: [data.rig_data(each) for each in some] for name, some in rigs.items()},
         "notes": notes,
-        "state": {"azimuth": data.azimuth(rigs), "ambient": next(iter(rigs)).split()[0]},
+        "model": None if shown is None else model_textures.textures(shown),
+        "state": {"azimuth": data.azimuth(rigs), "ambient": next(iter(rigs)).split()[0], **start_of(shown)},
     })
 
 
@@ -91,9 +99,19 @@ def script() -> str:
     return _text("scene.js") + _text("view.js")
 
 
-def shaders() -> dict[str, str]:
-    """Text of the shaders."""
-    return {name: _text(f"{name}.glsl") for name in ("light", "scene")}
+def shaders(has_model: bool) -> dict[str, str]:
+    """Text of the shaders; those of a model only if there is one."""
+    names = ("light", "scene", *(("model", "paths") if has_model else ()))
+    return {name: _text(f"{name}.glsl") for name in names}
+
+
+def start_of(model: Model | None) -> dict[str, Any]:
+    """Start of the camera: all of a model is in the picture, which stands alone."""
+    if model is None:
+        return {}
+    radius = float(np.linalg.norm(model.size)) / 2
+    distance = max(3.6 * radius, 0.05)
+    return {"only": 3, "look": [0.0, 0.45 * float(model.size[1]), 0.0], "distance": distance}
 
 
 @cache

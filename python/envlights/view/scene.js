@@ -7,18 +7,21 @@ precision highp float;
 uniform sampler2D map;
 out vec4 colour;
 void main() {
-  vec3 x = texelFetch(map, ivec2(gl_FragCoord.xy), 0).rgb;
+  vec3 x = clamp(texelFetch(map, ivec2(gl_FragCoord.xy), 0).rgb, 0.0, 1.0);
   colour = vec4(mix(1.055 * pow(x, vec3(1.0 / 2.4)) - 0.055, 12.92 * x, lessThanEqual(x, vec3(0.0031308))), 1);
 }`;
 const SHADOWS = { none: 0, paper: 1, exact: 2 };
-const MAP = 0, POINTS = 1, NORMALS = 2, SUM = 3, WHOLE = 5;
+const MAP = 0, POINTS = 1, NORMALS = 2, SUM = 3, WHOLE = 5, NODES = 6, TRIANGLES = 7, CORNERS = 8;
+// Frames of a picture that does not change; a model takes more, because its shadows are rays.
+const FRAMES = 16, MODEL_FRAMES = 256;
 const MOST = 8;
+const NO_MODEL = "bool modelBlocks(vec3 x, vec3 d) { return false; }";
 
 /** What the picture shows at first; `data.state` overrides it. */
 export const START = {
   azimuth: 0, elevation: 0.3, distance: 4.6, look: [0, 0.42, 0], fov: 36, exposure: 0,
   count: 4, shape: "discs", ambient: "constant", shadows: "exact", off: [], only: 0, bare: false,
-  ball: [-0.62, 0.1, 0.5], box: [0.65, -0.1, 0.42, 0.42, 0.42, 30], albedo: 0.7, shine: 0, roughness: 0.35,
+  ball: [-0.62, 0.1, 0.5], model: [0, 0, 0], box: [0.65, -0.1, 0.42, 0.42, 0.42, 30], albedo: 0.7, shine: 0, roughness: 0.35,
   cameraHeight: 1.6, dome: 12, flatFloor: false, probes: true,
 };
 
@@ -48,6 +51,8 @@ export class Scene {
     if (!gl) throw new Error("This page needs WebGL 2, which this browser does not offer or has switched off.");
     Object.assign(this, { canvas, data, gl, programs: new Map(), textures: [], frames: 0 });
     this.refines = Boolean(gl.getExtension("EXT_color_buffer_float"));
+    // The mean over the frames of a model needs more digits than half floats have, if the driver can blend others.
+    this.sums = this.refines && data.model && gl.getExtension("EXT_float_blend");
     gl.bindVertexArray(gl.createVertexArray());
   }
 
@@ -63,7 +68,20 @@ export class Scene {
       this.texture(unit, gl.LINEAR);
       gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGB16F, ...size, 0, gl.RGB, gl.HALF_FLOAT, new Uint16Array(bytes.buffer));
     }
+    if (data.model) for (const [unit, name] of [[NODES, "nodes"], [TRIANGLES, "triangles"], [CORNERS, "corners"]]) this.integers(unit, data.model[name]);
   }
+
+  // A texture of 32-bit integers in rows of 2048 texels.
+  integers(unit, { texels, channels }) {
+    const { gl } = this, bytes = Uint8Array.from(atob(texels), (c) => c.charCodeAt(0)), rows = Math.ceil(bytes.length / 4 / channels / 2048);
+    const padded = new Uint8Array(rows * 2048 * channels * 4);
+    padded.set(bytes);
+    this.texture(unit, gl.NEAREST);
+    const [inner, format] = channels === 2 ? [gl.RG32UI, gl.RG_INTEGER] : [gl.RGBA32UI, gl.RGBA_INTEGER];
+    gl.texImage2D(gl.TEXTURE_2D, 0, inner, 2048, rows, 0, format, gl.UNSIGNED_INT, new Uint32Array(padded.buffer));
+  }
+
+  get most() { return !this.refines ? 1 : this.data.model ? MODEL_FRAMES : FRAMES; }
 
   // A new texture in a unit.
   texture(unit, filter) {
@@ -79,10 +97,10 @@ export class Scene {
   }
 
   // One program for each choice: a software renderer computes all sides of a branch.
-  use(source, choices) {
-    const { gl } = this, text = Object.entries(choices).map(([name, value]) => `const ${typeof value === "boolean" ? "bool" : "int"} ${name} = ${value};`).join(" ");
+  use(source, choices, models = 0) {
+    const { gl, data: { shaders } } = this, text = `#define MODELS ${models}\n` + Object.entries(choices).map(([name, value]) => `const ${typeof value === "boolean" ? "bool" : "int"} ${name} = ${value};`).join(" ");
     if (!this.programs.has(text)) {
-      const program = link(gl, VERTEX, source.replace("//LIGHT", this.data.shaders.light).replace("//CHOICES", text));
+      const program = link(gl, VERTEX, source.replace("//LIGHT", shaders.light).replace("//CHOICES", text).replace("//MODEL", models ? shaders.model : NO_MODEL).replace("//PATHS", shaders.paths));
       const places = new Map(), count = gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS);
       for (let k = 0; k < count; k++) {
         const { name, type } = gl.getActiveUniform(program, k);
@@ -113,9 +131,17 @@ export class Scene {
   draw(s, task, size, extra = {}) {
     const { gl, data } = this, rig = extra.rig ?? rigOf(data, s), on = rig.lights.filter((_, k) => !s.off.includes(k));
     const soft = on.some((light) => light.radius > 3e-4), harmonic = rig.ambient.length > 1;
+    const { model } = data, refined = extra.frame !== undefined && s.shadows === "exact";
     this.use(data.shaders.scene, {
       task, shadows: SHADOWS[s.shadows], soft, harmonic, glossy: s.shine > 0, floats: Boolean(extra.floats),
-    });
+    }, model && task === 0 ? 1 + refined : 0);
+    if (model) {
+      const turn = s.model[2] * Math.PI / 180;
+      this.set({
+        modelNodes: NODES, modelTriangles: TRIANGLES, modelCorners: CORNERS, modelNodeCount: model.count.nodes, modelGrid: [...model.lower, model.step],
+        modelAt: s.model.slice(0, 2), modelTurn: [Math.cos(turn), Math.sin(turn)], frame: extra.frame,
+      });
+    }
     const { eye, right, up, forward } = view(s), lit = (of, empty) => Array.from({ length: MOST }, (_, k) => (on[k] ? of(on[k]) : empty));
     const [x, z, a, b, c, turn] = s.box, cos = Math.cos(turn * Math.PI / 180), sin = Math.sin(turn * Math.PI / 180);
     this.set({
@@ -132,17 +158,17 @@ export class Scene {
   }
 
   // One frame of the canvas. Frames of a picture that does not change are averaged, each with another offset in the pixel.
-  frame(s, keeps) {
+  frame(s, keeps, moves = false) {
     const { gl, canvas } = this, size = [canvas.width, canvas.height];
     gl.viewport(0, 0, ...size);
     this.frames = keeps ? this.frames + 1 : 1;
-    if (!this.refines) this.draw(s, 0, size, { floats: false });
+    if (!this.refines) this.draw(s, 0, size);
     else {
-      this.target(SUM, gl.RGBA16F, ...size);
+      this.target(SUM, this.sums ? gl.RGBA32F : gl.RGBA16F, ...size);
       gl.enable(gl.BLEND);
       gl.blendFunc(gl.CONSTANT_ALPHA, gl.ONE_MINUS_CONSTANT_ALPHA);
       gl.blendColor(0, 0, 0, 1 / this.frames);
-      this.draw(s, 0, size, { jitter: this.frames > 1 ? offset(this.frames - 1) : [0, 0] });
+      this.draw(s, 0, size, { jitter: this.frames > 1 ? offset(this.frames - 1) : [0, 0], ...(moves || !this.data.model ? {} : { frame: this.frames - 1 }) });
       gl.disable(gl.BLEND);
       gl.bindFramebuffer(gl.FRAMEBUFFER, null);
     }

@@ -53,9 +53,9 @@ class Page {
     const box = this.caption.getBoundingClientRect(), outer = canvas.getBoundingClientRect();
     state.inset = [box.left - outer.left, outer.bottom - box.top, box.width, box.width / 3].map((x) => x * ratio);
     state.inset[1] -= state.inset[3];
-    scene.frame(state, this.kept);
+    scene.frame(state, this.kept, Boolean(dragged));
     canvas.setAttribute("aria-label", this.text());
-    if (scene.refines && scene.frames < 16 && !dragged) this.afterwards();
+    if (scene.frames < scene.most && !dragged) this.afterwards();
   }
 
   // Refine the picture when the last frame is on the screen and nothing has changed.
@@ -72,7 +72,7 @@ class Page {
 
   text() {
     const rig = rigOf(this.data, this.state), count = rig.lights.length - this.state.off.length;
-    return `A ball and a box in ${this.data.title}, lit by ${count} lights and an ambient term. Arrow keys turn the camera.`;
+    return `${this.data.model ? "A model" : "A ball and a box"} in ${this.data.title}, lit by ${count} lights and an ambient term. Arrow keys turn the camera.`;
   }
 
   panel() {
@@ -92,14 +92,26 @@ class Page {
       this.group("Lights", ...lights),
       this.group("Shadows", this.choice("Shadows are", "shadows", { exact: "exact", paper: "overlays", none: "none" })),
       this.group("Picture", this.slider("Exposure", "exposure", -4, 4, 0.1, (x) => `${x > 0 ? "+" : ""}${x.toFixed(1)} EV`), this.check("Probes", "probes", () => { this.caption.hidden = !state.probes; })),
+      ...this.modelPanel(degrees),
       this.group("Ball and box", this.slider("Albedo", "albedo", 0.05, 0.95, 0.01, plain), this.slider("Highlight", "shine", 0, 1, 0.01, plain),
-        this.slider("Roughness", "roughness", 0.1, 0.9, 0.01, plain), this.turn(degrees)),
+        this.slider("Roughness", "roughness", 0.1, 0.9, 0.01, plain), this.turn("Turn of the box", "box", 5, 90, degrees)),
       this.group("Ground", this.slider("Camera height", "cameraHeight", 0.3, 6, 0.1, metres), this.slider("Dome radius", "dome", 3, 60, 0.5, metres),
         node("p", { className: "note", textContent: SMEARED })),
       ...data.notes.map((text) => node("p", { className: "note", textContent: text })),
     );
     this.list();
     return form;
+  }
+
+  // Controls and remarks of a model.
+  modelPanel(degrees) {
+    const { data: { model }, state, scene } = this;
+    if (!model) return [];
+    state.balls = state.only === 0;
+    const others = this.check("Ball and box", "balls", () => { state.only = state.balls ? 0 : 3; });
+    const size = model.size.map((x) => x.toPrecision(2)).join(" × "), notes = [`${model.count.triangles.toLocaleString("en")} triangles, ${size} m`, ...model.notes];
+    if (!scene.refines) notes.push("This browser cannot average pictures (EXT_color_buffer_float), so the shadows of the model are hard.");
+    return [this.group("Model", ...notes.map((textContent) => node("p", { className: "note", textContent })), this.turn("Turn of the model", "model", 2, 360, degrees), others)];
   }
 
   group(legend, ...children) { return node("fieldset", {}, node("legend", { textContent: legend }), ...children); }
@@ -116,11 +128,10 @@ class Page {
     return node("label", { className: "slider" }, node("span", { textContent: label }), output, input);
   }
 
-  turn(text) {
-    const { state } = this, slider = this.slider("Turn of the box", "boxTurn", 0, 90, 1, text, () => { state.box[5] = state.boxTurn; });
-    slider.querySelector("input").value = state.box[5];
-    slider.querySelector("output").textContent = text(state.box[5]);
-    return slider;
+  turn(label, thing, place, most, text) {
+    const { state } = this, key = `${thing}Turn`;
+    state[key] = state[thing][place];
+    return this.slider(label, key, 0, most, 1, text, () => { state[thing][place] = state[key]; });
   }
 
   choice(label, key, values, then = () => {}) {
@@ -170,7 +181,12 @@ class Page {
   pick(event) {
     const { state } = this, { eye, direction } = this.ray(event), [x, z, radius] = state.ball, [p, q, a, b, c, turn] = state.box;
     const found = { ball: hitBall(eye, direction, [x, radius, z], radius), box: hitBox(eye, direction, [p, b, q], [a, b, c], turn * Math.PI / 180) };
-    const name = found.ball <= found.box ? "ball" : "box";
+    if (state.only) found.ball = found.box = Infinity;
+    if (this.data.model) {
+      const [left, back, angle] = state.model, half = this.data.model.size.map((side) => side / 2);
+      found.model = hitBox(eye, direction, [left, half[1], back], half, angle * Math.PI / 180);
+    }
+    const name = Object.keys(found).reduce((best, other) => (found[other] < found[best] ? other : best));
     return found[name] < Infinity ? { name, height: eye[1] + found[name] * direction[1] } : null;
   }
 
