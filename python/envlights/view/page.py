@@ -6,7 +6,7 @@ import json
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from html import escape
 from importlib.resources import files
 from typing import Any
@@ -19,7 +19,7 @@ from envlights.envmap import AnyMap, as_envmap
 from envlights.export.files import save_scene
 from envlights.io.source import is_source, name_of
 from envlights.rig import Rig
-from envlights.view import data, model_textures
+from envlights.view import data, model_textures, widget
 from envlights.view.model import Model
 
 #: Rows of the map that is drawn for a rig without a map.
@@ -55,6 +55,24 @@ class View:
     def _repr_html_(self) -> str:
         style = "width: 100%; height: 560px; border: 0"
         return f'<iframe style="{style}" srcdoc="{escape(self.html)}"></iframe>'
+
+    @cached_property
+    def widget(self) -> Any:
+        """The page as a widget of Jupyter, whose traits follow it; needs the extra `widget`.
+
+        Traits: `exposure` in stops, `count` of lights, `sizes`, `off` (rows of the lights that are
+        switched off) and `eye`, (3,) in metres.
+        """
+        content = {**self.data, "shaders": shaders(bool(self.data["model"]))}
+        return widget.widget(content, script() + _text("widget.js"), _text("view.css"))
+
+    def _ipython_display_(self) -> None:
+        from IPython.display import display
+
+        if widget.is_available():
+            display(self.widget)
+        else:
+            display({"text/html": self._repr_html_(), "text/plain": repr(self)}, raw=True)
 
     def __repr__(self) -> str:
         return f"<View: {self.data['title']}, {len(self.html) / 1024:.0f} kB>"

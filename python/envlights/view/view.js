@@ -23,7 +23,6 @@ export async function render({ model, el }) {
     return { error };
   }
 }
-export default { render };
 
 class Page {
   constructor(parts) {
