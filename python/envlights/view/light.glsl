@@ -19,6 +19,7 @@ Cap sphere;        // the ball as seen from the point
 vec3 above;        // the point as seen from the centre of the box
 int sides;         // corners of the silhouette of the box, counterclockwise; three bits of `silhouette` for each
 int silhouette;
+bool apart;        // true if a side of the silhouette has the ball beyond it
 
 vec3 corner(int k);
 
@@ -71,8 +72,8 @@ float lens(vec3 n, Cap a, Cap b) {
 float overSine(float s, float c) { return s < 1e-3 && c > 0.0 ? 1.0 + s * s / 6.0 : atan(s, c) / s; }
 
 // Angle around the axis between two offsets from it, in the sense of a great circle with this offset.
-float turn(float offset, vec3 from, vec3 to) {
-  float angle = atan(length(cross(from, to)), dot(from, to) + 1e-30);
+float turn(vec3 axis, float offset, vec3 from, vec3 to) {
+  float angle = atan(abs(dot(axis, cross(from, to))), dot(from, to) + 1e-30);
   return offset < 0.0 ? -angle : angle;
 }
 
@@ -86,17 +87,17 @@ float edge(vec3 n, Cap k, vec3 a, vec3 b, vec3 m, inout bool behind) {
   behind = behind && offset < 0.0;
   bool hits = root > 0.0 && (inA || dot(p, along) < 0.0) && (inB || dot(q, along) > 0.0);
   float sum = 0.0, rim = s2 / (1.0 + k.cosine);
-  WHEN(!hits) sum = s2 * c * turn(offset, p, q);
+  WHEN(!hits) sum = s2 * c * turn(k.axis, offset, p, q);
   WHEN(hits) {
     vec3 middle = -offset * k.cosine / r2 * (m - offset * k.axis), half_ = sqrt(root) / r2 * along;
     WHEN(!inA) {
       vec3 enter = middle - half_;
-      sum += s2 * c * turn(offset, p, enter) - rim * dot(n, cross(k.axis, enter));
+      sum += s2 * c * turn(k.axis, offset, p, enter) - rim * dot(n, cross(k.axis, enter));
       p = enter; ha = k.cosine;
     }
     WHEN(!inB) {
       vec3 leave = middle + half_;
-      sum += s2 * c * turn(offset, leave, q) + rim * dot(n, cross(k.axis, leave));
+      sum += s2 * c * turn(k.axis, offset, leave, q) + rim * dot(n, cross(k.axis, leave));
       q = leave; hb = k.cosine;
     }
     vec3 pq = cross(p, q);
@@ -122,16 +123,17 @@ float region(vec3 n, Cap k, bool capped, bool dome, vec3 cut1, vec3 cut2) {
   bool isCut = dot(cut1, cut1) + dot(cut2, cut2) > 0.0, cuts1 = false, cuts2 = false, behind = true, any = false;
   float sum = 0.0;
   int count = dome ? 4 : sides;
-  vec3 last = dome ? u : corner(0), at = last;
+  vec3 last = dome ? u : corner(0), at = last, unit = normalize(last);
   // The edges, and then the arcs of both great circles between the crossings with the edges.
   for (int i = 0; i < count + (cuts1 || cuts2 ? 2 : 0); i++) {
     vec3 a, b, m;
     bool stays = true;
     WHEN(i < count) {
       vec3 next = dome ? ((i & 1) == 0 ? v : -u) * (i < 2 ? 1.0 : -1.0) : i + 1 < count ? corner(i + 1) : at;
-      a = normalize(last); b = normalize(next);
+      a = unit; b = normalize(next);
       m = dome ? n : normalize(cross(last, next - last));
-      last = next;
+      last = next; unit = b;
+      apart = apart || (!dome && dot(sphere.axis, m) < -sphere.sine);
       WHEN(isCut) stays = keep(cut1, a, b, leave1, enter1, cuts1);
     }
     if (i == count) { a = leave1; b = enter1; m = cut1; stays = cuts1; }

@@ -80,6 +80,7 @@ void look(vec3 x, int self) {
   float f = length(e), s = min(length(boxHalf) / f, 1.0);
   around = Cap(e / f, s, sqrt(1.0 - s * s));
   silhouette = loop >> 3;
+  apart = false;
   above = -e;
 }
 
@@ -108,13 +109,14 @@ float hidden(int j, vec3 n, int self) {
   // First the box; then, as a part of the light and one of the ball, what both hide, or the ball over a horizon.
   for (int part = 0; part < 3; part++) {
     bool ofBox = part == 0, ofBall = part == 2;
-    if (!(ofBox ? nearBox : lune || both) || (sky && part == 1)) continue;
-    vec3 cut1 = ofBox ? (low ? n : vec3(0)) : sky ? (lune ? y : vec3(0)) : ofBall ? -chord : chord;
-    Cap cap = light;
-    if (ofBall) cap = sphere;
-    float area = region(n, cap, !(sky && ofBox), lune && !ofBox, cut1, ofBox ? y : vec3(0));
-    if (sky && ofBox) factorBox = area / PI;
-    sum += both && !ofBox ? -area : area;
+    WHEN((ofBox ? nearBox : lune || (both && !apart)) && !(sky && part == 1)) {
+      vec3 cut1 = ofBox ? (low ? n : vec3(0)) : sky ? (lune ? y : vec3(0)) : ofBall ? -chord : chord;
+      Cap cap = light;
+      if (ofBall) cap = sphere;
+      float area = region(n, cap, !(sky && ofBox), lune && !ofBox, cut1, ofBox ? y : vec3(0));
+      if (sky && ofBox) factorBox = area / PI;
+      sum += both && !ofBox ? -area : area;
+    }
   }
   return clamp(inside ? whole : sum, 0.0, whole) / whole;
 }

@@ -5,16 +5,16 @@ void main() { gl_Position = vec4(vec2((gl_VertexID << 1) & 2, gl_VertexID & 2) *
 const PRESENT = `#version 300 es
 precision highp float;
 uniform sampler2D map;
+uniform vec2 size;
 out vec4 colour;
 void main() {
-  vec3 x = clamp(texelFetch(map, ivec2(gl_FragCoord.xy), 0).rgb, 0.0, 1.0);
+  vec3 x = clamp(texture(map, gl_FragCoord.xy / size).rgb, 0.0, 1.0);
   colour = vec4(mix(1.055 * pow(x, vec3(1.0 / 2.4)) - 0.055, 12.92 * x, lessThanEqual(x, vec3(0.0031308))), 1);
 }`;
 const SHADOWS = { none: 0, paper: 1, exact: 2 };
-const MAP = 0, POINTS = 1, NORMALS = 2, SUM = 3, WHOLE = 5, NODES = 6, TRIANGLES = 7, CORNERS = 8;
-// Frames of a picture that does not change; a model takes more, because its shadows are rays.
-const FRAMES = 16, MODEL_FRAMES = 256;
+const MAP = 0, POINTS = 1, NORMALS = 2, SUM = 3, WHOLE = 4, SMALL = 5, OWN = 6, NODES = 7, TRIANGLES = 8, CORNERS = 9;
 const MOST = 8;
+// Triangles in the way of a light, where there are none.
 const NO_MODEL = "bool modelBlocks(vec3 x, vec3 d) { return false; }";
 
 /** What the picture shows at first; `data.state` overrides it. */
@@ -24,6 +24,12 @@ export const START = {
   ball: [-0.62, 0.1, 0.5], model: [0, 0, 0], box: [0.65, -0.1, 0.42, 0.42, 0.42, 30], albedo: 0.7, shine: 0, roughness: 0.35,
   cameraHeight: 1.6, dome: 12, flatFloor: false, probes: true,
 };
+
+/** Ball and box as the camera at an azimuth sees them first: side by side. */
+export function arranged(azimuth) {
+  const cos = Math.cos(azimuth), sin = Math.sin(azimuth), at = (x, z) => [cos * x + sin * z, cos * z - sin * x];
+  return { ball: [...at(-0.62, 0.12), 0.5], box: [...at(0.62, -0.1), 0.42, 0.42, 0.42, (30 + azimuth * 180 / Math.PI) % 90] };
+}
 
 /** Eye and axes (right, up, forward) of the camera; azimuth 0 is +z, a quarter turn +x. */
 export function view(s) {
@@ -49,10 +55,12 @@ export class Scene {
   constructor(canvas, data) {
     const gl = canvas.getContext("webgl2", { antialias: false, alpha: false, preserveDrawingBuffer: true });
     if (!gl) throw new Error("This page needs WebGL 2, which this browser does not offer or has switched off.");
-    Object.assign(this, { canvas, data, gl, programs: new Map(), textures: [], frames: 0 });
-    this.refines = Boolean(gl.getExtension("EXT_color_buffer_float"));
-    // The mean over the frames of a model needs more digits than half floats have, if the driver can blend others.
-    this.sums = this.refines && data.model && gl.getExtension("EXT_float_blend");
+    Object.assign(this, { canvas, data, gl, programs: new Map(), textures: [], targets: [], frames: 0, row: 0 });
+    this.hasFloats = Boolean(gl.getExtension("EXT_color_buffer_float"));
+    // Half floats lose small changes of a mean over many frames.
+    this.sums = Boolean(data.model && this.hasFloats && gl.getExtension("EXT_float_blend"));
+    this.most = this.sums ? 256 : 16;
+    this.buffer = gl.createFramebuffer();
     gl.bindVertexArray(gl.createVertexArray());
   }
 
@@ -74,14 +82,20 @@ export class Scene {
   // A texture of 32-bit integers in rows of 2048 texels.
   integers(unit, { texels, channels }) {
     const { gl } = this, bytes = Uint8Array.from(atob(texels), (c) => c.charCodeAt(0)), rows = Math.ceil(bytes.length / 4 / channels / 2048);
-    const padded = new Uint8Array(rows * 2048 * channels * 4);
+    const padded = new Uint8Array(rows * 2048 * channels * 4), four = channels === 4;
     padded.set(bytes);
     this.texture(unit, gl.NEAREST);
-    const [inner, format] = channels === 2 ? [gl.RG32UI, gl.RG_INTEGER] : [gl.RGBA32UI, gl.RGBA_INTEGER];
-    gl.texImage2D(gl.TEXTURE_2D, 0, inner, 2048, rows, 0, format, gl.UNSIGNED_INT, new Uint32Array(padded.buffer));
+    gl.texImage2D(gl.TEXTURE_2D, 0, four ? gl.RGBA32UI : gl.RG32UI, 2048, rows, 0, four ? gl.RGBA_INTEGER : gl.RG_INTEGER, gl.UNSIGNED_INT, new Uint32Array(padded.buffer));
   }
 
-  get most() { return !this.refines ? 1 : this.data.model ? MODEL_FRAMES : FRAMES; }
+  // Uniforms of a model; `frame` is the number of the frame.
+  place(s, model, frame) {
+    const turn = s.model[2] * Math.PI / 180;
+    this.set({
+      modelNodes: NODES, modelTriangles: TRIANGLES, modelCorners: CORNERS, modelNodeCount: model.count.nodes, modelGrid: [...model.lower, model.step],
+      modelAt: s.model.slice(0, 2), modelTurn: [Math.cos(turn), Math.sin(turn)], frame,
+    });
+  }
 
   // A new texture in a unit.
   texture(unit, filter) {
@@ -131,17 +145,12 @@ export class Scene {
   draw(s, task, size, extra = {}) {
     const { gl, data } = this, rig = extra.rig ?? rigOf(data, s), on = rig.lights.filter((_, k) => !s.off.includes(k));
     const soft = on.some((light) => light.radius > 3e-4), harmonic = rig.ambient.length > 1;
-    const { model } = data, refined = extra.frame !== undefined && s.shadows === "exact";
+    // The rays of a model are refined over the frames; before, and for other shadows, they end in the centre of a light.
+    const { frame = -1 } = extra, models = !data.model || task > 0 ? 0 : frame >= 0 && s.shadows === "exact" ? 2 : 1;
     this.use(data.shaders.scene, {
       task, shadows: SHADOWS[s.shadows], soft, harmonic, glossy: s.shine > 0, floats: Boolean(extra.floats),
-    }, model && task === 0 ? 1 + refined : 0);
-    if (model) {
-      const turn = s.model[2] * Math.PI / 180;
-      this.set({
-        modelNodes: NODES, modelTriangles: TRIANGLES, modelCorners: CORNERS, modelNodeCount: model.count.nodes, modelGrid: [...model.lower, model.step],
-        modelAt: s.model.slice(0, 2), modelTurn: [Math.cos(turn), Math.sin(turn)], frame: extra.frame,
-      });
-    }
+    }, models);
+    if (models) this.place(s, data.model, frame);
     const { eye, right, up, forward } = view(s), lit = (of, empty) => Array.from({ length: MOST }, (_, k) => (on[k] ? of(on[k]) : empty));
     const [x, z, a, b, c, turn] = s.box, cos = Math.cos(turn * Math.PI / 180), sin = Math.sin(turn * Math.PI / 180);
     this.set({
@@ -157,31 +166,43 @@ export class Scene {
     gl.drawArrays(gl.TRIANGLES, 0, 3);
   }
 
-  // One frame of the canvas. Frames of a picture that does not change are averaged, each with another offset in the pixel.
-  frame(s, keeps, moves = false) {
-    const { gl, canvas } = this, size = [canvas.width, canvas.height];
-    gl.viewport(0, 0, ...size);
-    this.frames = keeps ? this.frames + 1 : 1;
-    if (!this.refines) this.draw(s, 0, size);
-    else {
-      this.target(SUM, this.sums ? gl.RGBA32F : gl.RGBA16F, ...size);
-      gl.enable(gl.BLEND);
-      gl.blendFunc(gl.CONSTANT_ALPHA, gl.ONE_MINUS_CONSTANT_ALPHA);
-      gl.blendColor(0, 0, 0, 1 / this.frames);
-      this.draw(s, 0, size, { jitter: this.frames > 1 ? offset(this.frames - 1) : [0, 0], ...(moves || !this.data.model ? {} : { frame: this.frames - 1 }) });
-      gl.disable(gl.BLEND);
-      gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-    }
-    this.present(s, size);
+  // A first look at a smaller size; the frames start anew.
+  preview(s, size) {
+    this.target(SMALL, this.format(), ...size);
+    this.frames = this.row = 0;
+    this.draw(s, 0, size);
+    this.present(s, SMALL);
   }
 
-  present(s, size) {
-    const { gl } = this;
-    if (this.refines) {
-      this.use(PRESENT, {});
-      this.set({ map: SUM });
-      gl.drawArrays(gl.TRIANGLES, 0, 3);
-    }
+  // The next rows of a frame at full size. Frames are averaged, each with another offset in the pixel.
+  rows(s, count) {
+    const { gl, canvas } = this, size = [canvas.width, canvas.height];
+    this.target(SUM, this.sums ? gl.RGBA32F : this.format(), ...size);
+    gl.enable(gl.SCISSOR_TEST);
+    gl.scissor(0, this.row, size[0], count);
+    gl.enable(gl.BLEND);
+    gl.blendFunc(gl.CONSTANT_ALPHA, gl.ONE_MINUS_CONSTANT_ALPHA);
+    gl.blendColor(0, 0, 0, 1 / (this.frames + 1));
+    this.draw(s, 0, size, { jitter: offset(this.frames), frame: this.hasFloats ? this.frames : -1 });
+    gl.disable(gl.BLEND);
+    gl.disable(gl.SCISSOR_TEST);
+    this.row += count;
+    if (this.row < size[1]) return;
+    this.row = 0;
+    this.frames++;
+    this.present(s, SUM);
+  }
+
+  format() { return this.hasFloats ? this.gl.RGBA16F : this.gl.SRGB8_ALPHA8; }
+
+  // Show a texture of linear values, and the probes.
+  present(s, unit) {
+    const { gl, canvas } = this, size = [canvas.width, canvas.height];
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    gl.viewport(0, 0, ...size);
+    this.use(PRESENT, {});
+    this.set({ map: unit, size });
+    gl.drawArrays(gl.TRIANGLES, 0, 3);
     if (!s.probes || !s.inset) return;
     const [left, bottom, width, height] = s.inset.map(Math.round);
     gl.viewport(left, bottom, width, height);
@@ -191,25 +212,36 @@ export class Scene {
     gl.disable(gl.BLEND);
   }
 
+  // Call `then` with the milliseconds since `start` when all is drawn.
+  finished(start, then) {
+    const { gl } = this, fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    gl.flush();
+    const wait = () => {
+      if (gl.getSyncParameter(fence, gl.SYNC_STATUS) !== gl.SIGNALED) return void setTimeout(wait, 4);
+      gl.deleteSync(fence);
+      then(performance.now() - start);
+    };
+    setTimeout(wait, 0);
+  }
+
   // Draw into a texture of its own.
   target(unit, format, width, height) {
     const { gl } = this, key = `${width} ${height} ${format}`;
-    if (this.targets?.[unit] !== key) {
-      this.texture(unit, gl.NEAREST);
+    if (this.targets[unit] !== key) {
+      this.texture(unit, unit === SMALL ? gl.LINEAR : gl.NEAREST);
       gl.texStorage2D(gl.TEXTURE_2D, 1, format, width, height);
-      this.targets = { ...this.targets, [unit]: key };
-      this.buffer ??= gl.createFramebuffer();
+      this.targets[unit] = key;
     }
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.buffer);
     gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, this.textures[unit], 0);
+    gl.viewport(0, 0, width, height);
   }
 
   // RGBA of a task without the canvas, rows from below: floats, or codes of one sample for each pixel.
   read(s, task, width, height, extra = {}) {
     const { gl } = this, pixels = new Float32Array(4 * width * height);
-    if (!this.refines) throw new Error("This browser cannot draw into float textures.");
-    this.target(SUM + 1, gl.RGBA32F, width, height);
-    gl.viewport(0, 0, width, height);
+    if (!this.hasFloats) throw new Error("This browser cannot draw into float textures.");
+    this.target(OWN, gl.RGBA32F, width, height);
     this.draw(s, task, [width, height], { floats: true, ...extra });
     gl.readPixels(0, 0, width, height, gl.RGBA, gl.FLOAT, pixels);
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);

@@ -2,6 +2,9 @@
 
 const SMEARED = "The map was photographed from one point. What stands near it is smeared over the ground, inside the dome.";
 
+// Milliseconds of the first look at a change, and of a step of a full frame; frames of a smooth picture.
+const FIRST = 60, STEP = 120;
+
 function node(tag, properties = {}, ...children) {
   const made = Object.assign(document.createElement(tag), properties);
   made.append(...children);
@@ -15,7 +18,7 @@ export async function render({ model, el }) {
   const stage = node("div", { className: "stage" }, canvas), root = node("div", { className: "envlights" }, stage);
   el.append(root);
   try {
-    const scene = new Scene(canvas, data), state = { ...structuredClone(START), ...data.state };
+    const scene = new Scene(canvas, data), state = { ...structuredClone(START), ...arranged(data.state.azimuth), ...data.state };
     await scene.load();
     return new Page({ root, stage, canvas, scene, state, data });
   } catch (error) {
@@ -26,7 +29,7 @@ export async function render({ model, el }) {
 
 class Page {
   constructor(parts) {
-    Object.assign(this, parts, { due: false, dragged: null, kept: false, fingers: new Map() });
+    Object.assign(this, parts, { due: false, dragged: null, changed: true, pace: 1e-3, fingers: new Map() });
     this.labels = ["under the map", "under the lights", "difference × 4"].map((text) => node("span", { textContent: text }));
     this.caption = node("div", { className: "probes" }, ...this.labels);
     this.stage.append(this.caption, node("p", { className: "hint", textContent: "Drag to look around, drag a thing to move it" }));
@@ -37,36 +40,44 @@ class Page {
     this.redraw();
   }
 
-  // Draw soon: after a change from the start, else one more frame of the same picture.
-  redraw(keeps = false) {
-    this.kept = keeps && (this.kept || !this.due);
+  // Draw soon, from the start.
+  redraw() {
+    this.changed = true;
     if (this.due) return;
     this.due = true;
-    requestAnimationFrame(() => { this.due = false; this.draw(); });
+    requestAnimationFrame(() => this.draw());
   }
 
+  // A first look within the time of a frame; then full frames by rows, until the picture is smooth. `pace` is what
+  // the last step needed, in milliseconds for each pixel.
   draw() {
-    const { canvas, scene, state, dragged } = this, ratio = Math.min(devicePixelRatio, 2) * (dragged ? 0.5 : 1);
+    const { canvas, scene, state } = this, ratio = Math.min(devicePixelRatio, 2), start = performance.now();
     const width = Math.max(Math.round(canvas.clientWidth * ratio), 1), height = Math.max(Math.round(canvas.clientHeight * ratio), 1);
-    if (canvas.width !== width || canvas.height !== height) { Object.assign(canvas, { width, height }); this.kept = false; }
-    const box = this.caption.getBoundingClientRect(), outer = canvas.getBoundingClientRect();
-    state.inset = [box.left - outer.left, outer.bottom - box.top, box.width, box.width / 3].map((x) => x * ratio);
-    state.inset[1] -= state.inset[3];
-    scene.frame(state, this.kept, Boolean(dragged));
+    if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
+    let drawn;
+    if (this.changed) {
+      this.changed = false;
+      this.place(ratio);
+      const scale = Math.min(Math.sqrt(FIRST / (this.pace * width * height)), this.dragged ? 0.5 : 1), size = [width, height].map((x) => Math.max(Math.round(x * scale), 16));
+      scene.preview(state, size);
+      drawn = size[0] * size[1];
+    } else {
+      const count = Math.min(Math.max(Math.round(STEP / (this.pace * width)), 8), height - scene.row);
+      scene.rows(state, count);
+      drawn = count * width;
+    }
     canvas.setAttribute("aria-label", this.text());
-    if (scene.frames < scene.most && !dragged) this.afterwards();
+    scene.finished(start, (time) => {
+      this.pace = time / drawn;
+      this.due = this.changed || (!this.dragged && scene.frames < scene.most);
+      if (this.due) requestAnimationFrame(() => this.draw());
+    });
   }
 
-  // Refine the picture when the last frame is on the screen and nothing has changed.
-  afterwards() {
-    const { gl, frames } = this.scene, fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
-    gl.flush();
-    const wait = () => {
-      if (gl.getSyncParameter(fence, gl.SYNC_STATUS) !== gl.SIGNALED) return void setTimeout(wait, 8);
-      gl.deleteSync(fence);
-      if (!this.due && this.scene.frames === frames) this.redraw(true);
-    };
-    setTimeout(wait, 8);
+  // Put the probes where their captions are.
+  place(ratio) {
+    const box = this.caption.getBoundingClientRect(), outer = this.canvas.getBoundingClientRect(), side = box.width / 3;
+    this.state.inset = [box.left - outer.left, outer.bottom - box.top - side, box.width, side].map((x) => x * ratio);
   }
 
   text() {
@@ -109,7 +120,8 @@ class Page {
     state.balls = state.only === 0;
     const others = this.check("Ball and box", "balls", () => { state.only = state.balls ? 0 : 3; });
     const size = model.size.map((x) => x.toPrecision(2)).join(" × "), notes = [`${model.count.triangles.toLocaleString("en")} triangles, ${size} m`, ...model.notes];
-    if (!scene.refines) notes.push("This browser cannot average pictures (EXT_color_buffer_float), so the shadows of the model are hard.");
+    if (!scene.hasFloats) notes.push("This browser cannot average pictures (EXT_color_buffer_float), so the shadows of the model are hard.");
+    else if (!scene.sums) notes.push("This browser averages 16 pictures at most (no EXT_float_blend), so the shadows of the model are noisy.");
     return [this.group("Model", ...notes.map((textContent) => node("p", { className: "note", textContent })), this.turn("Turn of the model", "model", 2, 360, degrees), others)];
   }
 
@@ -205,7 +217,10 @@ class Page {
     this.state.elevation = Math.min(1.5, Math.max(0.02, this.state.elevation + dy));
   }
 
-  zoom(by) { this.state.distance = Math.min(11, Math.max(1.6, this.state.distance * by)); }
+  zoom(by) {
+    const { model } = this.data, [least, most] = model ? [1.2, 20].map((k) => k * Math.hypot(...model.size) / 2) : [1.6, 11];
+    this.state.distance = Math.min(most, Math.max(least, this.state.distance * by));
+  }
 
   pointers() {
     const { canvas, fingers } = this;
