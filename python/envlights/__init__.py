@@ -41,6 +41,7 @@ __all__ = [
     "Lights",
     "MissingFileError",
     "MitsubaScene",
+    "Model",
     "PaperFit",
     "PhotographLight",
     "PhotographLights",
@@ -51,6 +52,7 @@ __all__ = [
     "Surface",
     "TransferModel",
     "TransferReport",
+    "View",
     "bake",
     "detect",
     "detect_article",
@@ -64,6 +66,7 @@ __all__ = [
     "split",
     "synthetic",
     "threads",
+    "view",
 ]
 
 #: Attributes, too. What a fit does not need is imported when it is first used, so that `import
@@ -76,6 +79,8 @@ _SUBPACKAGES = (
 _LATER = {
     **dict.fromkeys(("PaperFit", "fit_paper"), "fitting.madsen"),
     **dict.fromkeys(("BakedPairs", "DirectLight", "MitsubaScene", "Surface", "bake"), "scene"),
+    **dict.fromkeys(("View", "view"), "viewer.page"),
+    "Model": "viewer.model",
     **dict.fromkeys(("FilePairs", "TransferModel", "TransferReport", "read_pairs"), "transfer"),
 }
 
@@ -97,6 +102,8 @@ if _typing.TYPE_CHECKING:
     from envlights.scene import BakedPairs, DirectLight, MitsubaScene, Surface
     from envlights.scene.bake import bake as bake
     from envlights.transfer import FilePairs, TransferModel, TransferReport, read_pairs
+    from envlights.viewer.model import Model
+    from envlights.viewer.page import View, view
 else:
 
     def __getattr__(name):

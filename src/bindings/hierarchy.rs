@@ -9,7 +9,7 @@ use crate::kernels::hierarchy as kernel;
 /// Nodes, (n, 4), and the row of each triangle, leaf by leaf.
 type Tree<'py> = (Bound<'py, PyArray2<u32>>, Bound<'py, PyArray1<u32>>);
 
-/// See `envlights.view.model.Model.textures`.
+/// See `envlights.viewer.model.Model.textures`.
 #[pyfunction]
 pub fn bounding_volume_hierarchy<'py>(
     py: Python<'py>,

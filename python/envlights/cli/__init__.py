@@ -22,6 +22,7 @@ _COMMANDS = {
     "repair": "Estimate the clipped light of a picture.",
     "split": "Remove the lights from a map.",
     "transfer": "Learn indirect light from pairs of images, and predict it.",
+    "view": "Make a page that shows things in a map, lit by a few lights.",
 }
 
 

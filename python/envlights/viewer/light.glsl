@@ -85,7 +85,7 @@ float edge(vec3 n, Cap k, vec3 a, vec3 b, vec3 m, inout bool behind) {
   vec3 p = a - ha * k.axis, q = b - hb * k.axis, along = cross(m, k.axis);
   bool inA = ha > 0.0 && dot(p, p) <= s2, inB = hb > 0.0 && dot(q, q) <= s2;
   behind = behind && offset < 0.0;
-  bool hits = root > 0.0 && (inA || dot(p, along) < 0.0) && (inB || dot(q, along) > 0.0);
+  bool hits = root > 0.0 && (inA || inB || (dot(p, along) < 0.0 && dot(q, along) > 0.0));
   float sum = 0.0, rim = s2 / (1.0 + k.cosine);
   WHEN(!hits) sum = s2 * c * turn(k.axis, offset, p, q);
   WHEN(hits) {
@@ -115,12 +115,30 @@ bool keep(vec3 h, inout vec3 a, inout vec3 b, inout vec3 leave, inout vec3 enter
   return da >= 0.0 || db >= 0.0;
 }
 
+// Cosine-weighted solid angle of the box above the horizon of n, within a cap if `capped`.
+float outline(vec3 n, Cap k, bool capped) {
+  vec3 first = corner(0), last = first, a = normalize(last);
+  bool behind = true;
+  float sum = 0.0;
+  for (int i = 1; i <= sides; i++) {
+    vec3 next = first;
+    WHEN(i < sides) next = corner(i);
+    vec3 b = normalize(next), m = normalize(cross(last, next - last));
+    apart = apart || dot(sphere.axis, m) < -sphere.sine;
+    WHEN(capped) sum += edge(n, k, a, b, m, behind);
+    WHEN(!capped) sum += dot(n, m) * atan(length(cross(a, b)), dot(a, b) + 1e-30);
+    last = next; a = b;
+  }
+  if (capped && behind) sum += 2.0 * PI * k.sine * k.sine * dot(n, k.axis);
+  return 0.5 * sum;
+}
+
 // Cosine-weighted solid angle of the box, or of the hemisphere of n if `dome`, on the inner side of two great circles
 // (zero cuts nothing), within a cap if `capped`.
 float region(vec3 n, Cap k, bool capped, bool dome, vec3 cut1, vec3 cut2) {
   vec3 u = normalize(abs(n.x) < 0.7 ? vec3(0, -n.z, n.y) : vec3(n.z, 0, -n.x)), v = cross(n, u);
   vec3 leave1, enter1, leave2, enter2;
-  bool isCut = dot(cut1, cut1) + dot(cut2, cut2) > 0.0, cuts1 = false, cuts2 = false, behind = true, any = false;
+  bool cuts1 = false, cuts2 = false, behind = true, any = false;
   float sum = 0.0;
   int count = dome ? 4 : sides;
   vec3 last = dome ? u : corner(0), at = last, unit = normalize(last);
@@ -133,11 +151,10 @@ float region(vec3 n, Cap k, bool capped, bool dome, vec3 cut1, vec3 cut2) {
       a = unit; b = normalize(next);
       m = dome ? n : normalize(cross(last, next - last));
       last = next; unit = b;
-      apart = apart || (!dome && dot(sphere.axis, m) < -sphere.sine);
-      WHEN(isCut) stays = keep(cut1, a, b, leave1, enter1, cuts1);
+      stays = keep(cut1, a, b, leave1, enter1, cuts1);
     }
     if (i == count) { a = leave1; b = enter1; m = cut1; stays = cuts1; }
-    WHEN(isCut && stays && i <= count) stays = keep(cut2, a, b, leave2, enter2, cuts2);
+    WHEN(stays && i <= count) stays = keep(cut2, a, b, leave2, enter2, cuts2);
     if (i == count + 1) { a = leave2; b = enter2; m = cut2; stays = cuts2; }
     any = any || stays;
     WHEN(stays && capped) sum += edge(n, k, a, b, m, behind);

@@ -29,11 +29,13 @@ _HEADROOM = 4.0
 #: Quality of WebP: mean error of 1.4 codes. Of JPEG: the same error.
 _WEBP_QUALITY, _JPEG_QUALITY = 90, 92
 #: Rows of the table of the map's irradiance over all normals, which is smooth.
-_ROWS = 24
+_ROWS = 20
 #: Degrees below the horizon between which the ground is measured: above are things, below a tripod.
 _GROUND = (20.0, 80.0)
 #: Plausible albedos of a ground.
 _ALBEDOS = (0.02, 0.8)
+#: Angle in radians from the brightest light to the camera: a little behind the things.
+_ACROSS = 1.9
 #: Irradiance over radiance of real harmonics of each order, times the constants of the polynomials
 #: 1, y, z, x, xy, yz, 3zz - 1, xz, xx - yy.
 _HARMONICS = np.repeat([np.pi, 2 * np.pi / 3, np.pi / 4], [1, 3, 5]) * [
@@ -66,26 +68,21 @@ def rigs_of(rig: Rig) -> dict[str, list[Rig]]:
 
 
 def rig_data(rig: Rig) -> dict[str, Any]:
-    """Rig as the shader takes it: an ambient radiance, or harmonics of irradiance."""
+    """Rig as the page takes it: radiance or harmonics of irradiance, and seven numbers a light."""
     ambient = np.atleast_2d(rig.ambient)
     lights = rig.lights
-    columns = (lights.direction, lights.irradiance, lights.angular_radius)
-    colours = _thumbnails.hex_of(lights.irradiance)
+    columns = (lights.direction, lights.irradiance, lights.angular_radius[:, None])
     return {
         "ambient": _digits(ambient if len(ambient) == 1 else _HARMONICS[:, None] * ambient),
         "floor": rig.floor,
-        "error": float(rig.error),
-        "lights": [
-            {"direction": _digits(d), "irradiance": _digits(e), "radius": float(a), "colour": c}
-            for d, e, a, c in zip(*columns, colours, strict=True)
-        ],
+        "error": float(f"{rig.error:.3g}"),
+        "lights": _digits(np.hstack(columns)),
     }
 
 
-def _digits(values: NDArray[np.float64]) -> list[Any]:
-    """Values with the digits of a 32-bit float."""
-    rounded: list[Any] = np.vectorize(lambda value: float(f"{value:.8g}"))(values).tolist()
-    return rounded
+def _digits(rows: NDArray[np.float64]) -> list[list[float]]:
+    """Rows of numbers, each with the digits of a 32-bit float."""
+    return [[float(f"{value:.7g}") for value in row] for row in rows]
 
 
 def picture(env: EnvMap) -> dict[str, Any]:
@@ -94,12 +91,12 @@ def picture(env: EnvMap) -> dict[str, Any]:
     white, _ = _thumbnails.white_of(radiance)
     small = _thumbnails.shrink(radiance, _COLUMNS)
     codes = np.round(255 * encode_srgb(small / (_HEADROOM * white))).astype(np.uint8)
-    kind, content = _encoded(codes)
+    kind, content = _encode(codes)
     address = f"data:image/{kind};base64,{base64.b64encode(content).decode()}"
     return {"map": address, "white": _HEADROOM * white, "exposure": 1 / white}
 
 
-def _encoded(codes: NDArray[np.uint8]) -> tuple[str, bytes]:
+def _encode(codes: NDArray[np.uint8]) -> tuple[str, bytes]:
     """WebP, or JPEG where the image library lacks it, with the name of the format."""
     from PIL import Image, features
 
@@ -152,4 +149,4 @@ def azimuth(rigs: dict[str, list[Rig]]) -> float:
     if not len(lights):
         return 0.0
     x, _, z = lights.direction[int(np.argmax(lights.irradiance @ LUMINANCE))]
-    return float(np.arctan2(x, z) + 1.9)
+    return float(np.arctan2(x, z) + _ACROSS)

@@ -173,7 +173,7 @@ class Page {
       const radius = light.radius * 180 / Math.PI, text = radius > 0 ? `a disc of ${radius.toFixed(1)}° radius` : "a point";
       input.setAttribute("aria-label", `Light ${k + 1}, ${text}`);
       const label = node("label", { title: `Light ${k + 1}: ${text}` }, input, node("span", { textContent: k + 1 }));
-      label.style.setProperty("--lamp", light.colour);
+      label.style.setProperty("--lamp", colour(light.irradiance));
       return label;
     }));
     const lights = `${rig.lights.length} light${rig.lights.length === 1 ? "" : "s"}`;
@@ -276,6 +276,12 @@ class Page {
       this.redraw();
     });
   }
+}
+
+// Colour of a light at full brightness.
+function colour(irradiance) {
+  const most = Math.max(...irradiance, 1e-30);
+  return `rgb(${irradiance.map((x) => Math.round(255 * (Math.max(x, 0) / most) ** (1 / 2.2))).join(" ")})`;
 }
 
 function hitBall(eye, direction, centre, radius) {

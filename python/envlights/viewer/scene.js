@@ -42,8 +42,8 @@ export function view(s) {
 
 /** Lights and ambient term that a state shows. */
 export function rigOf(data, s) {
-  const rigs = data.rigs[`${s.ambient} ${s.shape}`];
-  return rigs[Math.min(s.count, rigs.length) - 1];
+  const rigs = data.rigs[`${s.ambient} ${s.shape}`], rig = rigs[Math.min(s.count, rigs.length) - 1];
+  return { ...rig, lights: rig.lights.map(([x, y, z, r, g, b, radius]) => ({ direction: [x, y, z], irradiance: [r, g, b], radius })) };
 }
 
 /** Tangent of half the angle across the picture: `fov` is the angle of its shorter side. */

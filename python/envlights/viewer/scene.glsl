@@ -106,17 +106,21 @@ float hidden(int j, vec3 n, int self) {
   WHEN(nearBall && !lune && sky) sum += PI * sphere.sine * sphere.sine * discShare(dot(n, sphere.axis), sphere);
   WHEN(nearBall && !lune && !sky) sum += lens(n, light, sphere);
   if (sky) { factorBall = sum / PI; factorBox = 0.0; }
-  // First the box; then, as a part of the light and one of the ball, what both hide, or the ball over a horizon.
-  for (int part = 0; part < 3; part++) {
+  WHEN(nearBox && !low) {
+    float area = outline(n, light, !sky);
+    if (sky) factorBox = area / PI;
+    sum += area;
+  }
+  // The box over a horizon; then, as a part of the light and one of the ball, what both hide, or the ball over a horizon.
+  both = both && !apart;
+  for (int part = nearBox && low ? 0 : sky ? 2 : 1; part < (lune || both ? 3 : 1); part += sky ? 2 : 1) {
     bool ofBox = part == 0, ofBall = part == 2;
-    WHEN((ofBox ? nearBox : lune || (both && !apart)) && !(sky && part == 1)) {
-      vec3 cut1 = ofBox ? (low ? n : vec3(0)) : sky ? (lune ? y : vec3(0)) : ofBall ? -chord : chord;
-      Cap cap = light;
-      if (ofBall) cap = sphere;
-      float area = region(n, cap, !(sky && ofBox), lune && !ofBox, cut1, ofBox ? y : vec3(0));
-      if (sky && ofBox) factorBox = area / PI;
-      sum += both && !ofBox ? -area : area;
-    }
+    vec3 cut1 = ofBox ? n : sky ? y : ofBall ? -chord : chord;
+    Cap cap = light;
+    if (ofBall) cap = sphere;
+    float area = region(n, cap, !(sky && ofBox), lune && !ofBox, cut1, ofBox ? y : vec3(0));
+    if (sky && ofBox) factorBox = area / PI;
+    sum += both ? -area : area;
   }
   return clamp(inside ? whole : sum, 0.0, whole) / whole;
 }

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights import _check
 from envlights._native import EnvLightsError
-from envlights.view import model_file
+from envlights.viewer import model_file
 
 #: Largest number of triangles: 7 MB in the page, 10 MB as text.
 MOST_TRIANGLES = 200_000

@@ -1,0 +1,16 @@
+"""Pages that show things in a map, lit by a few lights, in real time.
+
+| part                                        | file                       |
+|---------------------------------------------|----------------------------|
+| rigs, map and albedo as the page takes them | `data.py`                  |
+| page of one file                            | `page.py`                  |
+| light that ball and box hide, closed form   | `light.glsl`               |
+| picture                                     | `scene.glsl`, `scene.js`   |
+| controls                                    | `view.js`, `view.css`      |
+| models of the user's                        | `model.py`                 |
+| - in files                                  | `model_file.py`            |
+| - as textures                               | `model_textures.py`        |
+| - rays against them                         | `model.glsl`               |
+| - light between them and their surroundings | `paths.glsl`               |
+| widget of Jupyter                           | `widget.py`, `widget.js`   |
+"""
