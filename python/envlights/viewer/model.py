@@ -11,12 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 from envlights import _check
 from envlights._native import EnvLightsError
 from envlights.viewer import model_file
+from envlights.viewer.model_file import ALBEDO, check_count
 
-#: Largest number of triangles: 7 MB in the page, 10 MB as text.
-MOST_TRIANGLES = 200_000
-#: Albedo of triangles without a colour: that of the ball and of the box.
-ALBEDO = 0.7
-#: Sizes in metres outside of which the scale is probably wrong.
+#: Plausible sizes in metres: others get a note on the scale.
 _SMALL, _LARGE = 0.01, 100.0
 
 #: Matrices that turn the axis of a file which points up into +y.
@@ -111,7 +108,7 @@ class Model:
         >>> chair = el.Model.open("chair.glb", scale=0.01)  # doctest: +SKIP
         """
         where = _check.describe(source) if isinstance(source, str | os.PathLike) else "the model"
-        parts = model_file.read(source, MOST_TRIANGLES)
+        parts = model_file.read(source)
         if not parts:
             raise EnvLightsError(f"{where} holds no triangles; export its surfaces as a mesh")
         starts = np.cumsum([0, *(len(part.vertices) for part in parts)])
@@ -166,7 +163,7 @@ def _points(vertices: ArrayLike) -> NDArray[np.float64]:
 
 
 def _triangles(triangles: ArrayLike, count: int) -> NDArray[np.int64]:
-    """Rows of vertices, (m, 3), of which each exists."""
+    """Rows of vertices that exist, (m, 3)."""
     rows = np.asarray(triangles)
     if rows.ndim != 2 or rows.shape[1:] != (3,) or rows.dtype.kind not in "iu":
         raise EnvLightsError(
@@ -180,24 +177,13 @@ def _triangles(triangles: ArrayLike, count: int) -> NDArray[np.int64]:
     return rows.astype(np.int64)
 
 
-def check_count(triangles: int) -> None:
-    """Refuse a model without triangles, or with more than a page can show."""
-    if triangles == 0:
-        raise EnvLightsError("a model must have at least one triangle; got none")
-    if triangles > MOST_TRIANGLES:
-        raise EnvLightsError(
-            f"a model may have up to {MOST_TRIANGLES} triangles; got {triangles}; simplify it,"
-            " for example with trimesh's simplify_quadric_decimation or Blender's Decimate"
-        )
-
-
-def _corner_albedo(
-    albedo: ArrayLike, rows: NDArray[np.int64], count: int
-) -> NDArray[np.float64]:
+def _corner_albedo(albedo: ArrayLike, rows: NDArray[np.int64], count: int) -> NDArray[np.float64]:
     """Albedo of each corner, (m, 3, 3)."""
     values = _check.reals("albedo", albedo, np.ndim(albedo))
     if not (np.isfinite(values).all() and (values >= 0).all() and (values <= 1).all()):
-        raise EnvLightsError("albedo must be from 0 to 1; divide 8-bit codes by 255 and decode sRGB")
+        raise EnvLightsError(
+            "albedo must be from 0 to 1; divide 8-bit codes by 255 and decode sRGB"
+        )
     shapes = {(3,): None, (count, 3): rows, (len(rows), 3, 3): ...}
     if values.shape not in shapes:
         raise EnvLightsError(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
+from collections.abc import Iterator
 from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -15,6 +16,10 @@ from envlights import _check
 from envlights._native import EnvLightsError
 from envlights._srgb import decode_srgb
 
+#: Largest number of triangles: 8 MB in the page, 11 MB as text.
+MOST_TRIANGLES = 200_000
+#: Albedo of triangles without a colour: that of the ball and of the box.
+ALBEDO = 0.7
 #: Suffixes of the files that are read.
 SUFFIXES = (".glb", ".gltf", ".obj", ".off", ".ply", ".stl")
 #: Largest number of meshes in a scene: trimesh needs the square of it if they hang on each other.
@@ -36,8 +41,19 @@ class Part(NamedTuple):
     """Linear albedo of each corner, (m, 3, 3)."""
 
 
-def read(source: Any, most: int) -> list[Part]:
-    """Parts of a file or of an object of trimesh; more than `most` triangles are refused."""
+def check_count(triangles: int) -> None:
+    """Refuse a model without triangles, or with more than a page can show."""
+    if triangles == 0:
+        raise EnvLightsError("a model must have at least one triangle; got none")
+    if triangles > MOST_TRIANGLES:
+        raise EnvLightsError(
+            f"a model may have up to {MOST_TRIANGLES} triangles; got {triangles}; simplify it,"
+            " for example with trimesh's simplify_quadric_decimation or Blender's Decimate"
+        )
+
+
+def read(source: Any) -> list[Part]:
+    """Parts of a file or of an object of trimesh."""
     is_path = isinstance(source, str | os.PathLike)
     trimesh = _library()
     if not is_path and not isinstance(source, trimesh.Trimesh | trimesh.Scene):
@@ -50,7 +66,7 @@ def read(source: Any, most: int) -> list[Part]:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             given = _load(trimesh, source) if is_path else source
-            return list(_parts(trimesh, given, suffix in _LINEAR, most))
+            return list(_parts(trimesh, given, suffix in _LINEAR))
     except EnvLightsError:
         raise
     except (Exception, RecursionError) as error:
@@ -88,8 +104,8 @@ def _load(trimesh: Any, path: str | os.PathLike[str]) -> Any:
     return trimesh.load_scene(Path(os.fsdecode(path)), process=False)
 
 
-def _parts(trimesh: Any, given: Any, is_linear: bool, most: int) -> Any:
-    """Yield the meshes of a scene, each in its place; the count is checked before they are copied."""
+def _parts(trimesh: Any, given: Any, is_linear: bool) -> Iterator[Part]:
+    """Yield the meshes of a scene, each in its place, if they are not too many."""
     scene = trimesh.Scene(given) if isinstance(given, trimesh.Trimesh) else given
     if len(scene.graph.nodes_geometry) > _MOST_MESHES:
         raise EnvLightsError(
@@ -99,12 +115,7 @@ def _parts(trimesh: Any, given: Any, is_linear: bool, most: int) -> Any:
     places = [scene.graph[node] for node in scene.graph.nodes_geometry]
     meshes = [(matrix, scene.geometry[name]) for matrix, name in places]
     meshes = [(matrix, mesh) for matrix, mesh in meshes if isinstance(mesh, trimesh.Trimesh)]
-    count = sum(len(mesh.faces) for _, mesh in meshes)
-    if count > most:
-        raise EnvLightsError(
-            f"a model may have up to {most} triangles; got {count}; simplify it, for example with"
-            " trimesh's simplify_quadric_decimation or Blender's Decimate"
-        )
+    check_count(sum(len(mesh.faces) for _, mesh in meshes))
     for matrix, mesh in meshes:
         triangles = np.asarray(mesh.faces, dtype=np.int64)
         points = np.asarray(mesh.vertices, dtype=np.float64)
@@ -123,21 +134,19 @@ def _albedo(mesh: Any, triangles: NDArray[np.int64], is_linear: bool) -> NDArray
     elif visual.kind == "face":
         codes = np.repeat(np.asarray(visual.face_colors)[:, None], 3, axis=1)
     else:
-        return np.full((len(triangles), 3, 3), 0.7)
+        return np.full((len(triangles), 3, 3), ALBEDO)
     colours = codes[..., :3] / 255
     return np.asarray(colours if is_linear else decode_srgb(colours), dtype=np.float64)
 
 
-def _of_material(
-    material: Any, uv: Any, triangles: NDArray[np.int64]
-) -> NDArray[np.float64]:
+def _of_material(material: Any, uv: Any, triangles: NDArray[np.int64]) -> NDArray[np.float64]:
     """Albedo of a material: its colour times its texture at the corners."""
     image = getattr(material, "baseColorTexture", None) or getattr(material, "image", None)
     factor = getattr(material, "baseColorFactor", getattr(material, "diffuse", None))
     has_texture = image is not None and uv is not None
-    plain = 255 if has_texture else 179
-    colour = np.array([plain] * 3) if factor is None else np.asarray(factor)[:3]
-    albedo = np.broadcast_to(colour / 255, (len(triangles), 3, 3))
+    plain = 1.0 if has_texture else ALBEDO
+    colour = np.full(3, plain) if factor is None else np.asarray(factor)[:3] / 255
+    albedo = np.broadcast_to(colour, (len(triangles), 3, 3))
     if has_texture:
         albedo = albedo * decode_srgb(_texels(image, np.asarray(uv, dtype=np.float64))[triangles])
     return np.asarray(albedo, dtype=np.float64)

@@ -116,7 +116,8 @@ def octahedral(normals: NDArray[np.float64]) -> NDArray[np.uint32]:
 def _packed_rows(rows: NDArray[np.uint32]) -> NDArray[np.uint32]:
     """Three numbers of 21 bits in two of 32, (m, 2)."""
     a, b, c = rows.T
-    return np.stack([a | b << 21, b >> 11 | c << 10], axis=1, dtype=np.uint32)
+    packed: NDArray[np.uint32] = np.stack([a | b << 21, b >> 11 | c << 10], axis=1)
+    return packed
 
 
 def _texture(texels: NDArray[np.uint32]) -> dict[str, Any]:

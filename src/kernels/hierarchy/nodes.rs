@@ -18,9 +18,9 @@ const FEW: usize = 4096;
 /// Nodes of a hierarchy, and the order of its triangles.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Hierarchy {
-    /// One node a row: lower x and y, lower z and upper x, upper y and z (the first in the low 16 bits), and a link.
+    /// One node a row: lower x and y, lower z and upper x, upper y and z, and a link.
     ///
-    /// A ray that meets the box goes on with the next node, a ray that misses it with the node of the link. The link
+    /// Of two coordinates the first is in the low 16 bits. A ray that meets the box goes on with the next node, a ray that misses it with the node of the link. The link
     /// of a leaf is [`LEAF`], its number of triangles less one, and its first triangle; the next node follows it.
     pub nodes: Vec<[u32; 4]>,
     /// Row of each triangle, leaf by leaf.
@@ -73,7 +73,7 @@ fn subtree(items: Vec<Item>) -> Hierarchy {
         Err(items) => {
             let link = LEAF | (items.len() as u32 - 1) << COUNT_SHIFT;
             let order = items.iter().map(|item| item.triangle).collect();
-            Hierarchy { nodes: vec![packed(bounds, link)], order }
+            Hierarchy { nodes: vec![texel(bounds, link)], order }
         }
         Ok([below, above]) => {
             let (below, above) = if count >= FEW {
@@ -81,7 +81,7 @@ fn subtree(items: Vec<Item>) -> Hierarchy {
             } else {
                 (subtree(below), subtree(above))
             };
-            let mut joined = Hierarchy { nodes: vec![packed(bounds, 0)], order: Vec::with_capacity(count) };
+            let mut joined = Hierarchy { nodes: vec![texel(bounds, 0)], order: Vec::with_capacity(count) };
             joined.append(below);
             joined.append(above);
             joined.nodes[0][3] = joined.nodes.len() as u32;
@@ -90,8 +90,8 @@ fn subtree(items: Vec<Item>) -> Hierarchy {
     }
 }
 
-/// Node of a box and a link.
-fn packed(bounds: GridBox, link: u32) -> [u32; 4] {
+/// Texel of a node.
+fn texel(bounds: GridBox, link: u32) -> [u32; 4] {
     let pair = |low: u16, high: u16| u32::from(low) | u32::from(high) << 16;
     let ([a, b, c], [d, e, f]) = (bounds.lower, bounds.upper);
     [pair(a, b), pair(c, d), pair(e, f), link]
