@@ -81,8 +81,8 @@ def rig_data(rig: Rig) -> dict[str, Any]:
 
 
 def _digits(rows: NDArray[np.float64]) -> list[list[float]]:
-    """Rows of numbers, each with the digits of a 32-bit float."""
-    return [[float(f"{value:.7g}") for value in row] for row in rows]
+    """Rows of numbers, each with 6 digits."""
+    return [[float(f"{value:.6g}") for value in row] for row in rows]
 
 
 def picture(env: EnvMap) -> dict[str, Any]:

@@ -46,8 +46,8 @@ bool meet(Cap a, Cap b) {
 float segment(vec3 n, Cap a, float offset, vec3 across) {
   float s2 = a.sine * a.sine, root = s2 - offset * offset, c = dot(n, a.axis);
   if (root <= 0.0) return offset > 0.0 ? PI * s2 * c : 0.0;
-  float half_ = atan(sqrt(root), offset * a.cosine), d = atan(sqrt(root), a.cosine);
-  return c * (offset * d + s2 * (PI - half_)) + dot(n, across) * (d - a.cosine * sqrt(root) / (1.0 - offset * offset));
+  float rest = atan(sqrt(root), -offset * a.cosine), d = atan(sqrt(root), a.cosine);
+  return c * (offset * d + s2 * rest) + dot(n, across) * (d - a.cosine * sqrt(root) / (1.0 - offset * offset));
 }
 
 // Cosine between the axis of a and the great circle through the crossings of both, times its length.

@@ -113,7 +113,9 @@ float hidden(int j, vec3 n, int self) {
   }
   // The box over a horizon; then, as a part of the light and one of the ball, what both hide, or the ball over a horizon.
   both = both && !apart;
-  for (int part = nearBox && low ? 0 : sky ? 2 : 1; part < (lune || both ? 3 : 1); part += sky ? 2 : 1) {
+  // The part of the ball is not needed, and only rounding, if its rim is straight over a sun that it covers.
+  bool noRim = !sky && dot(chord, sphere.axis) > 0.999998 * sphere.sine;
+  for (int part = nearBox && low ? 0 : sky ? 2 : 1; part < (!lune && !both ? 1 : noRim ? 2 : 3); part += sky ? 2 : 1) {
     bool ofBox = part == 0, ofBall = part == 2;
     vec3 cut1 = ofBox ? n : sky ? y : ofBall ? -chord : chord;
     Cap cap = light;

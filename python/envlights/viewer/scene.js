@@ -43,8 +43,10 @@ export function view(s) {
 /** Lights and ambient term that a state shows. */
 export function rigOf(data, s) {
   const rigs = data.rigs[`${s.ambient} ${s.shape}`], rig = rigs[Math.min(s.count, rigs.length) - 1];
-  return { ...rig, lights: rig.lights.map(([x, y, z, r, g, b, radius]) => ({ direction: [x, y, z], irradiance: [r, g, b], radius })) };
+  return unpack(rig);
 }
+
+const unpack = (rig) => ({ ...rig, lights: rig.lights.map(([x, y, z, r, g, b, radius]) => ({ direction: [x, y, z], irradiance: [r, g, b], radius })) });
 
 /** Tangent of half the angle across the picture: `fov` is the angle of its shorter side. */
 export function spread(s, width, height) {
@@ -143,7 +145,7 @@ export class Scene {
 
   // Draw with the program of a task into the current target.
   draw(s, task, size, extra = {}) {
-    const { gl, data } = this, rig = extra.rig ?? rigOf(data, s), on = rig.lights.filter((_, k) => !s.off.includes(k));
+    const { gl, data } = this, rig = extra.rig ? unpack(extra.rig) : rigOf(data, s), on = rig.lights.filter((_, k) => !s.off.includes(k));
     const soft = on.some((light) => light.radius > 3e-4), harmonic = rig.ambient.length > 1;
     // The rays of a model are refined over the frames; before, and for other shadows, they end in the centre of a light.
     const { frame = -1 } = extra, models = !data.model || task > 0 ? 0 : frame >= 0 && s.shadows === "exact" ? 2 : 1;

@@ -80,6 +80,17 @@ class Page {
     this.state.inset = [box.left - outer.left, outer.bottom - box.top - side, box.width, side].map((x) => x * ratio);
   }
 
+  /** Linear radiance of the picture with other options: RGBA rows from below. For tests and for pictures of other sizes. */
+  render({ width = 320, height = 180, task = 0, ...options } = {}) {
+    const { rig, column = 0, ...state } = options;
+    return Array.from(this.scene.read({ ...this.state, ...state }, task, width, height, { rig, column }));
+  }
+
+  /** Hidden share of each point (x, y, z, thing) with its normal, and form factors of ball and box: RGBA rows. */
+  hidden({ points, normals, column, rig, ...options }) {
+    return Array.from(this.scene.table({ ...this.state, ...options }, points, normals, column, rig));
+  }
+
   text() {
     const rig = rigOf(this.data, this.state), count = rig.lights.length - this.state.off.length;
     return `${this.data.model ? "A model" : "A ball and a box"} in ${this.data.title}, lit by ${count} lights and an ambient term. Arrow keys turn the camera.`;
