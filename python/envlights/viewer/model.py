@@ -107,12 +107,10 @@ class Model:
         >>> import envlights as el
         >>> chair = el.Model.open("chair.glb", scale=0.01)  # doctest: +SKIP
         """
-        where = _check.describe(source) if isinstance(source, str | os.PathLike) else "the model"
-        parts = model_file.read(source)
-        if not parts:
-            raise EnvLightsError(f"{where} holds no triangles; export its surfaces as a mesh")
-        starts = np.cumsum([0, *(len(part.vertices) for part in parts)])
+        is_path = isinstance(source, str | os.PathLike)
         try:
+            parts = model_file.read(source)
+            starts = np.cumsum([0, *(len(part.vertices) for part in parts)])
             return cls(
                 np.concatenate([part.vertices for part in parts]),
                 np.concatenate([p.triangles + k for p, k in zip(parts, starts, strict=False)]),
@@ -121,7 +119,8 @@ class Model:
                 up=up,
             )
         except EnvLightsError as error:
-            raise EnvLightsError(f"{where}: {error}") from None
+            where = f"cannot show {_check.describe(source)}: " if is_path else ""
+            raise type(error)(f"{where}{error}") from None
 
     @property
     def size(self) -> NDArray[np.float64]:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from envlights import _check
 from envlights._native import EnvLightsError
 from envlights._srgb import decode_srgb
+from envlights.io.errors import MissingFileError
 
 #: Largest number of triangles: 8 MB in the page, 11 MB as text.
 MOST_TRIANGLES = 200_000
@@ -44,7 +45,9 @@ class Part(NamedTuple):
 def check_count(triangles: int) -> None:
     """Refuse a model without triangles, or with more than a page can show."""
     if triangles == 0:
-        raise EnvLightsError("a model must have at least one triangle; got none")
+        raise EnvLightsError(
+            "a model must have at least one triangle; got none; export its surfaces as a mesh"
+        )
     if triangles > MOST_TRIANGLES:
         raise EnvLightsError(
             f"a model may have up to {MOST_TRIANGLES} triangles; got {triangles}; simplify it,"
@@ -71,20 +74,19 @@ def read(source: Any) -> list[Part]:
         raise
     except (Exception, RecursionError) as error:
         said = f"{type(error).__name__}: {error}"[:200]
-        where = _check.describe(source) if is_path else "the model"
         raise EnvLightsError(
-            f"{where} cannot be read as a model ({said}); export it again, for example as GLB"
+            f"it cannot be read as a model ({said}); export it again, for example as GLB"
         ) from None
 
 
 def _suffix(path: Path) -> str:
     """Suffix of a file that exists and is of a kind that is read."""
     if not path.exists():
-        raise FileNotFoundError(f"there is no file '{path}'")
+        raise MissingFileError("there is no such file; check its path")
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
         raise EnvLightsError(
-            f"'{path}' must be a model of the kind {', '.join(SUFFIXES)}; export it as GLB"
+            f"a model must be a file of the kind {', '.join(SUFFIXES)}; export it as GLB"
         )
     return suffix
 
