@@ -274,7 +274,7 @@ void picture() {
   vec3 x = eye + t * d;
 #if MODELS > 0
   Hit hit = trace(eye, d, false);
-  if (hit.t < t) { Surface found = surfaceOf(hit, d); id = MODEL; x = found.x; n = found.n; own = found.albedo; }
+  if (hit.triangle >= 0 && hit.t < t) { Surface found = surfaceOf(hit, d); id = MODEL; x = found.x; n = found.n; own = found.albedo; }
 #endif
   if (id == FLOOR) x.y = 0.0;
   bool thing = id == BALL || id == BOX || id == MODEL, lit = thing || (id == FLOOR && (flatFloor || length(x.xz) < dome));

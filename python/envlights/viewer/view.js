@@ -12,7 +12,7 @@ function node(tag, properties = {}, ...children) {
 }
 
 /** Build the picture and its controls in `el`; `model.get("data")` is what Python wrote. Resolves when it is drawn. */
-export async function render({ model, el }) {
+async function render({ model, el }) {
   const data = model.get("data"), canvas = node("canvas", { tabIndex: 0 });
   canvas.setAttribute("role", "img");
   const stage = node("div", { className: "stage" }, canvas), root = node("div", { className: "envlights" }, stage);
