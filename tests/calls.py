@@ -196,6 +196,10 @@ CALLS = {
     "synthetic.rigs": (synthetic.rigs, {"number": COUNT, "seed": SEED}),
     "synthetic.room": (synthetic.room, {"pairs": COUNT, "width": SIZE, "seed": SEED}),
     "synthetic.scene": (synthetic.scene, {"height": SIZE, "background": COLOUR}),
+    "view": (
+        el.view,
+        {"env": st.just(RIG), "rig": st.none(), "title": st.sampled_from(["A hall", "</script>"])},
+    ),
     "EnvMap.rotated": (
         lambda env, matrix: el.EnvMap(env).rotated(matrix),
         {"env": IMAGE, "matrix": TURN},
@@ -367,6 +371,7 @@ LEFT_OUT = {
     "StopReason": "is an enumeration",
     "Surface": "comes from a scene",
     "RemovedLights": "comes from split",
+    "View": "comes from view",
     "TransferReport": "comes from TransferModel.fit",
     "bake": "renders, by Mitsuba",
     "export.add_to_blender": "needs Blender",

@@ -1,4 +1,4 @@
-"""Chromium, driven by Node and the package of `tests/viewer/package.json`, where both are installed."""
+"""Chromium, driven by Node and playwright-core of `tests/viewer/package.json`, where installed."""
 
 import json
 import shutil
@@ -24,7 +24,13 @@ def run(page, script, argument=None, **options):
     Options: `size` in pixels, `scheme` of colours, `still` to draw nothing by itself, `webgl`, and
     `picture`, the path of a screenshot.
     """
-    job = {"chromium": CHROMIUM, "size": (320, 240), "scheme": "light", "still": True, "webgl": True}
+    job = {
+        "chromium": CHROMIUM,
+        "size": (320, 240),
+        "scheme": "light",
+        "still": True,
+        "webgl": True,
+    }
     job |= {"script": script, "argument": argument, "picture": None} | options
     path = page.with_suffix(".job.json")
     path.write_text(json.dumps(job))

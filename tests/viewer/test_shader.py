@@ -12,7 +12,9 @@ from tests.viewer.browser import needs_browser, run
 pytestmark = needs_browser
 
 HIDDEN = "(jobs) => jobs.map((job) => envlights.hidden({ off: [], shadows: 'exact', ...job }))"
-RENDER = "(options) => [envlights.state, envlights.render(options)]"
+RENDER = (
+    "(options) => [{ ...envlights.state, floor: envlights.data.floor }, envlights.render(options)]"
+)
 #: Points for each arrangement of things and lights, lights, and arrangements.
 POINTS, LIGHTS, ARRANGEMENTS = 250, 8, 8
 WIDTH, HEIGHT = 160, 90
@@ -40,7 +42,9 @@ def random_things(rng):
 def random_points(rng, ball, box):
     """Points of floor, ball and box in turn, with their normals and things."""
     own = np.resize([things.FLOOR, things.BALL, things.BOX], POINTS)
-    normals = np.where((own == things.FLOOR)[:, None], [0, 1, 0], unit(rng.normal(size=(POINTS, 3))))
+    normals = np.where(
+        (own == things.FLOOR)[:, None], [0, 1, 0], unit(rng.normal(size=(POINTS, 3)))
+    )
     points = rng.uniform(-3, 3, (POINTS, 3)) * [1, 0, 1]
     turn, half, middle = things.turned(box[5]), np.array(box[2:5]), [box[0], box[3], box[1]]
     under = (np.abs((points - middle) @ turn) <= half * [1, np.inf, 1]).all(axis=1)
@@ -93,25 +97,43 @@ def test_hidden_shares_are_those_of_the_kernel(page):
 
 
 def rig_of_page(rig):
-    lights = np.hstack([rig.lights.direction, rig.lights.irradiance, rig.lights.angular_radius[:, None]])
-    return {"ambient": np.atleast_2d(rig.ambient).tolist(), "floor": rig.floor, "lights": lights.tolist()}
+    lights = np.hstack(
+        [rig.lights.direction, rig.lights.irradiance, rig.lights.angular_radius[:, None]]
+    )
+    return {
+        "ambient": np.atleast_2d(rig.ambient).tolist(),
+        "floor": rig.floor,
+        "lights": lights.tolist(),
+    }
 
 
 RIGS = {
     "discs": el.Rig(
         [0.3, 0.4, 0.5],
-        el.Lights([[0.6, 0.64, 0.48], [-0.6, 0.8, 0]], [[3, 2.8, 2.2], [0.5, 0.6, 0.9]], [0.005, 0.5]),
+        el.Lights(
+            [[0.6, 0.64, 0.48], [-0.6, 0.8, 0]], [[3, 2.8, 2.2], [0.5, 0.6, 0.9]], [0.005, 0.5]
+        ),
         0.0,
         floor=True,
     ),
-    "points": el.Rig([0.3, 0.4, 0.5], el.Lights([[0.6, 0.64, 0.48]], [[3, 2.8, 2.2]]), 0.0, floor=True),
-    "without a floor": el.Rig([0.3, 0.4, 0.5], el.Lights([[0.6, 0, 0.8]], [[3, 2.8, 2.2]], [0.3]), 0.0),
+    "points": el.Rig(
+        [0.3, 0.4, 0.5], el.Lights([[0.6, 0.64, 0.48]], [[3, 2.8, 2.2]]), 0.0, floor=True
+    ),
+    "without a floor": el.Rig(
+        [0.3, 0.4, 0.5], el.Lights([[0.6, 0, 0.8]], [[3, 2.8, 2.2]], [0.3]), 0.0
+    ),
 }
 
 
 def picture(page, rig, **options):
     """State of a page, and its linear picture under a rig, (pixels, 3)."""
-    options = {"width": WIDTH, "height": HEIGHT, "flatFloor": True, "rig": rig_of_page(rig), **options}
+    options = {
+        "width": WIDTH,
+        "height": HEIGHT,
+        "flatFloor": True,
+        "rig": rig_of_page(rig),
+        **options,
+    }
     state, pixels = run(page, RENDER, options)["result"]
     return {**state, **options}, np.reshape(pixels, (-1, 4))[:, :3]
 
@@ -136,13 +158,19 @@ def test_floor_ball_and_box_together_are_those_of_the_kernel(page, name):
     rig = RIGS[name]
     state, found = picture(page, rig, albedo=0.7)
     own, points, normals = things.visible(state, WIDTH, HEIGHT)
-    on = own >= things.FLOOR
-    albedo = state["floor"] if rig.floor else [0, 0, 0]
-    stage = things.stage(things.solids(state["ball"], state["box"]), points[on], normals[on], own[on])
+    on = (own >= things.FLOOR) & things.inner(own, WIDTH)
+    stage = things.stage(
+        things.solids(state["ball"], state["box"]), points[on], normals[on], own[on]
+    )
     lights = rig.lights
     lighting = things.SimpleNamespace(
-        directions=lights.direction, radii=lights.angular_radius, irradiance=lights.irradiance,
-        ambient=rig.ambient, albedo=[np.full(3, 0.7)] * 2, floor_albedo=np.array(albedo), floor=rig.floor,
+        directions=lights.direction,
+        radii=lights.angular_radius,
+        irradiance=lights.irradiance,
+        ambient=rig.ambient,
+        albedo=[np.full(3, 0.7)] * 2,
+        floor_albedo=np.array(state["floor"]),
+        floor=rig.floor,
     )
     received = _native.reflected_irradiance(stage, lighting)
     shown = np.where((own[on] == things.FLOOR)[:, None], state["floor"], 0.7)

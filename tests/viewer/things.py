@@ -68,3 +68,13 @@ def visible(state, width, height):
     normals[own == BOX] = faces[np.arange(len(side)), side][own == BOX] @ turn.T
     points[own == FLOOR, 1] = 0
     return own, points, normals
+
+
+def inner(own, width):
+    """False for pixels beside another thing, where rounding may decide which is seen."""
+    image = own.reshape(-1, width)
+    same = np.ones(image.shape, bool)
+    for step in (-1, 1):
+        for axis in (0, 1):
+            same &= np.roll(image, step, axis) == image
+    return same.ravel()

@@ -21,13 +21,18 @@ from envlights.rig import Rig
 
 #: Largest number of lights that are fitted beforehand; the shader has an array of this length.
 MOST_LIGHTS = 8
-#: Columns of the picture, which is 300 kB or less on real maps.
+#: Columns of the picture.
 _COLUMNS = 2048
 #: Radiance of the largest code over the white of a picture of the map: exposure can go down by 2
 #: stops before clipped parts turn grey.
 _HEADROOM = 4.0
-#: Quality of WebP: mean error of 1.4 codes. Of JPEG: the same error.
-_WEBP_QUALITY, _JPEG_QUALITY = 90, 92
+#: Radiance of a white surface that faces up, over that of a white pixel.
+_TOP = 0.5
+#: Qualities that are tried until the picture has at most this number of bytes. Below 90, smooth
+#: walls show blocks.
+_QUALITIES, _MOST_BYTES = (97, 94, 90, 80, 60), 300_000
+#: Rows of the map that is drawn for a rig without a map, and the albedo of its ground.
+_ROWS_OF_RIG, _GROUND_OF_RIG = 512, 0.25
 #: Rows of the table of the map's irradiance over all normals, which is smooth.
 _ROWS = 20
 #: Degrees below the horizon between which the ground is measured: above are things, below a tripod.
@@ -67,6 +72,16 @@ def rigs_of(rig: Rig) -> dict[str, list[Rig]]:
     return rigs
 
 
+def map_of(rig: Rig) -> EnvMap:
+    """Map of the lights of a rig; over a floor, with a grey ground that they light."""
+    env = rig.to_map(_ROWS_OF_RIG)
+    if not rig.floor:
+        return env
+    radiance = env.radiance.copy()
+    radiance[_ROWS_OF_RIG // 2 :] = _GROUND_OF_RIG / np.pi * rig.probe([0.0, 1.0, 0.0])
+    return EnvMap(radiance)
+
+
 def rig_data(rig: Rig) -> dict[str, Any]:
     """Rig as the page takes it: radiance or harmonics of irradiance, and seven numbers a light."""
     ambient = np.atleast_2d(rig.ambient)
@@ -81,42 +96,61 @@ def rig_data(rig: Rig) -> dict[str, Any]:
 
 
 def _digits(rows: NDArray[np.float64]) -> list[list[float]]:
-    """Rows of numbers, each with 6 digits."""
-    return [[float(f"{value:.6g}") for value in row] for row in rows]
+    """Rows of numbers, each with 5 digits."""
+    return [[float(f"{value:.5g}") for value in row] for row in rows]
 
 
 def picture(env: EnvMap) -> dict[str, Any]:
-    """Map as an encoded picture, the radiance of its largest code, and an exposure."""
+    """Map as an encoded picture, the radiance of its largest code, and an exposure.
+
+    The exposure shows the map as its pictures do, or up to one stop more if things would be dim.
+    """
     radiance = env.radiance
     white, _ = _thumbnails.white_of(radiance)
+    bright = _TOP * np.pi / max(float(from_above(env) @ LUMINANCE), np.finfo(float).tiny)
     small = _thumbnails.shrink(radiance, _COLUMNS)
     codes = np.round(255 * encode_srgb(small / (_HEADROOM * white))).astype(np.uint8)
     kind, content = _encode(codes)
     address = f"data:image/{kind};base64,{base64.b64encode(content).decode()}"
-    return {"map": address, "white": _HEADROOM * white, "exposure": 1 / white}
+    return {"map": address, "white": _HEADROOM * white, "exposure": float(np.clip(bright, 1 / white, 2 / white))}
 
 
 def _encode(codes: NDArray[np.uint8]) -> tuple[str, bytes]:
     """WebP, or JPEG where the image library lacks it, with the name of the format."""
     from PIL import Image, features
 
-    file = io.BytesIO()
-    has_webp = features.check("webp")
-    kind, quality = ("webp", _WEBP_QUALITY) if has_webp else ("jpeg", _JPEG_QUALITY)
-    Image.fromarray(codes).save(file, kind, quality=quality)
-    return kind, file.getvalue()
+    kind = "webp" if features.check("webp") else "jpeg"
+    image, content = Image.fromarray(codes), b""
+    for quality in _QUALITIES:
+        file = io.BytesIO()
+        image.save(file, kind, quality=quality)
+        content = file.getvalue()
+        if len(content) <= _MOST_BYTES:
+            break
+    return kind, content
 
 
-def irradiance_table(env: EnvMap, over_floor: bool) -> dict[str, Any]:
-    """Irradiance of the map over all normals as half floats; over a floor, of its upper half."""
+def irradiance_table(env: EnvMap, unit: float, over_floor: bool) -> dict[str, Any]:
+    """Irradiance over all normals in units of `unit`, as half floats; of the upper half if wanted.
+
+    Half floats end at 65504, which a sun in physical units exceeds.
+    """
     radiance = env.radiance
     if over_floor:
         radiance = radiance.copy()
         radiance[env.height // 2 :] = 0
     normals = sphere.pixel_directions(_ROWS, 2 * _ROWS).reshape(-1, 3)
     values, _ = working_irradiance(radiance, normals, border_sampled=env.is_border_sampled)
-    halves = values.astype("<f2").tobytes()
+    halves = (values / unit).astype("<f2").tobytes()
     return {"size": [2 * _ROWS, _ROWS], "halves": base64.b64encode(halves).decode()}
+
+
+def from_above(env: EnvMap) -> NDArray[np.float64]:
+    """Irradiance of the ground, (3,)."""
+    upper = env.radiance.copy()
+    upper[env.height // 2 :] = 0
+    lit, _ = working_irradiance(upper, [[0, 1, 0]], border_sampled=env.is_border_sampled)
+    return lit[0]
 
 
 def floor_albedo(env: EnvMap) -> tuple[NDArray[np.float64], list[str]]:
@@ -129,10 +163,7 @@ def floor_albedo(env: EnvMap) -> tuple[NDArray[np.float64], list[str]]:
     weights = np.cos(np.deg2rad(below[rows]))
     means = env.radiance[rows].mean(axis=1, dtype=np.float64)
     mean = weights @ means / weights.sum()
-    upper = env.radiance.copy()
-    upper[env.height // 2 :] = 0
-    lit, _ = working_irradiance(upper, [[0, 1, 0]], border_sampled=env.is_border_sampled)
-    measured = np.pi * mean / np.maximum(lit[0], np.finfo(float).tiny)
+    measured = np.pi * mean / np.maximum(from_above(env), np.finfo(float).tiny)
     albedo = np.clip(measured, *_ALBEDOS)
     if np.array_equal(albedo, measured):
         return albedo, []

@@ -24,8 +24,6 @@ from envlights.rig import Rig
 from envlights.viewer import data, model_textures, widget
 from envlights.viewer.model import Model
 
-#: Rows of the map that is drawn for a rig without a map.
-_ROWS = 512
 #: Distance of the camera over the diagonal of a model.
 _AWAY = 1.8
 #: Endings of a page.
@@ -159,7 +157,8 @@ def view(
     if isinstance(env, Rig):
         if rig is not None:
             raise EnvLightsError("view takes a map and a rig, or one of them; got two rigs")
-        return view(env.to_map(_ROWS), env, title="A rig" if title is None else title, model=model)
+        title = "A rig" if title is None else title
+        return view(data.map_of(env), env, title=title, model=model)
     _check_rig(rig)
     world = as_envmap(env).filled(unseen)
     rigs = data.fitted_rigs(world) if rig is None else data.rigs_of(rig)
@@ -198,14 +197,15 @@ def _title(env: AnyMap, title: object) -> str:
 
 def _data(world: EnvMap, rigs: dict[str, list[Rig]], title: str) -> dict[str, Any]:
     floor, notes = data.floor_albedo(world)
+    picture = data.picture(world)
     if not any(rig.floor for some in rigs.values() for rig in some):
         notes.append(_WITHOUT_FLOOR)
     return {
         "title": title,
-        **data.picture(world),
+        **picture,
         "irradiance": {
-            "floor": data.irradiance_table(world, over_floor=True),
-            "whole": data.irradiance_table(world, over_floor=False),
+            "floor": data.irradiance_table(world, picture["white"], over_floor=True),
+            "whole": data.irradiance_table(world, picture["white"], over_floor=False),
         },
         "floor": floor.tolist(),
         "rigs": {name: [data.rig_data(each) for each in some] for name, some in rigs.items()},

@@ -293,7 +293,7 @@ void probes() {
   vec2 p = vec2(3, 1) * (gl_FragCoord.xy - origin) / size, q = 2.2 * fract(p) - 1.1;
   float r = dot(q, q), depth = sqrt(max(1.0 - r, 0.0));
   vec3 n = camera * vec3(q, -depth), scale = 0.7 * exposure / vec3(PI), rig = open(n);
-  vec3 map_ = texture(normals, vec2(0.5 - atan(n.x, n.z) / (2.0 * PI), acos(clamp(n.y, -1.0, 1.0)) / PI)).rgb;
+  vec3 map_ = white * texture(normals, vec2(0.5 - atan(n.x, n.z) / (2.0 * PI), acos(clamp(n.y, -1.0, 1.0)) / PI)).rgb;
   vec3 c = p.x < 1.0 ? scale * map_ : p.x < 2.0 ? scale * rig : 0.5 + 4.0 * scale * (rig - map_);
   float soft_ = clamp((1.0 - sqrt(r)) * size.y / 2.2 + 0.5, 0.0, 1.0);
   colour = vec4(p.x < 2.0 ? encode(c) : clamp(c, 0.0, 1.0), soft_);

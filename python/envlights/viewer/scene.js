@@ -28,7 +28,7 @@ export const START = {
 /** Ball and box as the camera at an azimuth sees them first: side by side. */
 export function arranged(azimuth) {
   const cos = Math.cos(azimuth), sin = Math.sin(azimuth), at = (x, z) => [cos * x + sin * z, cos * z - sin * x];
-  return { ball: [...at(-0.62, 0.12), 0.5], box: [...at(0.62, -0.1), 0.42, 0.42, 0.42, (30 + azimuth * 180 / Math.PI) % 90] };
+  return { ball: [...at(-0.62, 0.12), 0.5], box: [...at(0.62, -0.1), 0.42, 0.42, 0.42, (3630 + azimuth * 180 / Math.PI) % 90] };
 }
 
 /** Eye and axes (right, up, forward) of the camera; azimuth 0 is +z, a quarter turn +x. */

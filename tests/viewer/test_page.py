@@ -1,0 +1,128 @@
+"""Pages in a browser: messages, requests, controls, pictures."""
+
+# ruff: noqa: E501, scripts keep their lines
+import numpy as np
+import pytest
+
+import envlights as el
+from tests.conftest import real_maps
+from tests.viewer.browser import needs_browser, run
+
+pytestmark = needs_browser
+
+#: Waits until a frame at full size is drawn, and gives its mean code.
+FRAME = """async () => {
+  while (envlights.scene.frames < 1) await new Promise((then) => setTimeout(then, 50));
+  const { canvas, scene } = envlights, { gl } = scene, pixels = new Uint8Array(4 * canvas.width * canvas.height);
+  gl.readPixels(0, 0, canvas.width, canvas.height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+  return [scene.frames, pixels.reduce((sum, x) => sum + x, 0) / pixels.length, document.title];
+}"""
+#: Mean radiance of pictures with other options.
+MEANS = """(options) => options.map((each) => {
+  const pixels = envlights.render({ width: 64, height: 48, ...each });
+  return [0, 1, 2].map((channel) => pixels.filter((_, k) => k % 4 === channel).reduce((sum, x) => sum + x, 0));
+})"""
+
+
+@pytest.fixture(scope="module")
+def hall(tmp_path_factory):
+    path = tmp_path_factory.mktemp("pages") / "hall.html"
+    el.view(el.synthetic.hall(128).radiance, title="</script><b>&hall").save(path)
+    return path
+
+
+def test_a_page_draws_without_messages_and_requests(hall):
+    answer = run(hall, FRAME, still=False)
+    frames, mean, title = answer["result"]
+    assert frames >= 1
+    assert 20 < mean < 235
+    assert title == "</script><b>&hall"
+    assert answer["messages"] == []
+    assert answer["requests"] == [f"file://{hall}"]
+
+
+@real_maps("hdr/*.hdr")
+def test_a_page_of_a_real_map_draws(path, tmp_path):
+    page = tmp_path / "page.html"
+    el.view(path).save(page)
+    answer = run(page, FRAME, still=False)
+    assert 5 < answer["result"][1] < 250
+    assert (answer["messages"], answer["requests"]) == ([], [f"file://{page}"])
+
+
+def test_a_browser_without_webgl_shows_a_sentence(hall):
+    answer = run(hall, "() => document.querySelector('[role=alert]').textContent", webgl=False)
+    assert "needs WebGL 2" in answer["result"]
+
+
+def test_each_choice_changes_the_picture(hall):
+    options = [
+        {}, {"shadows": "paper"}, {"shadows": "none"}, {"shape": "points"}, {"count": 1}, {"off": [0]},
+        {"ambient": "harmonics"}, {"shine": 1}, {"albedo": 0.2}, {"dome": 3}, {"cameraHeight": 4},
+        {"box": [0, 0, 0.5, 0.5, 0.5, 0]}, {"azimuth": 1}, {"only": 1},
+    ]  # fmt: skip
+    means = np.array(run(hall, MEANS, options)["result"])
+    assert np.isfinite(means).all()
+    assert len(np.unique(means.round(6), axis=0)) == len(options)
+
+
+def test_overlays_are_never_darker_than_what_they_stand_for(hall):
+    """A product of single ratios is too bright where shadows overlap."""
+    script = (
+        "(options) => options.map((each) => envlights.render({ width: 64, height: 48, ...each }))"
+    )
+    same = {"flatFloor": True, "shape": "points", "only": 2, "look": [0, 0, 0]}
+    overlays, none = run(hall, script, [{**same, "shadows": name} for name in ("paper", "none")])[
+        "result"
+    ]
+    assert (np.array(overlays) <= np.array(none) + 1e-6).all()
+
+
+def test_controls_have_names_and_keys_turn_the_camera(hall):
+    script = """() => {
+      const inputs = [...document.querySelectorAll("input")];
+      const named = inputs.filter((x) => x.getAttribute("aria-label") || x.closest("label")?.textContent.trim());
+      const before = { ...envlights.state, ball: [...envlights.state.ball] }, { canvas, state } = envlights;
+      const press = (key, more = {}) => canvas.dispatchEvent(new KeyboardEvent("keydown", { key, ...more }));
+      press("ArrowLeft"); press("+"); press("ArrowUp", { shiftKey: true });
+      return [inputs.length, named.length, canvas.tabIndex, canvas.getAttribute("role"), before.azimuth !== state.azimuth,
+        state.distance < before.distance, Math.hypot(state.ball[0] - before.ball[0], state.ball[1] - before.ball[1])];
+    }"""
+    count, named, *rest = run(hall, script)["result"]
+    assert count == named >= 20
+    assert rest[:4] == [0, "img", True, True]
+    assert rest[4] == pytest.approx(0.1)
+
+
+def test_a_thing_is_moved_by_a_pointer_and_the_rest_turns_the_camera(hall):
+    script = """() => {
+      const { canvas, state } = envlights, box = canvas.getBoundingClientRect();
+      canvas.setPointerCapture = () => {};
+      const drag = (x, y) => {
+        const before = JSON.stringify([state.ball, state.box, state.azimuth]);
+        const send = (type, dx) => canvas.dispatchEvent(new PointerEvent(type, { pointerId: 1, clientX: x + dx, clientY: y }));
+        send("pointerdown", 0); send("pointermove", 12); send("pointerup", 12);
+        const [ball, cube, azimuth] = JSON.parse(before);
+        return [ball[0] !== state.ball[0], cube[0] !== state.box[0], azimuth !== state.azimuth];
+      };
+      const at = (u, v) => [box.left + u * box.width, box.top + v * box.height];
+      const hits = [];
+      for (let u = 0.05; u < 1; u += 0.03) { const thing = envlights.pick({ clientX: at(u, 0.55)[0], clientY: at(u, 0.55)[1] }); if (thing) hits.push([thing.name, u]); }
+      const first = (name) => hits.filter(([n]) => n === name).map(([, u]) => u), middle = (list) => list[list.length >> 1];
+      return [drag(...at(middle(first("ball")), 0.55)), drag(...at(middle(first("box")), 0.55)), drag(...at(0.5, 0.03))];
+    }"""
+    assert run(hall, script, size=(900, 500))["result"] == [
+        [True, False, False],
+        [False, True, False],
+        [False, False, True],
+    ]
+
+
+@pytest.mark.slow
+def test_a_large_map_opens_within_two_seconds(tmp_path):
+    rng = np.random.default_rng(0)
+    world = el.EnvMap(el.synthetic.hall(256).radiance).resized(4096).radiance
+    page = tmp_path / "page.html"
+    made = el.view(world * rng.uniform(0.9, 1.1, world.shape).astype(np.float32))
+    made.save(page)
+    assert run(page, "() => 0")["opened"] < 2000
