@@ -33,10 +33,10 @@ def textures(model: Model) -> dict[str, Any]:
     if not keep.any():
         raise EnvLightsError("each triangle of the model is smaller than 1/65535 of its size")
     corners, albedo = corners[keep], model.albedo[keep]
-    records, rows = np.unique(
+    records, inverse = np.unique(
         _records(corners, corner_normals(corners), albedo), axis=0, return_inverse=True
     )
-    rows = rows.reshape(-1, 3).astype(np.uint32)
+    rows: NDArray[np.uint32] = inverse.reshape(-1, 3).astype(np.uint32)
     vertices = np.stack(
         [records[:, 0] & 0xFFFF, records[:, 0] >> 16, records[:, 1] & 0xFFFF], axis=1
     ).astype(np.uint16)
@@ -116,7 +116,8 @@ def octahedral(normals: NDArray[np.float64]) -> NDArray[np.uint32]:
 def _packed_rows(rows: NDArray[np.uint32]) -> NDArray[np.uint32]:
     """Three numbers of 21 bits in two of 32, (m, 2)."""
     a, b, c = rows.T
-    packed: NDArray[np.uint32] = np.stack([a | b << 21, b >> 11 | c << 10], axis=1)
+    packed = np.empty((len(rows), 2), np.uint32)
+    packed[:, 0], packed[:, 1] = a | b << 21, b >> 11 | c << 10
     return packed
 
 

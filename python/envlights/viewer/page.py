@@ -7,6 +7,7 @@ import os
 from dataclasses import dataclass
 from functools import cache, cached_property
 from html import escape
+from importlib import import_module
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -89,8 +90,7 @@ class View:
         return {**self.data, "shaders": shaders("model" in self.data)}
 
     def _ipython_display_(self) -> None:
-        from IPython.display import display
-
+        display = import_module("IPython.display").display
         if widget.is_available():
             display(self.widget)
         else:
