@@ -19,6 +19,7 @@ const start = performance.now();
 await page.goto(`file://${page_}`);
 await page.waitForFunction("window.envlights", null, { polling: 20 });
 const opened = performance.now() - start;
+await page.waitForFunction(job.wait, null, { polling: 50 });
 const result = await page.evaluate(`(${job.script})(${JSON.stringify(job.argument)})`);
 if (job.picture) await page.screenshot({ path: job.picture });
 await browser.close();

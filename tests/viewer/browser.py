@@ -21,8 +21,8 @@ needs_browser = pytest.mark.skipif(
 def run(page, script, argument=None, **options):
     """Result of a JavaScript function in a page, its messages, requests and time to open.
 
-    Options: `size` in pixels, `scheme` of colours, `still` to draw nothing by itself, `webgl`, and
-    `picture`, the path of a screenshot.
+    Options: `size` in pixels, `scheme` of colours, `still` to draw nothing by itself, `webgl`,
+    `wait`, an expression that must become true first, and `picture`, the path of a screenshot.
     """
     job = {
         "chromium": CHROMIUM,
@@ -31,7 +31,7 @@ def run(page, script, argument=None, **options):
         "still": True,
         "webgl": True,
     }
-    job |= {"script": script, "argument": argument, "picture": None} | options
+    job |= {"script": script, "argument": argument, "picture": None, "wait": "true"} | options
     path = page.with_suffix(".job.json")
     path.write_text(json.dumps(job))
     command = ["node", _HERE / "browser.mjs", page, path]

@@ -10,13 +10,13 @@ from tests.viewer.browser import needs_browser, run
 
 pytestmark = needs_browser
 
-#: Waits until a frame at full size is drawn, and gives its mean code.
-FRAME = """async () => {
-  while (envlights.scene.frames < 1) await new Promise((then) => setTimeout(then, 50));
+#: Number of frames at full size, their mean code, and the title.
+FRAME = """() => {
   const { canvas, scene } = envlights, { gl } = scene, pixels = new Uint8Array(4 * canvas.width * canvas.height);
   gl.readPixels(0, 0, canvas.width, canvas.height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
   return [scene.frames, pixels.reduce((sum, x) => sum + x, 0) / pixels.length, document.title];
 }"""
+DRAWN = "envlights.scene.frames > 0"
 #: Mean radiance of pictures with other options.
 MEANS = """(options) => options.map((each) => {
   const pixels = envlights.render({ width: 64, height: 48, ...each });
@@ -32,7 +32,7 @@ def hall(tmp_path_factory):
 
 
 def test_a_page_draws_without_messages_and_requests(hall):
-    answer = run(hall, FRAME, still=False)
+    answer = run(hall, FRAME, still=False, wait=DRAWN)
     frames, mean, title = answer["result"]
     assert frames >= 1
     assert 20 < mean < 235
@@ -45,7 +45,7 @@ def test_a_page_draws_without_messages_and_requests(hall):
 def test_a_page_of_a_real_map_draws(path, tmp_path):
     page = tmp_path / "page.html"
     el.view(path).save(page)
-    answer = run(page, FRAME, still=False)
+    answer = run(page, FRAME, still=False, wait=DRAWN)
     assert 5 < answer["result"][1] < 250
     assert (answer["messages"], answer["requests"]) == ([], [f"file://{page}"])
 

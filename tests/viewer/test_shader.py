@@ -46,7 +46,7 @@ def random_points(rng, ball, box):
         (own == things.FLOOR)[:, None], [0, 1, 0], unit(rng.normal(size=(POINTS, 3)))
     )
     points = rng.uniform(-3, 3, (POINTS, 3)) * [1, 0, 1]
-    turn, half, middle = things.turned(box[5]), np.array(box[2:5]), [box[0], box[3], box[1]]
+    turn, half, middle = things.rotation(box[5]), np.array(box[2:5]), [box[0], box[3], box[1]]
     under = (np.abs((points - middle) @ turn) <= half * [1, np.inf, 1]).all(axis=1)
     points[under] += [9, 0, 0]
     on_ball = own == things.BALL

@@ -8,7 +8,7 @@ _FACES = [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], 
 FLOOR, BALL, BOX = -1, 0, 1
 
 
-def turned(angle):
+def rotation(angle):
     """Rotation about +y by degrees, as the page turns its box."""
     cos, sin = np.cos(np.deg2rad(angle)), np.sin(np.deg2rad(angle))
     return np.array([[cos, 0, sin], [0, 1, 0], [-sin, 0, cos]])
@@ -18,7 +18,7 @@ def solids(ball, box):
     """Solids of a page: ``ball`` is x, z, radius, ``box`` x, z, three half sides and degrees."""
     x, z, radius = ball
     signs = np.array([[1 if code >> axis & 1 else -1 for axis in range(3)] for code in range(8)])
-    half, turn = np.array(box[2:5]), turned(box[5])
+    half, turn = np.array(box[2:5]), rotation(box[5])
     corners = (signs * half) @ turn.T + [box[0], half[1], box[1]]
     round_one = SimpleNamespace(centre=np.array([x, radius, z]), radius=radius)
     return [round_one, SimpleNamespace(vertices=corners, faces=_FACES)]
@@ -52,7 +52,7 @@ def visible(state, width, height):
         along = towards @ away
         root = along**2 - (away @ away - radius**2)
         ball = np.where(root > 0, -along - np.sqrt(np.maximum(root, 0)), np.inf)
-        turn, half = turned(box[5]), np.array(box[2:5])
+        turn, half = rotation(box[5]), np.array(box[2:5])
         start, step = (eye - [box[0], half[1], box[1]]) @ turn, towards @ turn
         near, far = (-np.sign(step) * half - start) / step, (np.sign(step) * half - start) / step
         side = near.argmax(axis=1)

@@ -34,7 +34,7 @@ _QUALITIES, _MOST_BYTES = (97, 94, 90, 80, 60), 300_000
 #: Rows of the map that is drawn for a rig without a map, and the albedo of its ground.
 _ROWS_OF_RIG, _GROUND_OF_RIG = 512, 0.25
 #: Rows of the table of the map's irradiance over all normals, which is smooth.
-_ROWS = 20
+_ROWS = 28
 #: Degrees below the horizon between which the ground is measured: above are things, below a tripod.
 _GROUND = (20.0, 80.0)
 #: Plausible albedos of a ground.
@@ -103,7 +103,8 @@ def _digits(rows: NDArray[np.float64]) -> list[list[float]]:
 def picture(env: EnvMap) -> dict[str, Any]:
     """Map as an encoded picture, the radiance of its largest code, and an exposure.
 
-    The exposure shows the map as its pictures do, or up to one stop more if things would be dim.
+    The exposure is that of pictures of the map, or up to one stop off for things that would be dim
+    or white.
     """
     radiance = env.radiance
     white, _ = _thumbnails.white_of(radiance)
@@ -112,7 +113,11 @@ def picture(env: EnvMap) -> dict[str, Any]:
     codes = np.round(255 * encode_srgb(small / (_HEADROOM * white))).astype(np.uint8)
     kind, content = _encode(codes)
     address = f"data:image/{kind};base64,{base64.b64encode(content).decode()}"
-    return {"map": address, "white": _HEADROOM * white, "exposure": float(np.clip(bright, 1 / white, 2 / white))}
+    return {
+        "map": address,
+        "white": _HEADROOM * white,
+        "exposure": float(np.clip(bright, 0.5 / white, 2 / white)),
+    }
 
 
 def _encode(codes: NDArray[np.uint8]) -> tuple[str, bytes]:
@@ -150,7 +155,7 @@ def from_above(env: EnvMap) -> NDArray[np.float64]:
     upper = env.radiance.copy()
     upper[env.height // 2 :] = 0
     lit, _ = working_irradiance(upper, [[0, 1, 0]], border_sampled=env.is_border_sampled)
-    return lit[0]
+    return np.asarray(lit[0], np.float64)
 
 
 def floor_albedo(env: EnvMap) -> tuple[NDArray[np.float64], list[str]]:

@@ -188,6 +188,7 @@ export class Scene {
     this.draw(s, 0, size, { jitter: offset(this.frames), frame: this.hasFloats ? this.frames : -1 });
     gl.disable(gl.BLEND);
     gl.disable(gl.SCISSOR_TEST);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
     this.row += count;
     if (this.row < size[1]) return;
     this.row = 0;
