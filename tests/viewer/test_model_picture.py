@@ -1,4 +1,4 @@
-"""Pictures of a model: rays against the closed forms of ball and box, and against every triangle."""
+"""Pictures of a model, against the closed forms of the page and rays to every triangle."""
 
 import numpy as np
 import pytest
@@ -29,7 +29,8 @@ COMPARE = """async ({ state, frames, size: [width, height], withModel, without }
   const sum = new Float64Array(4 * width * height);
   scene.data.floor = [1, 1, 1];
   for (let frame = 0; frame < frames; frame++) {
-    scene.read({ ...s, only: withModel }, 0, width, height, { frame }).forEach((x, k) => { sum[k] += x / frames; });
+    const pixels = scene.read({ ...s, only: withModel }, 0, width, height, { frame });
+    pixels.forEach((x, k) => { sum[k] += x / frames; });
   }
   scene.data.model = null;
   return [[...sum], [...scene.read({ ...s, only: without }, 0, width, height)]];

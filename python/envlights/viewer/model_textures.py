@@ -110,15 +110,13 @@ def octahedral(normals: NDArray[np.float64]) -> NDArray[np.uint32]:
     flat = normals / np.abs(normals).sum(axis=1, keepdims=True)
     folded = (1 - np.abs(flat[:, 1::-1])) * np.where(flat[:, :2] < 0, -1.0, 1.0)
     square = np.where(flat[:, 2:] < 0, folded, flat[:, :2])
-    return np.rint((square * 0.5 + 0.5) * 65535).astype(np.uint32)
+    return np.asarray(np.rint((square * 0.5 + 0.5) * 65535).astype(np.uint32))
 
 
 def _packed_rows(rows: NDArray[np.uint32]) -> NDArray[np.uint32]:
     """Three numbers of 21 bits in two of 32, (m, 2)."""
     a, b, c = rows.T
-    packed = np.empty((len(rows), 2), np.uint32)
-    packed[:, 0], packed[:, 1] = a | b << 21, b >> 11 | c << 10
-    return packed
+    return np.stack([a | b << 21, b >> 11 | c << 10], axis=1, dtype=np.uint32)
 
 
 def _texture(texels: NDArray[np.uint32]) -> dict[str, Any]:

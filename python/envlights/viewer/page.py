@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from dataclasses import dataclass
 from functools import cache, cached_property
 from html import escape
@@ -56,7 +57,7 @@ class View:
         parts = {
             "TITLE": escape(self.data["title"]),
             "STYLE": _text("view.css"),
-            "SCRIPT": script(),
+            "SCRIPT": script("model" in self.data),
             "DATA": _json(self._content()),
         }
         page = _text("page.html")
@@ -83,7 +84,7 @@ class View:
         lights, ``sizes``, ``off`` (rows of the lights that are switched off) and ``eye``, (3,) in
         metres.
         """
-        module = script() + _compact("widget.js")
+        module = script("model" in self.data) + _compact("widget.js")
         return widget.widget(self._content(), module, _text("view.css"))
 
     def _content(self) -> dict[str, Any]:
@@ -214,15 +215,22 @@ def _data(world: EnvMap, rigs: dict[str, list[Rig]], title: str) -> dict[str, An
     }
 
 
-def script() -> str:
+def script(has_model: bool) -> str:
     """Module of the page, whose entry is ``render({model, el})``."""
-    return _compact("scene.js") + _compact("view.js")
+    names = ("scene", "view", *(("model",) if has_model else ()))
+    return "".join(_compact(f"{name}.js") for name in names)
 
 
 def shaders(has_model: bool) -> dict[str, str]:
     """Text of the shaders; those of a model only if there is one."""
     names = ("light", "scene", *(("model", "paths") if has_model else ()))
-    return {name: _compact(f"{name}.glsl") for name in names}
+    return {name: _dense(_compact(f"{name}.glsl")) for name in names}
+
+
+def _dense(shader: str) -> str:
+    """Text of a shader without comments behind code and without spaces around brackets."""
+    code = re.sub(r"(?m)[ ]+// .*$", "", shader)
+    return re.sub(r"(?m)^(?!#).*$", lambda line: re.sub(r" *([=,;(){}]) *", r"\1", line[0]), code)
 
 
 def _compact(name: str) -> str:

@@ -78,25 +78,7 @@ export class Scene {
       this.texture(unit, gl.LINEAR);
       gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGB16F, ...size, 0, gl.RGB, gl.HALF_FLOAT, new Uint16Array(bytes.buffer));
     }
-    if (data.model) for (const [unit, name] of [[NODES, "nodes"], [TRIANGLES, "triangles"], [CORNERS, "corners"]]) this.integers(unit, data.model[name]);
-  }
-
-  // A texture of 32-bit integers in rows of 2048 texels.
-  integers(unit, { texels, channels }) {
-    const { gl } = this, bytes = Uint8Array.from(atob(texels), (c) => c.charCodeAt(0)), rows = Math.ceil(bytes.length / 4 / channels / 2048);
-    const padded = new Uint8Array(rows * 2048 * channels * 4), four = channels === 4;
-    padded.set(bytes);
-    this.texture(unit, gl.NEAREST);
-    gl.texImage2D(gl.TEXTURE_2D, 0, four ? gl.RGBA32UI : gl.RG32UI, 2048, rows, 0, four ? gl.RGBA_INTEGER : gl.RG_INTEGER, gl.UNSIGNED_INT, new Uint32Array(padded.buffer));
-  }
-
-  // Uniforms of a model; `frame` is the number of the frame.
-  place(s, model, frame) {
-    const turn = s.model[2] * Math.PI / 180;
-    this.set({
-      modelNodes: NODES, modelTriangles: TRIANGLES, modelCorners: CORNERS, modelNodeCount: model.count.nodes, modelGrid: [...model.lower, model.step],
-      modelAt: s.model.slice(0, 2), modelTurn: [Math.cos(turn), Math.sin(turn)], frame,
-    });
+    if (data.model) loadModel(this, data.model);
   }
 
   // A new texture in a unit.
@@ -152,7 +134,7 @@ export class Scene {
     this.use(data.shaders.scene, {
       task, shadows: SHADOWS[s.shadows], soft, harmonic, glossy: s.shine > 0, floats: Boolean(extra.floats),
     }, models);
-    if (models) this.place(s, data.model, frame);
+    if (models) placeModel(this, s, data.model, frame);
     const { eye, right, up, forward } = view(s), lit = (of, empty) => Array.from({ length: MOST }, (_, k) => (on[k] ? of(on[k]) : empty));
     const [x, z, a, b, c, turn] = s.box, cos = Math.cos(turn * Math.PI / 180), sin = Math.sin(turn * Math.PI / 180);
     this.set({

@@ -113,7 +113,7 @@ class Page {
       this.group("Lights", ...lights),
       this.group("Shadows", this.choice("Shadows are", "shadows", { exact: "exact", paper: "overlays", none: "none" })),
       this.group("Picture", this.slider("Exposure", "exposure", -4, 4, 0.1, (x) => `${x > 0 ? "+" : ""}${x.toFixed(1)} EV`), this.check("Probes", "probes", () => { this.caption.hidden = !state.probes; })),
-      ...this.modelPanel(degrees),
+      ...(data.model ? [modelPanel(this, degrees)] : []),
       this.group("Ball and box", this.slider("Albedo", "albedo", 0.05, 0.95, 0.01, plain), this.slider("Highlight", "shine", 0, 1, 0.01, plain),
         this.slider("Roughness", "roughness", 0.1, 0.9, 0.01, plain), this.turn("Turn of the box", "box", 5, 90, degrees)),
       this.group("Ground", this.slider("Camera height", "cameraHeight", 0.3, 6, 0.1, metres), this.slider("Dome radius", "dome", 3, 60, 0.5, metres),
@@ -122,18 +122,6 @@ class Page {
     );
     this.list();
     return form;
-  }
-
-  // Controls and remarks of a model.
-  modelPanel(degrees) {
-    const { data: { model }, state, scene } = this;
-    if (!model) return [];
-    state.balls = state.only === 0;
-    const others = this.check("Ball and box", "balls", () => { state.only = state.balls ? 0 : 3; });
-    const size = model.size.map((x) => x.toPrecision(2)).join(" × "), notes = [`${model.count.triangles.toLocaleString("en")} triangles, ${size} m`, ...model.notes];
-    if (!scene.hasFloats) notes.push("This browser cannot average pictures (EXT_color_buffer_float), so the shadows of the model are hard.");
-    else if (!scene.sums) notes.push("This browser averages 16 pictures at most (no EXT_float_blend), so the shadows of the model are noisy.");
-    return [this.group("Model", ...notes.map((textContent) => node("p", { className: "note", textContent })), this.turn("Turn of the model", "model", 2, 360, degrees), others)];
   }
 
   group(legend, ...children) { return node("fieldset", {}, node("legend", { textContent: legend }), ...children); }
@@ -204,10 +192,7 @@ class Page {
     const { state } = this, { eye, direction } = this.ray(event), [x, z, radius] = state.ball, [p, q, a, b, c, turn] = state.box;
     const found = { ball: hitBall(eye, direction, [x, radius, z], radius), box: hitBox(eye, direction, [p, b, q], [a, b, c], turn * Math.PI / 180) };
     if (state.only) found.ball = found.box = Infinity;
-    if (this.data.model) {
-      const [left, back, angle] = state.model, half = this.data.model.size.map((side) => side / 2);
-      found.model = hitBox(eye, direction, [left, half[1], back], half, angle * Math.PI / 180);
-    }
+    if (this.data.model) found.model = hitModel(this, eye, direction);
     const name = Object.keys(found).reduce((best, other) => (found[other] < found[best] ? other : best));
     return found[name] < Infinity ? { name, height: eye[1] + found[name] * direction[1] } : null;
   }
