@@ -222,6 +222,17 @@ CALLS = {
     "synthetic.rigs": (synthetic.rigs, {"number": COUNT, "seed": SEED}),
     "synthetic.room": (synthetic.room, {"pairs": COUNT, "width": SIZE, "seed": SEED}),
     "synthetic.scene": (synthetic.scene, {"height": SIZE, "background": COLOUR}),
+    "Model": (
+        el.Model,
+        {
+            "vertices": st.one_of(array(9, 3), st.just(np.eye(3))),
+            "triangles": st.just([[0, 1, 2]]),
+            "albedo": st.one_of(COLOUR, st.just([0.5, 0.5, 0.5])),
+            "scale": SMALL,
+            "up": st.sampled_from(["y", "z"]),
+        },
+    ),
+    "Model.open": (el.Model.open, {"source": st.just("none.glb"), "scale": SMALL}),
     "view": (
         el.view,
         {"env": st.just(RIG), "rig": st.none(), "title": st.sampled_from(["A hall", "</script>"])},

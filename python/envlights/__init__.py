@@ -46,6 +46,7 @@ __all__ = [
     "Limit",
     "MissingFileError",
     "MitsubaScene",
+    "Model",
     "PaperFit",
     "PhotographLight",
     "PhotographLights",
@@ -89,6 +90,7 @@ _LATER = {
     **dict.fromkeys(("BakedPairs", "DirectLight", "MitsubaScene", "Surface", "bake"), "scene"),
     **dict.fromkeys(("ShadowOverlay", "shadow_overlay"), "scene"),
     **dict.fromkeys(("View", "view"), "viewer.page"),
+    "Model": "viewer.model",
     **dict.fromkeys(("FilePairs", "TransferModel", "TransferReport", "read_pairs"), "transfer"),
 }
 
@@ -111,6 +113,7 @@ if _typing.TYPE_CHECKING:
     from envlights.scene.bake import bake as bake
     from envlights.scene.floor_shadow import shadow_overlay as shadow_overlay
     from envlights.transfer import FilePairs, TransferModel, TransferReport, read_pairs
+    from envlights.viewer.model import Model
     from envlights.viewer.page import View, view
 else:
 

@@ -30,6 +30,7 @@ __all__ = [
     "apply_matrix",
     "are_clipped",
     "blur",
+    "bounding_volume_hierarchy",
     "bresenham_line",
     "clipped_depth",
     "clipped_light_shares",
@@ -212,6 +213,9 @@ def are_clipped(
     radiance: _Image, pixels: _Indices, reach: int, sphere: bool, white: float | None
 ) -> NDArray[np.bool_]: ...
 def blur(image: _Image, sigma: float, wrap: bool) -> _Image: ...
+def bounding_volume_hierarchy(
+    vertices: NDArray[np.uint16], triangles: NDArray[np.uint32]
+) -> tuple[NDArray[np.uint32], NDArray[np.uint32]]: ...
 def bresenham_line(start: list[int], end: list[int]) -> _Indices: ...
 def clipped_depth(
     radiance: _Image, border_sampled: bool, white: float, working_columns: int, gap: float

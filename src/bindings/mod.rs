@@ -10,6 +10,7 @@ mod fill;
 mod fit;
 mod formats;
 mod harmonics;
+mod hierarchy;
 mod image;
 mod loghin;
 mod madsen;
@@ -54,6 +55,8 @@ mod _native {
     use super::formats::{PngFile, RadianceFile, radiance_rows};
     #[pymodule_export]
     use super::harmonics::{harmonic_irradiance, harmonic_radiance};
+    #[pymodule_export]
+    use super::hierarchy::bounding_volume_hierarchy;
     #[pymodule_export]
     use super::image::{
         apply_matrix, code_histogram_8, code_histogram_16, decode_8, decode_16, unusable, white_code,

@@ -12,6 +12,7 @@
 //! | irradiance of a disc of uniform radiance       | `disc.rs`      |
 //! | drawing of discs into a map                    | `disc_map.rs`  |
 //! | light hidden by balls and convex polyhedra     | `occluder/`    |
+//! | bounding volume hierarchy of triangles         | `hierarchy/`   |
 //! | unusable samples, reduction, resampling        | `image/`       |
 //! | exact irradiance of a white probe              | `probe/`       |
 //! | a map in spherical harmonics                   | `expansion/`   |
@@ -32,6 +33,7 @@ mod expansion;
 pub mod fill;
 pub mod fit;
 pub mod harmonics;
+pub mod hierarchy;
 pub mod image;
 mod lanes;
 pub mod madsen;

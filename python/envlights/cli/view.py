@@ -9,6 +9,7 @@ import click
 from envlights.cli.map_input import MapFile, map_argument, radiance_or_name
 from envlights.cli.outputs import check_output, say_written
 from envlights.rig import Rig
+from envlights.viewer.model import Model
 from envlights.viewer.page import SUFFIXES, view
 
 
@@ -30,8 +31,22 @@ from envlights.viewer.page import SUFFIXES, view
     help="Radiance where MAP shows nothing (alpha, a crop): black, harmonic, ground, a number, or"
     " R,G,B.",
 )
+@click.option("--model", metavar="FILE", help="Thing to show: .glb, .gltf, .obj, .ply or .stl.")
+@click.option(
+    "--scale", type=float, default=1.0, show_default=True, help="Metres per unit of the model."
+)
+@click.option(
+    "--up", type=click.Choice(["y", "z"]), default="y", show_default=True, help="Its axis up."
+)
 def command(
-    map_file: MapFile, rig: str | None, output: str, title: str | None, unseen: str | None
+    map_file: MapFile,
+    rig: str | None,
+    output: str,
+    title: str | None,
+    unseen: str | None,
+    model: str | None,
+    scale: float,
+    up: str,
 ) -> None:
     """Make a page that shows a ball and a box in MAP (.hdr, .exr, ...), lit by a few lights.
 
@@ -39,11 +54,13 @@ def command(
     """
     check_output(output, SUFFIXES, {"the map": map_file.path})
     lights = None if rig is None else Rig.load(rig)
+    shown = None if model is None else Model.open(model, scale=scale, up=up)
     is_rig = Path(map_file.path).suffix.lower() == ".json"
     title = title or Path(map_file.path).stem
     if is_rig:
-        page = view(Rig.load(map_file.path), lights, title=title)
+        page = view(Rig.load(map_file.path), lights, title=title, model=shown)
     else:
-        page = view(map_file.open(), lights, title=title, unseen=radiance_or_name(unseen))
+        filling = radiance_or_name(unseen)
+        page = view(map_file.open(), lights, title=title, unseen=filling, model=shown)
     page.save(output)
     say_written([output])

@@ -7,4 +7,10 @@
 | light that ball and box hide, closed form   | `light.glsl`               |
 | picture                                     | `scene.glsl`, `scene.js`   |
 | controls                                    | `view.js`, `view.css`      |
+| models of the user's                        | `model.py`                 |
+| - in files                                  | `model_file.py`            |
+| - as textures                               | `model_textures.py`, `model.js` |
+| - rays against them                         | `model.glsl`               |
+| - light between them and their surroundings | `paths.glsl`               |
+| widget of Jupyter                           | `widget.py`, `widget.js`   |
 """

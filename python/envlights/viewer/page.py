@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from html import escape
+from importlib import import_module
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from envlights._check import describe
 from envlights._native import EnvLightsError
@@ -19,8 +23,11 @@ from envlights.export.files import save_scene
 from envlights.io.files import as_path
 from envlights.io.source import is_source, name_of
 from envlights.rig import Rig
-from envlights.viewer import data
+from envlights.viewer import data, model_textures, widget
+from envlights.viewer.model import Model
 
+#: Distance of the camera over the diagonal of a model.
+_AWAY = 1.8
 #: Endings of a page.
 SUFFIXES = (".html", ".htm")
 #: Note of a page whose rig was fitted without a floor.
@@ -32,7 +39,9 @@ _WITHOUT_FLOOR = (
 
 @dataclass(frozen=True)
 class View:
-    """A page that shows a ball and a box in a map; Jupyter draws it in a frame.
+    """A page that shows things in a map.
+
+    Jupyter draws it as a widget if the library anywidget is installed, else in a frame.
 
     Attributes
     ----------
@@ -48,8 +57,8 @@ class View:
         parts = {
             "TITLE": escape(self.data["title"]),
             "STYLE": _text("view.css"),
-            "SCRIPT": script(),
-            "DATA": _json({**self.data, "shaders": shaders()}),
+            "SCRIPT": script("model" in self.data),
+            "DATA": _json(self._content()),
         }
         page = _text("page.html")
         for name, text in parts.items():
@@ -67,12 +76,38 @@ class View:
         style = "width: 100%; height: 560px; border: 0"
         return f'<iframe style="{style}" srcdoc="{escape(self.html)}"></iframe>'
 
+    @cached_property
+    def widget(self) -> Any:
+        """The page as a widget of Jupyter; needs the extra `widget`.
+
+        Its traits follow the page, and the page follows them: ``exposure`` in stops, ``count`` of
+        lights, ``sizes``, ``off`` (rows of the lights that are switched off) and ``eye``, (3,) in
+        metres.
+        """
+        module = script("model" in self.data) + _compact("widget.js")
+        return widget.widget(self._content(), module, _text("view.css"))
+
+    def _content(self) -> dict[str, Any]:
+        return {**self.data, "shaders": shaders("model" in self.data)}
+
+    def _ipython_display_(self) -> None:
+        display = import_module("IPython.display").display
+        if widget.is_available():
+            display(self.widget)
+        else:
+            display({"text/html": self._repr_html_(), "text/plain": repr(self)}, raw=True)
+
     def __repr__(self) -> str:
         return f"<View: {self.data['title']}, {len(self.html) / 1000:.0f} kB>"
 
 
 def view(
-    env: AnyMap | Rig, rig: Rig | None = None, *, title: str | None = None, unseen: Unseen = None
+    env: AnyMap | Rig,
+    rig: Rig | None = None,
+    *,
+    title: str | None = None,
+    unseen: Unseen = None,
+    model: Any = None,
 ) -> View:
     """Page that shows a ball and a box in a map, lit by a few lights, with their shadows.
 
@@ -93,6 +128,9 @@ def view(
         Text above the controls; the name of the file when left out.
     unseen : {"black", "harmonic", "ground"}, float or array_like, shape (3,), optional
         Radiance where the map shows nothing; see `EnvMap.filled`.
+    model : Model, path-like, trimesh.Trimesh or trimesh.Scene, optional
+        A thing of your own in place of ball and box, which a switch adds: see `Model`. Its shadows
+        are rays; the picture is refined while nothing moves.
 
     Returns
     -------
@@ -102,8 +140,8 @@ def view(
     Raises
     ------
     EnvLightsError
-        If `env` is no map and no rig, `rig` is no rig or has more than 8 lights, or `filled`
-        refuses `unseen`.
+        If `env` is no map and no rig, `rig` is no rig or has more than 8 lights, `filled` refuses
+        `unseen`, or `model` is no model, or has more than 200 000 triangles.
 
     References
     ----------
@@ -120,11 +158,25 @@ def view(
     if isinstance(env, Rig):
         if rig is not None:
             raise EnvLightsError("view takes a map and a rig, or one of them; got two rigs")
-        return view(data.map_of(env), env, title="A rig" if title is None else title)
+        title = "A rig" if title is None else title
+        return view(data.map_of(env), env, title=title, model=model)
     _check_rig(rig)
     world = as_envmap(env).filled(unseen)
     rigs = data.fitted_rigs(world) if rig is None else data.rigs_of(rig)
-    return View(_data(world, rigs, _title(env, title)))
+    shown = model if model is None or isinstance(model, Model) else Model.open(model)
+    content = _data(world, rigs, _title(env, title))
+    return View(content if shown is None else _with_model(content, shown))
+
+
+def _with_model(content: dict[str, Any], model: Model) -> dict[str, Any]:
+    """Data of a page with a model, which is seen as a whole at first."""
+    start = {
+        "only": 3,
+        "look": [0.0, 0.45 * float(model.size[1]), 0.0],
+        "distance": _AWAY * float(np.linalg.norm(model.size)),
+    }
+    state = {**content["state"], **start}
+    return {**content, "model": model_textures.textures(model), "state": state}
 
 
 def _check_rig(rig: object) -> None:
@@ -163,14 +215,22 @@ def _data(world: EnvMap, rigs: dict[str, list[Rig]], title: str) -> dict[str, An
     }
 
 
-def script() -> str:
+def script(has_model: bool) -> str:
     """Module of the page, whose entry is ``render({model, el})``."""
-    return _compact("scene.js") + _compact("view.js")
+    names = ("scene", "view", *(("model",) if has_model else ()))
+    return "".join(_compact(f"{name}.js") for name in names)
 
 
-def shaders() -> dict[str, str]:
-    """Text of the shaders."""
-    return {name: _compact(f"{name}.glsl") for name in ("light", "scene")}
+def shaders(has_model: bool) -> dict[str, str]:
+    """Text of the shaders; those of a model only if there is one."""
+    names = ("light", "scene", *(("model", "paths") if has_model else ()))
+    return {name: _dense(_compact(f"{name}.glsl")) for name in names}
+
+
+def _dense(shader: str) -> str:
+    """Text of a shader without comments behind code and without spaces around brackets."""
+    code = re.sub(r"(?m)[ ]+// .*$", "", shader)
+    return re.sub(r"(?m)^(?!#).*$", lambda line: re.sub(r" *([=,;(){}]) *", r"\1", line[0]), code)
 
 
 def _compact(name: str) -> str:

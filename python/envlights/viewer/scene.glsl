@@ -20,7 +20,8 @@ uniform vec3 boxCentre, boxHalf;
 uniform vec2 boxTurn;                      // cosine and sine
 out vec4 colour;
 
-const int FLOOR = 0, BALL = 1, BOX = 2, SKY = 3;
+const int FLOOR = 0, BALL = 1, BOX = 2, MODEL = 3, SKY = 4;
+//MODEL
 // Tilt below the horizon of the ray that finds the floor point of a thing, and sine and cosine of the least radius of
 // the lights there; see src/kernels/occluder/reflected.rs.
 const float TILT = 0.45;
@@ -160,6 +161,10 @@ float highlight(vec3 mirrored) {
   return pow(max(cos(min(angle, 1.57)), 0.0), exponent) / (PI * (light.sine * light.sine + 2.0 / (exponent + 2.0)));
 }
 
+#if MODELS == 2
+//PATHS
+#endif
+
 // Irradiance of a point of the floor or of a thing with shadows and reflected light, and the highlight towards the eye.
 // A thing sees the floor at one point: the second stage.
 vec3 received(vec3 x, vec3 n, int id, vec3 mirrored, out vec3 gloss) {
@@ -169,7 +174,7 @@ vec3 received(vec3 x, vec3 n, int id, vec3 mirrored, out vec3 gloss) {
   gloss = vec3(0);
   for (int stage = 0; stage < 2; stage++) {
     bool gathers = stage == 1;
-    if (gathers && (id == FLOOR || below <= 0.0 || !exact)) break;
+    if (gathers && (id == FLOOR || below <= 0.0 || !exact || MODELS == 2)) break;
     int self = gathers ? FLOOR : id;
     vec3 p = x, m = n, e = vec3(0), product = vec3(1), all = vec3(1);
     if (gathers) {
@@ -178,6 +183,10 @@ vec3 received(vec3 x, vec3 n, int id, vec3 mirrored, out vec3 gloss) {
     }
     if (exact) look(p, self);
     if (!exact && self == FLOOR) all = open(m);
+#if MODELS == 2
+    Gather gather = gatherOf(p, m, self);
+    e += gather.irradiance;
+#endif
     float ball_ = 0.0, box_ = 0.0;
     for (int j = exact ? FACTORS : AMBIENT; j < lights; j++) {
       if (j == FACTORS && self == FLOOR) continue;
@@ -187,15 +196,21 @@ vec3 received(vec3 x, vec3 n, int id, vec3 mirrored, out vec3 gloss) {
       bool ray = !soft || light.sine < 3e-4;
       if (exact && j >= 0 && !gathers && ray) off = blocked(p, direction[j], self) ? all_ : 0.0;
       WHEN(exact && (j < 0 || gathers || !ray)) off = hidden(j, m, self);
-      if (!exact && self == FLOOR && j >= 0 && shadows == 1 && blocked(p, direction[j], self)) product *= 1.0 - strength[j] * all_ / all;
+      if (!exact && self == FLOOR && j >= 0 && shadows == 1 && (blocked(p, direction[j], self) || modelBlocks(p, direction[j]))) product *= 1.0 - strength[j] * all_ / all;
       if (j == FACTORS || (j == AMBIENT && self == FLOOR)) { ball_ = factorBall; box_ = factorBox; }
       off = min(off, all_);
+#if MODELS == 2
+      if (j == AMBIENT) off += gather.hidden;
+      if (j >= 0) off += modelHides(j, p, m, self);
+#else
+      if (exact && j >= 0 && !gathers && modelBlocks(p, direction[j])) off = all_;
+#endif
       if (j == AMBIENT) e += sky(m) * (1.0 - off / max(all_, 1e-9));
       if (j >= 0) e += strength[j] * (all_ - off);
       if (glossy && j >= 0 && !gathers && id != FLOOR) gloss += strength[j] * (1.0 - off / all_) * highlight(mirrored);
     }
     e *= product;
-    if (exact) {
+    if (exact && MODELS != 2) {
       // The side of a thing that faces p sees sky, lights and, for the share `back`, the floor at p or lit fully.
       vec3 back = vec3(0);
       for (int k = BALL; k <= BOX; k++) {
@@ -252,20 +267,25 @@ void picture() {
   vec3 d = normalize(camera * vec3(s.x * tanX, s.y * tanX * size.y / size.x, 1.0));
   float t = d.y < 0.0 ? -eye.y / d.y : 1e30;
   int id = t < 1e29 ? FLOOR : SKY;
-  vec3 n = UP, m, gloss, c;
+  vec3 n = UP, m, gloss, c, own = albedo[0];
   float b = hitBall(eye, d), k = hitBox(eye, d, m);
   if (b > 0.0 && b < t) { t = b; id = BALL; n = (eye + t * d - ball.xyz) / ball.w; }
-  if (k > 0.0 && k < t) { t = k; id = BOX; n = m; }
+  if (k > 0.0 && k < t) { t = k; id = BOX; n = m; own = albedo[1]; }
   vec3 x = eye + t * d;
+#if MODELS > 0
+  Hit hit = trace(eye, d, false);
+  if (hit.triangle >= 0 && hit.t < t) { Surface found = surfaceOf(hit, d); id = MODEL; x = found.x; n = found.n; own = found.albedo; }
+#endif
   if (id == FLOOR) x.y = 0.0;
-  bool thing = id == BALL || id == BOX, lit = thing || (id == FLOOR && (flatFloor || length(x.xz) < dome));
+  bool thing = id == BALL || id == BOX || id == MODEL, lit = thing || (id == FLOOR && (flatFloor || length(x.xz) < dome));
   c = thing || (flatFloor && lit) ? vec3(1) : background(d);
   WHEN(lit && !(bare && thing)) {
     vec3 e = received(x, n, id, reflect(d, n), gloss);
-    c *= thing ? albedo[id - 1] / PI * e + shine * gloss : flatFloor ? floorAlbedo / PI * e : e / open(n);
+    c *= thing ? own / PI * e + shine * gloss : flatFloor ? floorAlbedo / PI * e : e / open(n);
   }
-  if (bare && thing) c = albedo[id - 1] / PI * open(n);
-  colour = vec4(floats ? c : min(exposure * c, 1.0), 1);
+  if (bare && thing) c = own / PI * open(n);
+  // A pixel of the mean over rays may be brighter than white; an edge of the background may not.
+  colour = vec4(floats ? c : min(exposure * c, MODELS == 2 && lit ? 8.0 : 1.0), 1);
 }
 
 // Three balls: under the map, under the rig, and the difference around grey.

@@ -8,18 +8,20 @@ uniform sampler2D map;
 uniform vec2 size;
 out vec4 colour;
 void main() {
-  vec3 x = texture(map, gl_FragCoord.xy / size).rgb;
+  vec3 x = clamp(texture(map, gl_FragCoord.xy / size).rgb, 0.0, 1.0);
   colour = vec4(mix(1.055 * pow(x, vec3(1.0 / 2.4)) - 0.055, 12.92 * x, lessThanEqual(x, vec3(0.0031308))), 1);
 }`;
 const SHADOWS = { none: 0, paper: 1, exact: 2 };
-const MAP = 0, POINTS = 1, NORMALS = 2, SUM = 3, WHOLE = 4, SMALL = 5, OWN = 6;
+const MAP = 0, POINTS = 1, NORMALS = 2, SUM = 3, WHOLE = 4, SMALL = 5, OWN = 6, NODES = 7, TRIANGLES = 8, CORNERS = 9;
 const MOST = 8;
+// Triangles in the way of a light, where there are none.
+const NO_MODEL = "bool modelBlocks(vec3 x, vec3 d) { return false; }";
 
 /** What the picture shows at first; `data.state` overrides it. */
 export const START = {
   azimuth: 0, elevation: 0.3, distance: 4.6, look: [0, 0.42, 0], fov: 36, exposure: 0,
   count: 4, shape: "discs", ambient: "constant", shadows: "exact", off: [], only: 0, bare: false,
-  ball: [-0.62, 0.1, 0.5], box: [0.65, -0.1, 0.42, 0.42, 0.42, 30], albedo: 0.7, shine: 0, roughness: 0.35,
+  ball: [-0.62, 0.1, 0.5], model: [0, 0, 0], box: [0.65, -0.1, 0.42, 0.42, 0.42, 30], albedo: 0.7, shine: 0, roughness: 0.35,
   cameraHeight: 1.6, dome: 12, flatFloor: false, probes: true,
 };
 
@@ -57,6 +59,9 @@ export class Scene {
     if (!gl) throw new Error("This page needs WebGL 2, which this browser does not offer or has switched off.");
     Object.assign(this, { canvas, data, gl, programs: new Map(), textures: [], targets: [], frames: 0, row: 0 });
     this.hasFloats = Boolean(gl.getExtension("EXT_color_buffer_float"));
+    // Half floats lose small changes of a mean over many frames.
+    this.sums = Boolean(data.model && this.hasFloats && gl.getExtension("EXT_float_blend"));
+    this.most = this.sums ? 256 : 16;
     this.buffer = gl.createFramebuffer();
     gl.bindVertexArray(gl.createVertexArray());
   }
@@ -73,6 +78,7 @@ export class Scene {
       this.texture(unit, gl.LINEAR);
       gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGB16F, ...size, 0, gl.RGB, gl.HALF_FLOAT, new Uint16Array(bytes.buffer));
     }
+    if (data.model) loadModel(this, data.model);
   }
 
   // A new texture in a unit.
@@ -89,10 +95,10 @@ export class Scene {
   }
 
   // One program for each choice: a software renderer computes all sides of a branch.
-  use(source, choices) {
-    const { gl } = this, text = Object.entries(choices).map(([name, value]) => `const ${typeof value === "boolean" ? "bool" : "int"} ${name} = ${value};`).join(" ");
+  use(source, choices, models = 0) {
+    const { gl, data: { shaders } } = this, text = `#define MODELS ${models}\n` + Object.entries(choices).map(([name, value]) => `const ${typeof value === "boolean" ? "bool" : "int"} ${name} = ${value};`).join(" ");
     if (!this.programs.has(text)) {
-      const program = link(gl, VERTEX, source.replace("//LIGHT", this.data.shaders.light).replace("//CHOICES", text));
+      const program = link(gl, VERTEX, source.replace("//LIGHT", shaders.light).replace("//CHOICES", text).replace("//MODEL", models ? shaders.model : NO_MODEL).replace("//PATHS", shaders.paths));
       const places = new Map(), count = gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS);
       for (let k = 0; k < count; k++) {
         const { name, type } = gl.getActiveUniform(program, k);
@@ -123,9 +129,12 @@ export class Scene {
   draw(s, task, size, extra = {}) {
     const { gl, data } = this, rig = extra.rig ? unpack(extra.rig) : rigOf(data, s), on = rig.lights.filter((_, k) => !s.off.includes(k));
     const soft = on.some((light) => light.radius > 3e-4), harmonic = rig.ambient.length > 1;
+    // The rays of a model are refined over the frames; before, and for other shadows, they end in the centre of a light.
+    const { frame = -1 } = extra, models = !data.model || task > 0 ? 0 : frame >= 0 && s.shadows === "exact" ? 2 : 1;
     this.use(data.shaders.scene, {
       task, shadows: SHADOWS[s.shadows], soft, harmonic, glossy: s.shine > 0, floats: Boolean(extra.floats),
-    });
+    }, models);
+    if (models) placeModel(this, s, data.model, frame);
     const { eye, right, up, forward } = view(s), lit = (of, empty) => Array.from({ length: MOST }, (_, k) => (on[k] ? of(on[k]) : empty));
     const [x, z, a, b, c, turn] = s.box, cos = Math.cos(turn * Math.PI / 180), sin = Math.sin(turn * Math.PI / 180);
     this.set({
@@ -152,13 +161,13 @@ export class Scene {
   // The next rows of a frame at full size. Frames are averaged, each with another offset in the pixel.
   rows(s, count) {
     const { gl, canvas } = this, size = [canvas.width, canvas.height];
-    this.target(SUM, this.format(), ...size);
+    this.target(SUM, this.sums ? gl.RGBA32F : this.format(), ...size);
     gl.enable(gl.SCISSOR_TEST);
     gl.scissor(0, this.row, size[0], count);
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.CONSTANT_ALPHA, gl.ONE_MINUS_CONSTANT_ALPHA);
     gl.blendColor(0, 0, 0, 1 / (this.frames + 1));
-    this.draw(s, 0, size, { jitter: offset(this.frames) });
+    this.draw(s, 0, size, { jitter: offset(this.frames), frame: this.hasFloats ? this.frames : -1 });
     gl.disable(gl.BLEND);
     gl.disable(gl.SCISSOR_TEST);
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
@@ -204,7 +213,7 @@ export class Scene {
   target(unit, format, width, height) {
     const { gl } = this, key = `${width} ${height} ${format}`;
     if (this.targets[unit] !== key) {
-      this.texture(unit, unit === OWN ? gl.NEAREST : gl.LINEAR);
+      this.texture(unit, unit === SMALL ? gl.LINEAR : gl.NEAREST);
       gl.texStorage2D(gl.TEXTURE_2D, 1, format, width, height);
       this.targets[unit] = key;
     }

@@ -3,7 +3,7 @@
 const SMEARED = "The map was photographed from one point. What stands near it is smeared over the ground, inside the dome.";
 
 // Milliseconds of the first look at a change, and of a step of a full frame; frames of a smooth picture.
-const FIRST = 60, STEP = 120, FRAMES = 16;
+const FIRST = 60, STEP = 120;
 
 function node(tag, properties = {}, ...children) {
   const made = Object.assign(document.createElement(tag), properties);
@@ -12,7 +12,7 @@ function node(tag, properties = {}, ...children) {
 }
 
 /** Build the picture and its controls in `el`; `model.get("data")` is what Python wrote. Resolves when it is drawn. */
-export async function render({ model, el }) {
+async function render({ model, el }) {
   const data = model.get("data"), canvas = node("canvas", { tabIndex: 0 });
   canvas.setAttribute("role", "img");
   const stage = node("div", { className: "stage" }, canvas), root = node("div", { className: "envlights" }, stage);
@@ -26,7 +26,6 @@ export async function render({ model, el }) {
     return { error };
   }
 }
-export default { render };
 
 class Page {
   constructor(parts) {
@@ -70,7 +69,7 @@ class Page {
     canvas.setAttribute("aria-label", this.text());
     scene.finished(start, (time) => {
       this.pace = time / drawn;
-      this.due = this.changed || (!this.dragged && scene.frames < FRAMES);
+      this.due = this.changed || (!this.dragged && scene.frames < scene.most);
       if (this.due) requestAnimationFrame(() => this.draw());
     });
   }
@@ -94,7 +93,7 @@ class Page {
 
   text() {
     const rig = rigOf(this.data, this.state), count = rig.lights.length - this.state.off.length;
-    return `A ball and a box in ${this.data.title}, lit by ${count} lights and an ambient term. Arrow keys turn the camera.`;
+    return `${this.data.model ? "A model" : "A ball and a box"} in ${this.data.title}, lit by ${count} lights and an ambient term. Arrow keys turn the camera.`;
   }
 
   panel() {
@@ -114,8 +113,9 @@ class Page {
       this.group("Lights", ...lights),
       this.group("Shadows", this.choice("Shadows are", "shadows", { exact: "exact", paper: "overlays", none: "none" })),
       this.group("Picture", this.slider("Exposure", "exposure", -4, 4, 0.1, (x) => `${x > 0 ? "+" : ""}${x.toFixed(1)} EV`), this.check("Probes", "probes", () => { this.caption.hidden = !state.probes; })),
+      ...(data.model ? [modelPanel(this, degrees)] : []),
       this.group("Ball and box", this.slider("Albedo", "albedo", 0.05, 0.95, 0.01, plain), this.slider("Highlight", "shine", 0, 1, 0.01, plain),
-        this.slider("Roughness", "roughness", 0.1, 0.9, 0.01, plain), this.turn(degrees)),
+        this.slider("Roughness", "roughness", 0.1, 0.9, 0.01, plain), this.turn("Turn of the box", "box", 5, 90, degrees)),
       this.group("Ground", this.slider("Camera height", "cameraHeight", 0.3, 6, 0.1, metres), this.slider("Dome radius", "dome", 3, 60, 0.5, metres),
         node("p", { className: "note", textContent: SMEARED })),
       ...data.notes.map((text) => node("p", { className: "note", textContent: text })),
@@ -138,11 +138,10 @@ class Page {
     return node("label", { className: "slider" }, node("span", { textContent: label }), output, input);
   }
 
-  turn(text) {
-    const { state } = this, slider = this.slider("Turn of the box", "boxTurn", 0, 90, 1, text, () => { state.box[5] = state.boxTurn; });
-    slider.querySelector("input").value = state.box[5];
-    slider.querySelector("output").textContent = text(state.box[5]);
-    return slider;
+  turn(label, thing, place, most, text) {
+    const { state } = this, key = `${thing}Turn`;
+    state[key] = state[thing][place];
+    return this.slider(label, key, 0, most, 1, text, () => { state[thing][place] = state[key]; });
   }
 
   choice(label, key, values, then = () => {}) {
@@ -192,7 +191,9 @@ class Page {
   pick(event) {
     const { state } = this, { eye, direction } = this.ray(event), [x, z, radius] = state.ball, [p, q, a, b, c, turn] = state.box;
     const found = { ball: hitBall(eye, direction, [x, radius, z], radius), box: hitBox(eye, direction, [p, b, q], [a, b, c], turn * Math.PI / 180) };
-    const name = found.ball <= found.box ? "ball" : "box";
+    if (state.only) found.ball = found.box = Infinity;
+    if (this.data.model) found.model = hitModel(this, eye, direction);
+    const name = Object.keys(found).reduce((best, other) => (found[other] < found[best] ? other : best));
     return found[name] < Infinity ? { name, height: eye[1] + found[name] * direction[1] } : null;
   }
 
@@ -212,7 +213,10 @@ class Page {
     this.state.elevation = Math.min(1.5, Math.max(0.02, this.state.elevation + dy));
   }
 
-  zoom(by) { this.state.distance = Math.min(11, Math.max(1.6, this.state.distance * by)); }
+  zoom(by) {
+    const { model } = this.data, [least, most] = model ? [1.2, 20].map((k) => k * Math.hypot(...model.size) / 2) : [1.6, 11];
+    this.state.distance = Math.min(most, Math.max(least, this.state.distance * by));
+  }
 
   pointers() {
     const { canvas, fingers } = this;
