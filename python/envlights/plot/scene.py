@@ -13,7 +13,8 @@ from envlights.kernels.image import LUMINANCE
 from envlights.plot.figure import Picture, check_are_rigs, hide_frame
 from envlights.plot.probe import viewpoint
 from envlights.rig import Rig, parts_line
-from envlights.scene.still_life import Still, still_life
+from envlights.scene.path_traced import Still
+from envlights.scene.still_life import still_life
 
 #: Fraction of the pixels that are not brighter than white.
 _WHITE = 0.99
