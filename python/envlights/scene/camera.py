@@ -8,6 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from envlights.occluders import Ball, Box, Polyhedron, Solid
+
 #: Values of `Sight.own` that are no solid.
 FLOOR, NOTHING = -1, -2
 
@@ -74,20 +76,15 @@ class Camera:
         return means
 
 
-def first_surfaces(rays: Ray, solids: list[Any]) -> Sight:
-    """Points where rays first meet a floor at the height 0 or one of the solids.
-
-    A solid is a ball, with the attributes `centre` and `radius`, or a convex polyhedron, with
-    `vertices` and `faces`.
-    """
+def first_surfaces(rays: Ray, solids: tuple[Solid, ...]) -> Sight:
+    """Points where rays first meet a floor at the height 0 or one of the solids."""
     origin, directions = rays
     sinking = -directions[:, 1]
     distances = np.where(sinking > 0, origin[1] / np.maximum(sinking, 1e-300), np.inf)
     normals = np.tile([0.0, 1.0, 0.0], (len(directions), 1))
     own = np.where(np.isfinite(distances), FLOOR, NOTHING)
     for row, solid in enumerate(solids):
-        meet = _meet_ball if hasattr(solid, "radius") else _meet_polyhedron
-        closer, towards = meet(rays, solid)
+        closer, towards = _meet(rays, solid)
         nearer = closer < distances
         distances[nearer], normals[nearer], own[nearer] = closer[nearer], towards[nearer], row
     points = origin + np.where(own == NOTHING, 1.0, distances)[:, None] * directions
@@ -95,18 +92,12 @@ def first_surfaces(rays: Ray, solids: list[Any]) -> Sight:
     return Sight(points, normals, own)
 
 
-def planes(solid: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Outward unit normals of the faces of a convex polyhedron, (m, 3), and their distances."""
-    vertices = np.asarray(solid.vertices, float)
-    loops = [vertices[np.asarray(face)] for face in solid.faces]
-    areas = [np.cross(loop, np.roll(loop, -1, axis=0)).sum(axis=0) for loop in loops]
-    normals = _unit(np.array(areas))
-    distances = np.array([normal @ loop[0] for normal, loop in zip(normals, loops, strict=True)])
-    outward = np.where(normals @ vertices.mean(axis=0) < distances, 1.0, -1.0)
-    return outward[:, None] * normals, outward * distances
+def _meet(rays: Ray, solid: Solid) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Distance to a solid, or infinity, and its normal there."""
+    return _meet_ball(rays, solid) if isinstance(solid, Ball) else _meet_polyhedron(rays, solid)
 
 
-def _meet_ball(rays: Ray, ball: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _meet_ball(rays: Ray, ball: Ball) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Distance to a ball, or infinity, and its normal there."""
     away = rays.origin - np.asarray(ball.centre, float)
     along = rays.directions @ away
@@ -117,9 +108,11 @@ def _meet_ball(rays: Ray, ball: Any) -> tuple[NDArray[np.float64], NDArray[np.fl
     return distances, _unit(normals)
 
 
-def _meet_polyhedron(rays: Ray, solid: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _meet_polyhedron(
+    rays: Ray, solid: Box | Polyhedron
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Distance to a convex polyhedron, or infinity, and its normal there."""
-    normals, distances = planes(solid)
+    normals, distances = solid.planes()
     heights = normals @ rays.origin - distances
     slopes = rays.directions @ normals.T
     slopes[slopes == 0] = 1e-300

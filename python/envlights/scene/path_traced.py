@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights.envmap import EnvMap
+from envlights.occluders import Ball, Box, Polyhedron, Solid
 from envlights.rig import Rig
 from envlights.scene.camera import Camera
 from envlights.scene.emitters import emitters, environment
@@ -87,8 +88,8 @@ class Texture(NamedTuple):
 class SolidsOnFloor(NamedTuple):
     """Diffuse solids on a diffuse floor at the height 0."""
 
-    solids: list[Any]
-    """Balls, with `centre` and `radius`, and convex polyhedra, with `vertices` and `faces`."""
+    solids: tuple[Solid, ...]
+    """Balls and convex polyhedra."""
 
     albedo: NDArray[np.float64]
     """Reflectance of each solid, (n, 3)."""
@@ -171,8 +172,7 @@ def _shapes(mi: Any, scene: SolidsOnFloor) -> dict[str, Any]:
         material = {"type": "diffuse", "reflectance": image}
         shapes["texture"] = _square(mi, scene.texture.half_width, material, _LIFT)
     for row, (solid, albedo) in enumerate(zip(scene.solids, scene.albedo, strict=True)):
-        make = _ball if hasattr(solid, "radius") else _polyhedron
-        shapes[f"solid_{row}"] = make(mi, solid, diffuse(albedo))
+        shapes[f"solid_{row}"] = _shape(mi, solid, diffuse(albedo))
     return shapes
 
 
@@ -187,12 +187,13 @@ def diffuse(albedo: NDArray[np.float64]) -> dict[str, Any]:
     return {"type": "diffuse", "reflectance": {"type": "rgb", "value": np.asarray(albedo).tolist()}}
 
 
-def _ball(mi: Any, ball: Any, material: dict[str, Any]) -> dict[str, Any]:
-    centre = [float(x) for x in ball.centre]
-    return {"type": "sphere", "center": centre, "radius": float(ball.radius), "bsdf": material}
+def _shape(mi: Any, solid: Solid, material: dict[str, Any]) -> Any:
+    if isinstance(solid, Ball):
+        return {"type": "sphere", "center": solid.centre, "radius": solid.radius, "bsdf": material}
+    return _polyhedron(mi, solid, material)
 
 
-def _polyhedron(mi: Any, solid: Any, material: dict[str, Any]) -> Any:
+def _polyhedron(mi: Any, solid: Box | Polyhedron, material: dict[str, Any]) -> Any:
     """A mesh of the triangles between the first vertex of each face and its other edges."""
     vertices = np.asarray(solid.vertices, np.float32)
     fans = [(face[0], *edge) for face in solid.faces for edge in pairwise(face[1:])]
