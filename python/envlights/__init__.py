@@ -25,11 +25,14 @@ from envlights.envmap import EnvMap
 from envlights.fitting.fit import fit, fit_probe
 from envlights.io.errors import DamagedFileError, MissingFileError
 from envlights.lights import Lights
+from envlights.occluders import Ball, Box, Polyhedron
 from envlights.report import FitReport, StopReason
 from envlights.rig import Rig
 
 __all__ = [
     "BakedPairs",
+    "Ball",
+    "Box",
     "DamagedFileError",
     "DetectedLights",
     "DetectionReport",
@@ -44,8 +47,10 @@ __all__ = [
     "PaperFit",
     "PhotographLight",
     "PhotographLights",
+    "Polyhedron",
     "RemovedLights",
     "Rig",
+    "ShadowOverlay",
     "Split",
     "StopReason",
     "Surface",
@@ -61,6 +66,7 @@ __all__ = [
     "fit_probe",
     "kernels",
     "read_pairs",
+    "shadow_overlay",
     "split",
     "synthetic",
     "threads",
@@ -76,6 +82,7 @@ _SUBPACKAGES = (
 _LATER = {
     **dict.fromkeys(("PaperFit", "fit_paper"), "fitting.madsen"),
     **dict.fromkeys(("BakedPairs", "DirectLight", "MitsubaScene", "Surface", "bake"), "scene"),
+    **dict.fromkeys(("ShadowOverlay", "shadow_overlay"), "scene"),
     **dict.fromkeys(("FilePairs", "TransferModel", "TransferReport", "read_pairs"), "transfer"),
 }
 
@@ -94,8 +101,9 @@ if _typing.TYPE_CHECKING:
     from envlights import synthetic as synthetic
     from envlights import transfer as transfer
     from envlights.fitting.madsen import PaperFit, fit_paper
-    from envlights.scene import BakedPairs, DirectLight, MitsubaScene, Surface
+    from envlights.scene import BakedPairs, DirectLight, MitsubaScene, ShadowOverlay, Surface
     from envlights.scene.bake import bake as bake
+    from envlights.scene.floor_shadow import shadow_overlay as shadow_overlay
     from envlights.transfer import FilePairs, TransferModel, TransferReport, read_pairs
 else:
 

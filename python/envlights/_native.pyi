@@ -8,7 +8,9 @@ from numpy.typing import NDArray
 from envlights.detection.component_tree import TreeOptions
 from envlights.fitting.options import FitOptions
 from envlights.kernels.loghin import LineRule
+from envlights.kernels.occluder import _Lighting
 from envlights.layouts.layout import Layout
+from envlights.occluders import Stage
 
 __all__ = [
     "BASIS_SHARE",
@@ -44,10 +46,12 @@ __all__ = [
     "fill_unseen",
     "fit_reduced",
     "fit_samples",
+    "form_factors",
     "halton",
     "hammersley",
     "harmonic_irradiance",
     "harmonic_radiance",
+    "hidden_shares",
     "icosphere",
     "irradiance",
     "luminance",
@@ -69,6 +73,7 @@ __all__ = [
     "reduce_map",
     "reduce_radiance",
     "reduced_luminance",
+    "reflected_irradiance",
     "relative_rms",
     "resample",
     "resize_bilinear",
@@ -239,6 +244,9 @@ def halton(count: int, bases: list[int]) -> _Reals: ...
 def hammersley(count: int) -> _Reals: ...
 def harmonic_irradiance(normals: _Reals) -> _Reals: ...
 def harmonic_radiance(directions: _Reals) -> _Reals: ...
+def hidden_shares(stage: Stage, directions: _Reals, radii: _Reals, floor: bool) -> _Reals: ...
+def form_factors(stage: Stage) -> _Reals: ...
+def reflected_irradiance(stage: Stage, lighting: _Lighting) -> _Reals: ...
 def icosphere(faces: int) -> tuple[_Reals, _Reals]: ...
 def irradiance(radiance: _Image, normals: _Reals, border_sampled: bool) -> _Reals: ...
 def luminance(radiance: _Image) -> _Image: ...

@@ -63,7 +63,7 @@ fn sources(
     let directions = unit_vectors("direction", directions.as_array())?;
     let radii = radii.as_array().to_vec();
     check_lengths("directions", directions.len(), [("angular_radius", radii.len())])?;
-    Ok(Sources { directions, radii, has_floor: floor })
+    Ok(Sources::new(&directions, &radii, floor))
 }
 
 /// See `envlights.kernels.hidden_shares`.
@@ -116,8 +116,8 @@ pub fn reflected_irradiance<'py>(
         floor_albedo: lighting.floor_albedo.into(),
     };
     let sources = sources(lighting.directions, lighting.radii, lighting.floor)?;
-    check_lengths("irradiance", surroundings.irradiance.len(), [("directions", sources.directions.len())])?;
+    check_lengths("irradiance", surroundings.irradiance.len(), [("directions", sources.discs())])?;
     check_lengths("solids", solids.len(), [("albedo", surroundings.albedo.len())])?;
-    let out = interruptible(py, || Ok(kernel::received(&receivers, &sources, &solids, &surroundings)))?;
+    let out = interruptible(py, || Ok(kernel::received_irradiance(&receivers, &sources, &solids, &surroundings)))?;
     Ok(out.into_pyarray(py))
 }

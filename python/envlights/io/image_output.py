@@ -1,10 +1,11 @@
-"""Writer of linear RGB as OpenEXR files, by OpenImageIO, or as Radiance files."""
+"""Writer of linear RGB as OpenEXR or Radiance files, and of codes as PNG files."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,7 +44,8 @@ def write_exr(
     Parameters
     ----------
     path : path-like
-    radiance : ndarray, shape (height, width, 3)
+    radiance : ndarray, shape (height, width, 3) or (height, width, 4)
+        The fourth channel is alpha, by which the colour is multiplied.
     half : bool
         16 instead of 32 bits for each sample: 11 digits in binary, up to 65504.
     compression : {"zip", "piz", "rle", "none"}
@@ -72,6 +74,14 @@ def write_exr(
         spec.attribute("openexr:levelmode", 0)  # one level, no pyramid
         spec.tile_width = spec.tile_height = _TILE
     _write(path, spec, radiance)
+
+
+def write_png(path: str | os.PathLike[str], codes: NDArray[np.uint8]) -> None:
+    """Write sRGB codes, (height, width, 3 or 4), as a PNG file; alpha is not in the colour."""
+    spec = _spec(codes, oiio.UINT8)
+    spec.attribute("oiio:UnassociatedAlpha", 1)
+    spec.attribute("oiio:ColorSpace", "sRGB")
+    _write(path, spec, codes)
 
 
 def write_hdr(
@@ -142,7 +152,7 @@ def map_suffix(path: str | os.PathLike[str]) -> str:
     return suffix
 
 
-def _spec(radiance: NDArray[np.float32], sample: oiio.BASETYPE) -> oiio.ImageSpec:
+def _spec(radiance: NDArray[Any], sample: oiio.BASETYPE) -> oiio.ImageSpec:
     height, width, channels = radiance.shape
     spec = oiio.ImageSpec(width, height, channels, sample)
     # Leave out the time of writing, so that equal maps give equal files.
@@ -150,9 +160,7 @@ def _spec(radiance: NDArray[np.float32], sample: oiio.BASETYPE) -> oiio.ImageSpe
     return spec
 
 
-def _write(
-    path: str | os.PathLike[str], spec: oiio.ImageSpec, radiance: NDArray[np.float32]
-) -> None:
+def _write(path: str | os.PathLike[str], spec: oiio.ImageSpec, radiance: NDArray[Any]) -> None:
     """Write an image beside `path`, read it back, and move it into place."""
 
     def write(beside: Path) -> None:
@@ -166,7 +174,7 @@ def _write(
     write_atomically(path, write)
 
 
-def _fill(file: oiio.ImageOutput, radiance: NDArray[np.float32]) -> bool:
+def _fill(file: oiio.ImageOutput, radiance: NDArray[Any]) -> bool:
     """Write the pixels in blocks of rows, so that Ctrl-C works; True on success."""
     spec = file.spec()
     for top in range(0, spec.height, _ROWS_AT_ONCE):

@@ -29,6 +29,7 @@ from envlights.kernels.madsen import (
     probe_residual,
     unpack_lights,
 )
+from envlights.kernels.occluder import form_factors, hidden_shares, reflected_irradiance
 from envlights.kernels.probe import (
     WORKING_COLUMNS,
     disc_map,
@@ -59,10 +60,12 @@ __all__ = [
     "direction_to_uv",
     "disc_map",
     "face_radiance",
+    "form_factors",
     "halton",
     "hammersley",
     "harmonic_irradiance",
     "harmonic_radiance",
+    "hidden_shares",
     "icosphere",
     "irradiance",
     "luminance",
@@ -76,6 +79,7 @@ __all__ = [
     "probe_residual",
     "radical_inverse",
     "reduced_luminance",
+    "reflected_irradiance",
     "relative_rms",
     "resize_bilinear",
     "rig_irradiance",

@@ -10,6 +10,7 @@
 | lights on the sphere                                           | `globe.py`    |
 | the steps of Loghin (2021)                                     | `article.py`  |
 | a scene under a map and under rigs, with Mitsuba               | `scene.py`    |
+| shadows on a floor as overlays, and errors of blending         | `overlay.py`  |
 | a predicted frame beside the truth                             | `transfer.py` |
 | a lightmap of the synthetic room, and the position of its parts| `room.py`     |
 | our axes in other programs                                     | `axes.py`     |
@@ -26,6 +27,7 @@ from envlights.plot.compare import error_picture, rigs_picture
 from envlights.plot.figure import Picture, save
 from envlights.plot.globe import sphere_picture
 from envlights.plot.maps import detection_picture, map_picture, picture
+from envlights.plot.overlay import overlay_picture
 from envlights.plot.photograph import photograph
 from envlights.plot.plateau import plateau_picture
 from envlights.plot.room import room_picture
@@ -41,6 +43,7 @@ __all__ = [
     "detection_picture",
     "error_picture",
     "map_picture",
+    "overlay_picture",
     "photograph",
     "picture",
     "plateau_picture",

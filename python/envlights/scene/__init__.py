@@ -6,12 +6,16 @@
 | the visible part of an ambient term               | `sky.py`           |
 | the visible part of a light                       | `disc.py`          |
 | direct light of any rig, with shadows             | `direct.py`        |
+| the same for balls, boxes and polyhedra, exact    | `solids.py`        |
+| their shadows on a floor                          | `floor_shadow.py`  |
+| as an overlay for blending                        | `overlay.py`       |
 | pairs to learn from                               | `bake.py`          |
 | with Mitsuba: a scene under the light of rigs     | `mitsuba_scene.py` |
 | its shapes as charts in a lightmap                | `charts.py`        |
 | a rig as its emitters                             | `emitters.py`      |
 | a sensor on each texel                            | `meters.py`        |
 | a ball and a box on a floor, as an image          | `still_life.py`    |
+| the same under a rig, in closed form              | `closed_still.py`  |
 | Mitsuba, imported when it is needed               | `renderer.py`      |
 
 Images hold the radiance that a surface reflects, albedo / pi times irradiance. So direct and
@@ -20,10 +24,21 @@ indirect light add up to the radiance of a diffuse surface.
 
 from envlights.scene.bake import BakedPairs, bake
 from envlights.scene.direct import DirectLight
+from envlights.scene.floor_shadow import shadow_overlay
 from envlights.scene.mitsuba_scene import MitsubaScene, Rendering
+from envlights.scene.overlay import ShadowOverlay
 from envlights.scene.surface import Surface
 
-__all__ = ["BakedPairs", "DirectLight", "MitsubaScene", "Rendering", "Surface", "bake"]
+__all__ = [
+    "BakedPairs",
+    "DirectLight",
+    "MitsubaScene",
+    "Rendering",
+    "ShadowOverlay",
+    "Surface",
+    "bake",
+    "shadow_overlay",
+]
 
 
 def __dir__() -> list[str]:

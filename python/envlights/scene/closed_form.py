@@ -37,14 +37,21 @@ def shade_directly(rig: Rig, scene: SolidsOnFloor, sight: Sight) -> NDArray[np.f
     lights = rig.lights
     hidden = _hidden(rig, scene, sight, lights.angular_radius)
     strengths = np.concatenate([[np.pi * rig.ambient], lights.irradiance])
-    return np.maximum(rig.probe(sight.normals) - hidden @ strengths, 0)
+    received: NDArray[np.float64] = rig.probe(sight.normals) - hidden @ strengths
+    return received.clip(0)
 
 
 def shade_with_hard_shadows(rig: Rig, scene: SolidsOnFloor, sight: Sight) -> NDArray[np.float64]:
     """Irradiance with shadows of lights as points, and none of the ambient term, (n, 3)."""
     lights = rig.lights
     hidden = _hidden(rig, scene, sight, np.zeros(len(lights)))[:, 1:]
-    return np.maximum(rig.probe(sight.normals) - hidden @ lights.irradiance, 0)
+    received: NDArray[np.float64] = rig.probe(sight.normals) - hidden @ lights.irradiance
+    return received.clip(0)
+
+
+def shade_without_shadows(rig: Rig, scene: SolidsOnFloor, sight: Sight) -> NDArray[np.float64]:
+    """Irradiance with nothing in the way, (n, 3)."""
+    return rig.probe(sight.normals)
 
 
 def _hidden(

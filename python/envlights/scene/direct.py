@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,9 +13,11 @@ from envlights._check import count
 from envlights._native import EnvLightsError
 from envlights.detection.lights import DetectedLights
 from envlights.lights import Lights
+from envlights.occluders import Solid, Stage, solids_of
 from envlights.rig import Rig
 from envlights.scene.disc import visible_share
 from envlights.scene.sky import Blocked, sky_transfer
+from envlights.scene.solids import blocked_by, hidden_harmonics
 from envlights.scene.surface import Surface
 
 #: A rig, or lights without an ambient term.
@@ -29,7 +32,8 @@ class DirectLight:
     """Direct light of any rig on a surface, with shadows.
 
     A light without a size takes one shadow ray for each texel, a disc several to points on it. For
-    the ambient term, the visible part of the sky is traced once for each texel.
+    the ambient term, the visible part of the sky is traced once for each texel. Shadows of balls,
+    boxes and convex polyhedra need no rays: see `of_solids`.
 
     Examples
     --------
@@ -58,6 +62,9 @@ class DirectLight:
     """Shadow rays from each texel to a light that has a size. They differ from texel to texel, so a
     mean over several texels is as accurate as all their rays together."""
 
+    stage: Stage | None = None
+    """Solids, and the covered texels, if shadows have a closed form."""
+
     @classmethod
     def of(cls, surface: Surface, blocked: Blocked, directions: int = 64) -> DirectLight:
         """Trace the visible part of the sky at each texel of a surface.
@@ -78,6 +85,43 @@ class DirectLight:
         directions = count("directions", directions, least=1)
         return cls(surface, blocked, sky_transfer(surface, blocked, directions))
 
+    @classmethod
+    def of_solids(
+        cls, surface: Surface, solids: Solid | Iterable[Solid], directions: int = 64
+    ) -> DirectLight:
+        """Shadows of balls, boxes and convex polyhedra in closed form.
+
+        Parameters
+        ----------
+        surface : Surface
+            Texels on the solids or elsewhere. No texel should be inside a solid: it would be dark.
+        solids : Ball, Box or Polyhedron, or several
+            Everything that casts shadows. A floor is a wide, flat box.
+        directions : int
+            Rays for each texel if the ambient term is harmonics; all else has no noise.
+
+        Returns
+        -------
+        DirectLight
+
+        Examples
+        --------
+        A ball hides a light behind it, and a quarter of a constant sky:
+
+        >>> from envlights import Ball, Lights, Rig, Surface
+        >>> floor = Surface([[[0, 0, 0]]], [[[0, 1, 0]]], [[[1, 1, 1]]])
+        >>> light = DirectLight.of_solids(floor, Ball((0, 2, 0), 1))
+        >>> rig = Rig([1, 2, 3], Lights([[0, 1, 0]], [[4, 4, 4]], [0.3]), error=0.0)
+        >>> light.image(rig).round(9)
+        array([[[0.75, 1.5 , 2.25]]])
+        """
+        directions = count("directions", directions, least=1)
+        _, normals = surface.lifted()
+        stage = Stage(solids_of(solids), surface.position[surface.covered], normals)
+        sky = kernels.harmonic_irradiance(normals)
+        sky -= hidden_harmonics(surface, stage, directions)
+        return cls(surface, blocked_by(stage.solids), sky, stage=stage)
+
     def image(self, rig: AnyLights) -> NDArray[np.float64]:
         r"""Reflected radiance of the surface under the direct light of a rig.
 
@@ -92,13 +136,18 @@ class DirectLight:
             :math:`\frac{albedo}{\pi} (E_a + \sum_j V_j E_j \max(0, n \cdot l_j))` with the
             visibility :math:`V_j` of each light, and the irradiance :math:`E_a` of the visible part
             of the ambient term. Of a disc, the irradiance without shadows is known in closed form,
-            and :math:`V_j` is the fraction of the rays that reach it.
+            and :math:`V_j` is the fraction of the rays that reach it, or exact for solids.
         """
         rig = as_rig(rig)
         irradiance = self.sky @ _harmonic(rig.ambient)
         # Add each light to the texels that face it and are not in its shadow.
+        lights = self._traced(rig.lights) if self.stage is None else _exact(rig.lights, self.stage)
+        return self.surface.reflected(irradiance + lights)
+
+    def _traced(self, lights: Lights) -> NDArray[np.float64]:
+        """Irradiance of the covered texels under lights, with shadow rays."""
         origins, normals = self.surface.lifted()
-        lights = rig.lights
+        irradiance = np.zeros_like(normals)
         rows = zip(lights.direction, lights.irradiance, lights.angular_radius, strict=True)
         for direction, strength, radius in rows:
             received = kernels.rig_irradiance(normals, DARK, [direction], [strength], [radius])
@@ -107,7 +156,15 @@ class DirectLight:
                 self.blocked, origins[faces], normals[faces], direction, radius, self.rays
             )
             irradiance[faces] += seen[:, None] * received[faces]
-        return self.surface.reflected(irradiance)
+        return irradiance
+
+
+def _exact(lights: Lights, stage: Stage) -> NDArray[np.float64]:
+    """Irradiance under lights, with shadows in closed form."""
+    discs = lights.direction, lights.irradiance, lights.angular_radius
+    whole = kernels.rig_irradiance(stage.normals, DARK, *discs)
+    hidden = kernels.hidden_shares(stage, lights.direction, lights.angular_radius)[:, 1:]
+    return np.asarray(np.maximum(whole - hidden @ lights.irradiance, 0.0))
 
 
 def as_rig(lights: AnyLights) -> Rig:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -11,12 +11,32 @@ from envlights.rig import Rig
 from envlights.scene.path_traced import Still, diffuse, render
 from envlights.scene.renderer import mitsuba
 
-#: Reflectance of all surfaces, and how often light bounces.
-_REFLECTANCE, _BOUNCES = 0.7, 3
+#: Reflectance of all surfaces.
+REFLECTANCE = 0.7
+#: Number of times that light bounces.
+_BOUNCES = 3
 #: Columns and rows of an image.
-_SIZE = (120, 80)
-#: Elevation of the eye in degrees, its distance, and the height at which it looks.
-_ELEVATION, _DISTANCE, _LOOKED_AT = 26.0, 4.6, 0.3
+SIZE = (120, 80)
+
+
+class Camera(NamedTuple):
+    """Eye that looks down at the scene."""
+
+    elevation: float = 26.0
+    """Elevation in degrees."""
+
+    distance: float = 4.6
+    """Distance from the point at which it looks."""
+
+    looked_at: float = 0.3
+    """Height of that point."""
+
+    fov: float = 32.0
+    """Width of the image in degrees."""
+
+
+#: Camera of all images.
+CAMERA = Camera()
 
 
 def still_life(
@@ -38,14 +58,15 @@ def _shapes(mi: Any, azimuth: float) -> dict[str, Any]:
     """
     turned = mi.ScalarTransform4f().rotate([0, 1, 0], 180 - np.rad2deg(azimuth))
     place = mi.ScalarTransform4f()
-    white = diffuse(np.full(3, _REFLECTANCE))
-    up = np.deg2rad(_ELEVATION)
-    eye = [0, _LOOKED_AT + _DISTANCE * np.sin(up), _DISTANCE * np.cos(up)]
-    looked = place.look_at(eye, [0, _LOOKED_AT, 0], [0, 1, 0])
+    white = diffuse(np.full(3, REFLECTANCE))
+    up = np.deg2rad(CAMERA.elevation)
+    distance = CAMERA.distance
+    eye = [0, CAMERA.looked_at + distance * np.sin(up), distance * np.cos(up)]
+    looked = place.look_at(eye, [0, CAMERA.looked_at, 0], [0, 1, 0])
     film = {
         "type": "hdrfilm",
-        "width": _SIZE[0],
-        "height": _SIZE[1],
+        "width": SIZE[0],
+        "height": SIZE[1],
         "pixel_format": "rgb",
         "rfilter": {"type": "box"},
     }
@@ -61,7 +82,7 @@ def _shapes(mi: Any, azimuth: float) -> dict[str, Any]:
         "box": {"type": "cube", "to_world": turned @ box, "bsdf": white},
         "eye": {
             "type": "perspective",
-            "fov": 32,
+            "fov": CAMERA.fov,
             "to_world": turned @ looked,
             "film": film,
             "sampler": {"type": "multijitter"},

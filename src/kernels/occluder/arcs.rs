@@ -3,13 +3,15 @@
 use std::f64::consts::TAU;
 
 /// Disjoint arcs of one circle, each with its first angle and its length, in radians.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Arcs(Vec<(f64, f64)>);
 
 impl Arcs {
-    /// The whole circle.
-    pub fn whole() -> Self {
-        Self(vec![(0.0, TAU)])
+    /// Replace all arcs by one.
+    #[inline]
+    pub fn reset(&mut self, arc: (f64, f64)) {
+        self.0.clear();
+        self.0.push(arc);
     }
 
     /// Remove everything.
@@ -27,17 +29,23 @@ impl Arcs {
     }
 
     /// Keep the parts in the arc from `start` over `length`, which is at most a whole turn.
+    #[inline]
     pub fn intersect(&mut self, start: f64, length: f64) {
         if let [(_, TAU)] = self.0[..] {
             self.0[0] = (start, length);
             return;
         }
-        let parts = self.0.iter().flat_map(|&(first, extent)| {
+        for index in (0..self.0.len()).rev() {
+            let (first, extent) = self.0.swap_remove(index);
             // Angles are counted from `start`; the arc lies in the first turn, and may reach the second.
-            let from = (first - start).rem_euclid(TAU);
+            let turns = (first - start) / TAU;
+            let from = TAU * (turns - turns.floor());
             let to = from + extent;
-            [(from, to.min(length)), (TAU, to.min(TAU + length))].map(|(low, high)| (start + low, high - low))
-        });
-        self.0 = parts.filter(|&(_, extent)| extent > 0.0).collect();
+            for (low, high) in [(from, to.min(length)), (TAU, to.min(TAU + length))] {
+                if high > low {
+                    self.0.push((start + low, high - low));
+                }
+            }
+        }
     }
 }

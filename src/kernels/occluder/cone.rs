@@ -1,14 +1,6 @@
-//! Directions within a set of circular cones, and their cosine-weighted solid angle.
-//!
-//! The cosine-weighted solid angle of a region of the sphere is half the integral of `n . (w x dw)` along its
-//! border (Stokes), counterclockwise around the region. The border of an intersection of cones consists of arcs of
-//! their circles. On the circle at the angle a around c, with `w = cos a c + sin a (cos p u + sin p v)`,
-//!
-//! ```text
-//!   n . (w x dw) = [sin^2 a (n . c) - sin a cos a (n . u cos p + n . v sin p)] dp
-//! ```
+//! Circular cones of directions, and the part of a circle of directions that lies within one.
 
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::DVec3;
 
@@ -17,6 +9,8 @@ use super::arcs::Arcs;
 /// Angle in radians below which two circles that touch do not cross. Both circles of a pair use it, so that neither has
 /// an arc that the other does not close: that cost 2e-9 for a ball on a floor.
 const TOUCH: f64 = 1e-12;
+/// Sine from which on the comparison of sines is certain, so that both circles of a pair agree with `TOUCH`.
+const CERTAIN: f64 = 1e-9;
 
 /// Directions within an angle of at most 90 degrees around an axis; a half-space of directions at 90 degrees.
 #[derive(Clone, Copy, Debug)]
@@ -29,7 +23,18 @@ pub struct Cone {
     pub sin: f64,
 }
 
+/// Circle of a cone, with two tangents that span its plane: u at the angle 0, v at a quarter of a turn.
+#[derive(Clone, Copy, Debug)]
+pub struct Circle {
+    pub cone: Cone,
+    pub u: DVec3,
+    pub v: DVec3,
+}
+
 impl Cone {
+    /// All directions.
+    pub const ALL: Self = Self { axis: DVec3::Y, angle: PI, cos: -1.0, sin: 0.0 };
+
     /// Directions `w` with `w . axis >= 0`.
     pub const fn half_space(axis: DVec3) -> Self {
         Self { axis, angle: FRAC_PI_2, cos: 0.0, sin: 1.0 }
@@ -41,11 +46,24 @@ impl Cone {
         Self { axis, angle, cos: cos.max(0.0), sin }
     }
 
+    #[inline]
     pub fn contains(&self, direction: DVec3) -> bool {
         direction.dot(self.axis) >= self.cos
     }
 
+    #[inline]
+    pub fn is_half_space(&self) -> bool {
+        self.cos == 0.0
+    }
+
+    /// True if the borders of two half-spaces are one plane.
+    #[inline]
+    pub fn has_plane_of(&self, other: &Self) -> bool {
+        self.axis.cross(other.axis).length_squared() <= TOUCH * TOUCH
+    }
+
     /// False if no direction is in both cones.
+    #[inline]
     pub fn touches(&self, other: &Self) -> bool {
         // The cosine of the sum of the angles, unless that is more than 180 degrees.
         let is_wide = self.angle + other.angle >= PI;
@@ -53,53 +71,75 @@ impl Cone {
     }
 }
 
-/// Integral of the cosine to `normal` over the directions that are in all `cones`.
-///
-/// Directions below the horizon of `normal` count as negative: include its half-space if there may be some.
-pub fn cosine_integral(normal: DVec3, cones: &[Cone]) -> f64 {
-    let border = |index: usize| border_integral(normal, cones, index);
-    (0..cones.len()).map(border).sum::<f64>() / 2.0
-}
+impl Circle {
+    /// Circle of a cone, from any angle on.
+    pub fn of(cone: Cone) -> Self {
+        let u = cone.axis.any_orthonormal_vector();
+        Self { cone, u, v: cone.axis.cross(u) }
+    }
 
-/// Integral along the part of the circle of one cone that lies in all others.
-fn border_integral(normal: DVec3, cones: &[Cone], index: usize) -> f64 {
-    let cone = &cones[index];
-    let u = cone.axis.any_orthonormal_vector();
-    let v = cone.axis.cross(u);
-    let mut arcs = Arcs::whole();
-    for (place, other) in cones.iter().enumerate().filter(|(place, _)| *place != index) {
-        keep_within(&mut arcs, cone, (u, v), other, index < place);
-        if arcs.is_empty() {
-            return 0.0;
+    /// Angle of the direction nearest to `towards`.
+    #[inline]
+    fn angle_of(&self, towards: DVec3) -> f64 {
+        self.v.dot(towards).atan2(self.u.dot(towards))
+    }
+
+    /// Integral of `n . (w x dw)` along an arc.
+    #[inline]
+    pub fn integral(&self, normal: DVec3, (start, length): (f64, f64)) -> f64 {
+        let Cone { axis, sin, cos, .. } = self.cone;
+        let along = sin * sin * normal.dot(axis) * length;
+        if self.cone.is_half_space() || length >= 2.0 * PI {
+            return along;
+        }
+        // The difference of two sines at the ends, without its cancellation for a short arc.
+        let (sin_middle, cos_middle) = (start + length / 2.0).sin_cos();
+        let chord = 2.0 * (length / 2.0).sin();
+        along - sin * cos * chord * (normal.dot(self.u) * cos_middle + normal.dot(self.v) * sin_middle)
+    }
+
+    /// Keep the arcs of the circle that lie within `other`.
+    ///
+    /// `is_first` decides between two equal cones, so that one of their circles counts.
+    #[inline]
+    pub fn keep_within(&self, arcs: &mut Arcs, other: &Cone, is_first: bool) {
+        let cone = &self.cone;
+        let cosine = cone.axis.dot(other.axis);
+        match (cone.is_half_space(), other.is_half_space()) {
+            (true, true) => self.keep_half(arcs, other, is_first),
+            // A cap far from the border of a half-space.
+            (false, true) if cosine > cone.sin + CERTAIN => {}
+            (false, true) if cosine < -cone.sin - CERTAIN => arcs.clear(),
+            (true, false) if cosine.abs() > other.sin + CERTAIN => arcs.clear(),
+            _ => self.keep_cap(arcs, other, cosine, is_first),
         }
     }
-    let (along, across) = (cone.sin * cone.sin * normal.dot(cone.axis), cone.sin * cone.cos);
-    let integral = |(start, length): (f64, f64)| {
-        // The difference of two sines at the ends, without its cancellation for a short arc.
-        let (sin, cos) = (start + length / 2.0).sin_cos();
-        let chord = if length < TAU { 2.0 * (length / 2.0).sin() } else { 0.0 };
-        along * length - across * chord * (normal.dot(u) * cos + normal.dot(v) * sin)
-    };
-    arcs.iter().map(integral).sum()
-}
 
-/// Keep the arcs of the circle of `cone`, with the tangents u and v, that lie within `other`.
-///
-/// `is_first` decides between two equal cones, so that one of their circles counts.
-fn keep_within(arcs: &mut Arcs, cone: &Cone, (u, v): (DVec3, DVec3), other: &Cone, is_first: bool) {
-    let separation = cone.axis.cross(other.axis).length().atan2(cone.axis.dot(other.axis));
-    let wider = other.angle - cone.angle;
-    let is_inside = wider > 0.0 || (wider == 0.0 && is_first);
-    if separation <= wider.abs() + TOUCH {
-        if !is_inside {
+    /// Keep the half of a great circle that lies within a half-space.
+    fn keep_half(&self, arcs: &mut Arcs, other: &Cone, is_first: bool) {
+        if !self.cone.has_plane_of(other) {
+            // The other circle of the pair has the same point of crossing, with the other sign.
+            arcs.intersect(self.angle_of(other.axis.cross(self.cone.axis)), PI);
+        } else if !is_first || self.cone.axis.dot(other.axis) < 0.0 {
             arcs.clear();
         }
-    } else if separation >= cone.angle + other.angle - TOUCH {
-        arcs.clear();
-    } else {
-        let half = crossing_angle(cone.angle, other.angle, separation);
-        let towards = v.dot(other.axis).atan2(u.dot(other.axis));
-        arcs.intersect(towards - half, 2.0 * half);
+    }
+
+    fn keep_cap(&self, arcs: &mut Arcs, other: &Cone, cosine: f64, is_first: bool) {
+        let cone = &self.cone;
+        let separation = cone.axis.cross(other.axis).length().atan2(cosine);
+        let wider = other.angle - cone.angle;
+        let is_inside = wider > 0.0 || (wider == 0.0 && is_first);
+        if separation <= wider.abs() + TOUCH {
+            if !is_inside {
+                arcs.clear();
+            }
+        } else if separation >= cone.angle + other.angle - TOUCH {
+            arcs.clear();
+        } else {
+            let half = crossing_angle(cone.angle, other.angle, separation);
+            arcs.intersect(self.angle_of(other.axis) - half, 2.0 * half);
+        }
     }
 }
 

@@ -2,20 +2,22 @@
 //!
 //! | step                                                          | file          |
 //! |---------------------------------------------------------------|---------------|
-//! | arcs of a circle that lie within other cones                  | `arcs.rs`     |
-//! | cosine-weighted solid angle of the directions in all of a set of cones | `cone.rs` |
-//! | cones of the directions from a point to a solid               | `solid.rs`    |
-//! | union of the solids, by inclusion and exclusion               | `hidden.rs`   |
-//! | irradiance with shadows and one model of all reflections      | `reflected.rs` |
+//! | arcs of a circle                                              | `arcs.rs`     |
+//! | part of a circle of directions that lies within a cone        | `cone.rs`     |
+//! | cosine-weighted solid angle of an intersection of convex regions | `convex.rs` |
+//! | region of the directions from a point to a solid              | `solid.rs`    |
+//! | union of the solids, by inclusion and exclusion               | `occlusion.rs`   |
+//! | irradiance with shadows and one model of all reflections      | `reflection.rs` |
 
 mod arcs;
 mod cone;
-mod hidden;
-mod reflected;
+mod convex;
+mod occlusion;
+mod reflection;
 mod solid;
 #[cfg(test)]
 mod tests;
 
-pub use hidden::{Receivers, Sources, hidden_shares};
-pub use reflected::{Surroundings, form_factors, received};
+pub use occlusion::{Receivers, Sources, form_factors, hidden_shares};
+pub use reflection::{Surroundings, received_irradiance};
 pub use solid::{Ball, Polyhedron, Solid};

@@ -1,10 +1,9 @@
 //! Balls and convex polyhedra, and the cones of directions in which a point sees them.
 
-use std::f64::consts::PI;
-
 use glam::DVec3;
 
 use super::cone::Cone;
+use super::convex::{ConvexRegion, Side};
 use crate::error::{Error, Result};
 
 /// Distance from a plane, over the size of the solid, up to which a point lies in the plane.
@@ -52,18 +51,9 @@ struct SolidEdge {
     faces: [usize; 2],
 }
 
-/// Directions from a point to a solid.
-#[derive(Clone, Debug)]
-pub enum Silhouette {
-    /// All directions: the point is inside.
-    All,
-    /// Directions in all of these cones, and a cone around all of them.
-    Cones(Vec<Cone>, Cone),
-}
-
 impl Solid {
     /// Directions in which `point` sees the solid.
-    pub fn silhouette(&self, point: DVec3) -> Silhouette {
+    pub fn silhouette(&self, point: DVec3) -> ConvexRegion {
         match self {
             Self::Ball(ball) => ball.silhouette(point),
             Self::Polyhedron(polyhedron) => polyhedron.silhouette(point),
@@ -80,8 +70,8 @@ impl Solid {
 }
 
 impl Ball {
-    fn silhouette(&self, point: DVec3) -> Silhouette {
-        self.cone(point).map_or(Silhouette::All, |cone| Silhouette::Cones(vec![cone], cone))
+    fn silhouette(&self, point: DVec3) -> ConvexRegion {
+        self.cone(point).map_or(ConvexRegion::ALL, ConvexRegion::cone)
     }
 
     /// Directions from `point` to the ball; none if it is inside.
@@ -143,34 +133,27 @@ impl Polyhedron {
         &self.vertices
     }
 
-    fn silhouette(&self, point: DVec3) -> Silhouette {
+    fn silhouette(&self, point: DVec3) -> ConvexRegion {
         let is_front = |face: usize| self.faces[face].height(point) >= -IN_PLANE * self.size;
         let front: Vec<bool> = (0..self.faces.len()).map(is_front).collect();
         if !front.contains(&true) {
-            return Silhouette::All;
+            return ConvexRegion::ALL;
         }
         let outline = self.edges.iter().filter(|edge| front[edge.faces[0]] != front[edge.faces[1]]);
-        let mut cones: Vec<Cone> = Vec::with_capacity(8);
-        for cone in outline.filter_map(|edge| self.half_space(edge, point)) {
-            // From a point in the plane of a face, all edges of the face span the same half-space.
-            if !cones.iter().any(|known| known.axis.distance_squared(cone.axis) < 1e-20) {
-                cones.push(cone);
-            }
-        }
+        let mut sides = Vec::with_capacity(8);
+        sides.extend(outline.filter_map(|edge| self.side(edge, point)));
         // Half-spaces of directions bound nothing; a ball around the solid does, from outside.
         let around = Ball { centre: self.centre, radius: self.size }.cone(point);
-        let bound = around.unwrap_or(Cone { axis: DVec3::Y, angle: PI, cos: -1.0, sin: 0.0 });
-        Silhouette::Cones(cones, bound)
+        ConvexRegion::polygon(sides, around.unwrap_or(Cone::ALL))
     }
 
-    /// Half-space of directions on the side of the centre of the plane through an edge and `point`.
-    fn half_space(&self, edge: &SolidEdge, point: DVec3) -> Option<Cone> {
-        let [a, b] = edge.vertices.map(|vertex| self.vertices[vertex] - point);
-        let across = a.cross(b);
+    /// Edge as `point` sees it, with the centre of the solid inside.
+    #[inline]
+    fn side(&self, edge: &SolidEdge, point: DVec3) -> Option<Side> {
+        let ends = edge.vertices.map(|vertex| self.vertices[vertex] - point);
         // A point on the line of the edge sees it as one direction, which other edges bound.
-        let least = 1e-14 * self.size * (a - b).length();
-        let axis = (across.length() > least).then(|| across.normalize())?;
-        Some(Cone::half_space(if axis.dot(self.centre - point) < 0.0 { -axis } else { axis }))
+        let least = 1e-14 * self.size * ends[0].distance(ends[1]);
+        Side::between(ends, self.centre - point, least)
     }
 
     fn facing(&self, point: DVec3) -> DVec3 {
@@ -213,6 +196,7 @@ impl Plane {
     }
 
     /// Height of a point above the plane.
+    #[inline]
     fn height(&self, point: DVec3) -> f64 {
         self.normal.dot(point) - self.distance
     }

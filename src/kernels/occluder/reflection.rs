@@ -16,7 +16,7 @@ use glam::DVec3;
 use ndarray::Array2;
 use rayon::prelude::*;
 
-use super::hidden::{Place, Receivers, Sources};
+use super::occlusion::{Place, Receivers, Sources};
 use super::solid::Solid;
 use crate::interrupt;
 use crate::kernels::sphere::from_vectors;
@@ -41,27 +41,21 @@ pub struct Surroundings {
     pub floor_albedo: DVec3,
 }
 
-/// Share of each solid in the irradiance of each receiver, (n, solids), if all had the same radiance.
-pub fn form_factors(receivers: &Receivers, solids: &[Solid]) -> Array2<f64> {
-    let at = |(row, solid)| receivers.place(row, solids).form_factor(solid);
-    Array2::from_shape_fn((receivers.points.len(), solids.len()), at)
-}
-
 /// Irradiance at each receiver, (n, 3), with shadows and reflected light.
-pub fn received(
+pub fn received_irradiance(
     receivers: &Receivers,
     sources: &Sources,
     solids: &[Solid],
     surroundings: &Surroundings,
 ) -> Array2<f64> {
-    let model = Model { sources, solids, surroundings };
+    let model = Model { sources, blurred: sources.with_least_radius(BLUR), solids, surroundings };
     let min_len = interrupt::min_task_len(receivers.points.len());
     let rows = (0..receivers.points.len()).into_par_iter().with_min_len(min_len);
     let values: Vec<DVec3> = rows
         .map(|row| {
             interrupt::check();
             match receivers.own[row] {
-                None => model.on_floor(receivers.points[row], receivers.normals[row], 0.0),
+                None => model.on_floor(receivers.points[row], receivers.normals[row], sources),
                 Some(_) => model.on_solid(receivers, row),
             }
         })
@@ -72,6 +66,8 @@ pub fn received(
 /// Scene in which light is reflected.
 struct Model<'a> {
     sources: &'a Sources,
+    /// Sources with discs of at least the radius `BLUR`.
+    blurred: Sources,
     solids: &'a [Solid],
     surroundings: &'a Surroundings,
 }
@@ -99,12 +95,10 @@ impl Model<'_> {
         if self.sources.has_floor { f64::midpoint(1.0, -normal.y) } else { 0.0 }
     }
 
-    /// Irradiance of a point of the floor, under discs of at least the radius `least`.
-    fn on_floor(&self, point: DVec3, normal: DVec3, least: f64) -> DVec3 {
+    /// Irradiance of a point of the floor.
+    fn on_floor(&self, point: DVec3, normal: DVec3, sources: &Sources) -> DVec3 {
         let place = Place::new(point, normal, None, self.solids);
-        let radii = self.sources.radii.iter().map(|radius| radius.max(least)).collect();
-        let sources = Sources { radii, ..self.sources.clone() };
-        let (mut sum, mut back) = (self.direct(&place, &sources, normal), DVec3::ZERO);
+        let (mut sum, mut back) = (self.direct(&place, sources, normal), DVec3::ZERO);
         for (solid, albedo) in self.surroundings.albedo.iter().enumerate() {
             let reflected = place.form_factor(solid) * albedo;
             let side = self.solids[solid].facing(point);
@@ -127,17 +121,17 @@ impl Model<'_> {
             sum += factor * albedo * (self.open(side) + from_floor);
             hidden += factor;
         }
-        sum + (1.0 - hidden).max(0.0) * self.from_floor(point, normal)
+        sum + (1.0 - hidden).max(0.0) * self.light_of_floor(point, normal)
     }
 
     /// Irradiance that the floor reflects to a surface, taken at one point of the floor.
-    fn from_floor(&self, point: DVec3, normal: DVec3) -> DVec3 {
+    fn light_of_floor(&self, point: DVec3, normal: DVec3) -> DVec3 {
         let share = self.floor_share(normal);
         if share <= 0.0 {
             return DVec3::ZERO;
         }
         let down = normal - DVec3::Y * (normal.y.max(0.0) + TILT);
         let hit = point - down * (point.y / down.y);
-        share * self.surroundings.floor_albedo * self.on_floor(hit.with_y(0.0), DVec3::Y, BLUR)
+        share * self.surroundings.floor_albedo * self.on_floor(hit.with_y(0.0), DVec3::Y, &self.blurred)
     }
 }

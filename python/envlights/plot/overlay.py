@@ -1,0 +1,88 @@
+"""Picture of the shadows of solids on a floor, and of the errors of blending them."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from numpy.typing import NDArray
+
+from envlights._native import EnvLightsError
+from envlights._srgb import encode_srgb
+from envlights.plot.figure import Picture, check_is, hide_frame
+from envlights.scene.overlay import BLENDINGS, ShadowOverlay
+
+#: Largest number of lights that are drawn alone, the brightest first.
+_LIGHTS = 3
+
+
+def overlay_picture(overlay: ShadowOverlay) -> Picture:
+    """Draw the shadows on a floor together and of each source alone, and errors of blending.
+
+    Above: the floor with all shadows, with the contact shadow of the ambient term, and with those
+    of the three brightest lights. Below: the largest error of a channel in 8-bit sRGB codes, for
+    each way of blending; points under a solid are left out.
+
+    Parameters
+    ----------
+    overlay : ShadowOverlay
+        The result of `shadow_overlay` for a picture.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    EnvLightsError
+        If the points of the overlay are not a picture.
+
+    Examples
+    --------
+    >>> import envlights as el
+    >>> rig = el.fit(el.synthetic.hall(64).radiance, lights=2, floor=True)
+    >>> overlay = el.shadow_overlay(rig, el.Ball((0, 0.5, 0), 0.5), columns=64)
+    >>> overlay_picture(overlay).axes[0].get_title()
+    'all shadows'
+    """
+    check_is("overlay", overlay, ShadowOverlay)
+    if overlay.ratio.ndim != 3:
+        raise EnvLightsError(
+            "only the overlay of a picture can be drawn, with points of the shape"
+            f" (height, width, 3); got {overlay.points.shape}"
+        )
+    figure = Picture(figsize=(15, 6.4))
+    above, below = figure.subplots(2, len(BLENDINGS))
+    _draw_floors(above, overlay)
+    _draw_errors(figure, below, overlay)
+    for axes in (*above, *below):
+        hide_frame(axes)
+    figure.suptitle(overlay.in_short())
+    return figure
+
+
+def _draw_floors(axes: NDArray[np.object_], overlay: ShadowOverlay) -> None:
+    """Draw the floor with all shadows, and with those of each source alone."""
+    white = overlay.radiance.max() or 1.0
+    lights = overlay.single[1 : 1 + _LIGHTS]
+    names = ("all shadows", "ambient alone", *(f"light {k + 1} alone" for k in range(len(lights))))
+    ratios = (overlay.ratio, overlay.single[0], *lights)
+    for axis, name, ratio in zip(axes, names, ratios, strict=False):
+        axis.imshow(encode_srgb(overlay.radiance * ratio / white))
+        axis.set_title(name)
+
+
+def _draw_errors(figure: Picture, axes: NDArray[np.object_], overlay: ShadowOverlay) -> None:
+    """Draw the error of each way of blending, all with one scale."""
+    white = overlay.radiance.max() or 1.0
+    exact = encode_srgb(overlay.over() / white)
+    errors = {}
+    for name in BLENDINGS:
+        difference = np.abs(encode_srgb(overlay.over(blending=name) / white) - exact)
+        errors[name] = np.where(overlay.covered, 0, 255 * difference.max(axis=-1))
+    limit = max(float(np.max(list(errors.values()))), 1.0)
+    drawn: Axes = axes[0]
+    for axis, (name, error) in zip(axes, errors.items(), strict=True):
+        drawn = axis
+        image = drawn.imshow(error, cmap="inferno", vmin=0, vmax=limit)
+        drawn.set_title(f"{name}: largest error {error.max():.1f}")
+    figure.colorbar(image, ax=list(axes), label="8-bit codes", shrink=0.8)
