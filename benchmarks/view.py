@@ -39,6 +39,7 @@ class Method(NamedTuple):
     lights: int = 4
 
     def rig(self, env):
+        """Rig that is drawn."""
         return el.fit(env, self.lights, floor=self.floor, sizes=self.sizes)
 
 
