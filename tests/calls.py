@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 import envlights as el
 from envlights import export, io, kernels, synthetic
+from tests.call_solids import SOLID_CALLS
 from tests.call_values import (
     AMBIENT,
     AMBIENT_MODEL,
@@ -223,6 +224,7 @@ CALLS = {
         export.save_engine,
         {"rig": RIGS, "path": st.just("no-folder/rig.json"), **ENGINE},
     ),
+    **SOLID_CALLS,
     **dict(call for target in export.TARGETS for call in exports_of(target)),
     "kernels.blur": (kernels.blur, {"image": GREY, "sigma": SMALL, "wrap": FLAG}),
     "kernels.bresenham_line": (
@@ -367,6 +369,7 @@ LEFT_OUT = {
     "StopReason": "is an enumeration",
     "Surface": "comes from a scene",
     "RemovedLights": "comes from split",
+    "ShadowOverlay": "comes from shadow_overlay",
     "TransferReport": "comes from TransferModel.fit",
     "bake": "renders, by Mitsuba",
     "export.add_to_blender": "needs Blender",

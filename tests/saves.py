@@ -29,6 +29,9 @@ MODELS = [
 ]
 
 
+SHADOWS = [el.shadow_overlay(rig, el.Ball((0, 0.5, 0), 0.5), columns=64) for rig in RIGS]
+
+
 #: For each kind the name of its file, and how the first or the second thing is saved there.
 SAVES = {
     **{
@@ -40,6 +43,10 @@ SAVES = {
     },
     "model": ("model.npz", lambda path, which: MODELS[which].save(path)),
     "image": ("image.exr", lambda path, which: el.io.write_exr(path, IMAGES[which])),
+    **{
+        f"overlay {suffix}": (f"shadow{suffix}", lambda path, which: SHADOWS[which].save(path))
+        for suffix in (".exr", ".png")
+    },
     **{
         suffix: (f"picture{suffix}", lambda path, which: el.plot.save(FIGURES[which], path))
         for suffix in PICTURES

@@ -6,6 +6,7 @@ The frame is that of `EnvMap`: right-handed, +y up. A floor is the plane y = 0.
 from __future__ import annotations
 
 import math
+import numbers
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
@@ -116,7 +117,7 @@ class Box(_FlatFaces):
         object.__setattr__(self, "centre", _vector("centre", self.centre))
         halves = _vector("half_sides", self.half_sides)
         object.__setattr__(self, "half_sides", tuple(_length("half_sides", h) for h in halves))
-        is_angle = np.ndim(self.turn) == 0
+        is_angle = isinstance(self.turn, numbers.Real)
         turn = _angle(self.turn) if is_angle else _rows("turn", rotation(self.turn))
         object.__setattr__(self, "turn", turn)
 

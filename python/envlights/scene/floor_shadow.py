@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import kernels
-from envlights._check import colour, count, reals
+from envlights._check import colour, count, one_or_more, reals
 from envlights._native import EnvLightsError
 from envlights.occluders import Ball, Solid, Stage, solids_of
 from envlights.rig import Rig
@@ -125,10 +125,14 @@ def _reflected_light(
     """Irradiance of the floor with shadows and reflected light."""
     if rig.ambient.ndim == 2:
         raise EnvLightsError(
-            "reflected light needs a constant ambient term; this rig has harmonics"
+            "albedo needs a rig with a constant ambient term; this one has harmonics, (9, 3);"
+            " leave albedo out, or fit with ambient='constant'"
         )
-    one_or_each = reals("albedo", albedo, 1 if np.ndim(albedo) == 1 else 2)
-    each = np.broadcast_to(one_or_each, (len(stage.solids), 3))
+    each, is_one = one_or_more("albedo", albedo)
+    wanted = (len(stage.solids), 3)
+    if each.shape != wanted and not (is_one and each.shape == (1, 3)):
+        raise EnvLightsError(f"albedo must have the shape (3,) or {wanted}; got {np.shape(albedo)}")
+    each = np.broadcast_to(each, wanted)
     lights = rig.lights
     return kernels.reflected_irradiance(
         stage,

@@ -28,6 +28,10 @@ const TILT: f64 = 0.45;
 /// edge of a shadow is seen on walls.
 const BLUR: f64 = 0.35;
 
+/// Least fraction of light that is lost in one reflection between floor and solids. Without it, white surfaces in
+/// contact divide by 0.
+const LEAST_LOSS: f64 = 1e-9;
+
 /// Radiances and reflectances of a scene.
 #[derive(Clone, Debug)]
 pub struct Surroundings {
@@ -105,7 +109,8 @@ impl Model<'_> {
             sum += reflected * self.open(side);
             back += reflected * self.floor_share(side) * self.surroundings.floor_albedo;
         }
-        sum / (DVec3::ONE - back)
+        // Between two white surfaces in contact, light would be reflected forever.
+        sum / (DVec3::ONE - back).max(DVec3::splat(LEAST_LOSS))
     }
 
     /// Irradiance of a point of a solid.
