@@ -84,7 +84,7 @@ def draw_balls(env: el.EnvMap) -> None:
 def draw_box(env: el.EnvMap) -> None:
     """Figure 9: a box with four shadows, the way of the paper, ours, and the truth."""
     box = scene(env, [el.Box((0, 0.6, 0), (0.3, 0.6, 0.3), 0.5)])
-    camera = Camera((0.6, 2.6, 5.0), (0, 0.45, 0), 40, 240, 176)
+    camera = Camera((0.0, 2.6, -5.0), (0, 0.45, 0), 40, 240, 176)
     points = el.fit(env, 4, sizes=False)
     rig = el.fit(env, 4, floor=True)
     images = [
