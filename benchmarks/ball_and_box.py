@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from envlights.scene.still_life import Still, still_life
+from envlights.scene.path_traced import Still
+from envlights.scene.still_life import still_life
 
 #: From where the scene is seen, in radians.
 AZIMUTHS = np.arange(8) * np.pi / 4

@@ -15,7 +15,8 @@ import numpy as np
 from tests.helpers import EQUIRECTANGULAR, paths_of_real_maps
 
 import envlights as el
-from envlights.scene.still_life import Still, still_life
+from envlights.scene.path_traced import Still
+from envlights.scene.still_life import still_life
 
 #: Paths of the images for the error, and of those for the noise, over four.
 _EXACT, _NOISY = 200, 128

@@ -17,7 +17,8 @@ from envlights.plot.figure import Picture, check_are_rigs, hide_frame
 from envlights.plot.probe import viewpoint
 from envlights.rig import Rig, parts_line
 from envlights.scene.closed_still import closed_still
-from envlights.scene.still_life import Still, still_life
+from envlights.scene.path_traced import Still
+from envlights.scene.still_life import still_life
 
 #: Renderers of the scene.
 RENDERERS = ("any", "mitsuba", "closed form")

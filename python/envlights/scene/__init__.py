@@ -16,6 +16,11 @@
 | a sensor on each texel                            | `meters.py`        |
 | a ball and a box on a floor, as an image          | `still_life.py`    |
 | the same under a rig, in closed form              | `closed_still.py`  |
+| a camera, and the surfaces that it sees           | `camera.py`        |
+| an image of solids on a floor, in closed form     | `closed_form.py`   |
+| the same by Mitsuba, with independent noise       | `path_traced.py`   |
+| reflectance and picture of the floor of a map     | `panorama_floor.py`|
+| solids in a panorama                              | `view_image.py`    |
 | Mitsuba, imported when it is needed               | `renderer.py`      |
 
 Images hold the radiance that a surface reflects, albedo / pi times irradiance. So direct and
