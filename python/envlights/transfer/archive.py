@@ -35,6 +35,7 @@ _DAMAGE = (
     OverflowError,
     RuntimeError,
     SyntaxError,
+    SystemError,  # of NumPy, for text that is no Unicode
     TypeError,
     ValueError,
     struct.error,
