@@ -12,8 +12,12 @@ _HERE = Path(__file__).parent
 
 def needs(package):
     """Skip where a package of npm is not installed: ``npm install --prefix tests/export``."""
-    is_there = shutil.which("node") and (_HERE / "node_modules" / package).is_dir()
-    return pytest.mark.skipif(not is_there, reason=f"needs Node and {package} from npm")
+    return pytest.mark.skipif(not has(package), reason=f"needs Node and {package} from npm")
+
+
+def has(package):
+    """True if Node and the package are installed."""
+    return bool(shutil.which("node")) and (_HERE / "node_modules" / package).is_dir()
 
 
 def report(script, path):

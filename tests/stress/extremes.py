@@ -80,11 +80,14 @@ PLACES = {
 }
 
 
-def _sun(row, column):
-    radiance = np.zeros((64, 128, 3), np.float32)
+def _sun(row, column, times=1):
+    """A sun in a map that is `times` as large, in the pixel of the same place and border."""
+    size = height, width = 64 * times, 128 * times
+    row, column = row * (height - 1) // 63, column * (width - 1) // 127
+    radiance = np.zeros((*size, 3), np.float32)
     radiance[row, column] = 1e6, 2e6, 3e6
-    flux = radiance[row, column] * kernels.pixel_solid_angles(64, 128)[row, 0]
-    return radiance, kernels.pixel_directions(64, 128)[row, column], flux
+    flux = radiance[row, column] * kernels.pixel_solid_angles(*size)[row, 0]
+    return radiance, kernels.pixel_directions(*size)[row, column], flux
 
 
 def _sun_of_the_probe(row, column):
@@ -96,8 +99,8 @@ def _sun_of_the_probe(row, column):
     return _relative(el.EnvMap(radiance).probe(normals), wanted)
 
 
-def _sun_that_is_found(find, row, column):
-    radiance, towards, flux = _sun(row, column)
+def _sun_that_is_found(find, row, column, times=1):
+    radiance, towards, flux = _sun(row, column, times)
     return lights_apart(find(radiance), towards[None], flux[None])
 
 
@@ -189,8 +192,8 @@ CASES = [
         "place",
         "fit, a sun of one pixel at ",
         1e-9,
-        "one pixel is one direction",
-        partial(_sun_that_is_found, _fitted_point),
+        "one pixel of 512 columns is one direction",
+        partial(_sun_that_is_found, _fitted_point, times=4),
         PLACES,
     ),
     Case(

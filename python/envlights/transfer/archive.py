@@ -6,6 +6,7 @@ import json
 import math
 import os
 import struct
+import sys
 import tokenize
 import zipfile
 import zlib
@@ -163,7 +164,16 @@ def _array(archive: zipfile.ZipFile, name: str) -> NDArray[Any]:
             raise ValueError(f"{name} must hold {expected} bytes by its header; it holds {actual}")
     with archive.open(member) as file:
         array: NDArray[Any] = np.lib.format.read_array(file, allow_pickle=False)
+    if array.dtype.kind == "U":
+        _check_text(name, array)
     return array
+
+
+def _check_text(name: str, array: NDArray[np.str_]) -> None:
+    """Refuse codes beyond Unicode, which NumPy puts into strings that Python cannot use."""
+    codes = np.frombuffer(array.tobytes(), np.dtype(np.uint32).newbyteorder(array.dtype.byteorder))
+    if codes.max(initial=0) > sys.maxunicode:
+        raise ValueError(f"{name} holds text that is no Unicode")
 
 
 def _check_finite(data: Mapping[str, NDArray[Any]]) -> None:
