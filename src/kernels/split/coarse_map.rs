@@ -31,8 +31,7 @@ impl<'a> SeenShares<'a> {
     ) -> Result<Self> {
         let (wanted, seen) = (map_size.0 * map_size.1, pixels.len());
         let view = ArrayView2::from_shape(map_size, pixels);
-        let view =
-            view.map_err(|_| Error::LengthMismatch { what: "seen", other: "pixels", wanted, seen })?;
+        let view = view.map_err(|_| Error::LengthMismatch { what: "seen", other: "pixels", wanted, seen })?;
         let blocks = SeenPart::of(view, registration, block);
         let least = LEAST_SHARE * blocks.shares().iter().copied().fold(0.0, f32::max);
         Ok(Self { pixels, blocks, least })

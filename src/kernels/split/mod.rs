@@ -80,7 +80,8 @@ pub fn split(
     // Copy the map on one thread while another one fills the region: both last equally long.
     let fill = || {
         let region = Region::new(&map, &members, directions.len(), lights.threshold as f32);
-        let fill = harmonic_fill(map.grid.clone(), region.pixels_to_fill(&map), |pixel| region.rest(&map, pixel));
+        let fill =
+            harmonic_fill(map.grid.clone(), region.pixels_to_fill(&map), |pixel| region.rest(&map, pixel));
         (region, fill)
     };
     let ((), (region, fill)) = rayon::join(|| copy(pixels, rest_pixels, width), fill);

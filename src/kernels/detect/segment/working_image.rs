@@ -8,7 +8,9 @@ use std::f64::consts::PI;
 
 use super::dot_product::dot;
 use crate::error::{Error, Result};
-use crate::kernels::image::{BlockRow, Grid, LUMINANCE_F32, SeenPart, check_samples, luminance_f32, samples_of};
+use crate::kernels::image::{
+    BlockRow, Grid, LUMINANCE_F32, SeenPart, check_samples, luminance_f32, samples_of,
+};
 use crate::kernels::sphere::{Registration, band_heights};
 
 /// Sides of a tile, in pixels of the working image.
