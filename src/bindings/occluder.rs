@@ -118,6 +118,7 @@ pub fn reflected_irradiance<'py>(
     let sources = sources(lighting.directions, lighting.radii, lighting.floor)?;
     check_lengths("irradiance", surroundings.irradiance.len(), [("directions", sources.discs())])?;
     check_lengths("solids", solids.len(), [("albedo", surroundings.albedo.len())])?;
-    let out = interruptible(py, || Ok(kernel::received_irradiance(&receivers, &sources, &solids, &surroundings)))?;
+    let out =
+        interruptible(py, || Ok(kernel::received_irradiance(&receivers, &sources, &solids, &surroundings)))?;
     Ok(out.into_pyarray(py))
 }

@@ -12,6 +12,7 @@ mod grid_box;
 mod nodes;
 mod surface_area;
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod tests;
 
 pub use nodes::{Hierarchy, bounding_volume_hierarchy};

@@ -93,8 +93,8 @@ fn subtree(items: Vec<Item>) -> Hierarchy {
 /// Texel of a node.
 fn texel(bounds: GridBox, link: u32) -> [u32; 4] {
     let pair = |low: u16, high: u16| u32::from(low) | u32::from(high) << 16;
-    let ([a, b, c], [d, e, f]) = (bounds.lower, bounds.upper);
-    [pair(a, b), pair(c, d), pair(e, f), link]
+    let (low, high) = (bounds.lower, bounds.upper);
+    [pair(low[0], low[1]), pair(low[2], high[0]), pair(high[1], high[2]), link]
 }
 
 impl Hierarchy {

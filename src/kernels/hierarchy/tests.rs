@@ -34,12 +34,13 @@ impl Soup {
 
     /// Length of the ray to a triangle (Möller and Trumbore 1997).
     fn hit(&self, triangle: usize, ray: Ray) -> Option<f64> {
-        let [a, b, c] = self.corners(triangle);
-        let (one, two, away) = (b - a, c - a, ray.origin - a);
+        let corners = self.corners(triangle);
+        let (one, two) = (corners[1] - corners[0], corners[2] - corners[0]);
+        let away = ray.origin - corners[0];
         let (p, q) = (ray.direction.cross(two), away.cross(one));
-        let det = one.dot(p);
-        let (u, v, t) = (away.dot(p) / det, ray.direction.dot(q) / det, two.dot(q) / det);
-        (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0).then_some(t)
+        let (u, v, length) = (away.dot(p), ray.direction.dot(q), two.dot(q));
+        let [u, v, length] = [u, v, length].map(|product| product / one.dot(p));
+        (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && length > 0.0).then_some(length)
     }
 
     /// Nearest triangle by trying all of them.
@@ -62,9 +63,12 @@ impl Soup {
             let first = (link & ((1 << COUNT_SHIFT) - 1)) as usize;
             for &row in &tree.order[first..=first + (link >> COUNT_SHIFT & 15) as usize] {
                 visits[1] += 1;
-                let Some(t) = self.hit(row as usize, ray) else { continue };
-                if best.is_none_or(|(other, old)| t < old || t == old && (row as usize) < other) {
-                    best = Some((row as usize, t));
+                let Some(length) = self.hit(row as usize, ray) else { continue };
+                let is_nearer = |(other, old): (usize, f64)| {
+                    length.total_cmp(&old).then((row as usize).cmp(&other)).is_lt()
+                };
+                if best.is_none_or(is_nearer) {
+                    best = Some((row as usize, length));
                 }
             }
         }
@@ -175,7 +179,6 @@ fn a_ray_visits_few_boxes() {
         let (_, [boxes, triangles]) = soup.nearest(&tree, ray);
         visits = [visits[0] + boxes as f64 / 2000.0, visits[1] + triangles as f64 / 2000.0];
     }
-    println!("{} triangles, {} nodes, visits {visits:?}", soup.triangles.nrows(), tree.nodes.len());
     assert!(visits[0] < 150.0 && visits[1] < 20.0, "{visits:?}");
 }
 
