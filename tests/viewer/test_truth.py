@@ -20,27 +20,31 @@ RIG = el.fit(HALL, lights=2, floor=True)
 
 @pytest.fixture
 def radiance(monkeypatch):
-    """Radiance of a made-up truth: a third of white at the left, twice white at the right."""
+    """A made-up truth: a third of white at the left, twice white at the right, black below."""
     page = el.view(HALL, RIG)
     image = np.full((270, 480, 3), 1 / 3 / page.data["exposure"])
     image[:, 240:] *= 6
+    image[135:] = 0
     monkeypatch.setattr(truth, "check_renderer", lambda: None)
     monkeypatch.setattr(el.viewer.page, "check_renderer", lambda: None)
     monkeypatch.setattr(truth, "true_view", lambda *_: Still(image * 1.01, image * 0.99))
     return image
 
 
-def test_the_picture_is_linear_with_two_stops_of_headroom(radiance):
+def radiance_of(content):
+    """Radiance of the truth in the data of a page."""
     from PIL import Image
 
+    file = io.BytesIO(base64.b64decode(content["truth"]["picture"].split("base64,")[1]))
+    codes = np.asarray(Image.open(file))
+    return content["truth"]["headroom"] / content["exposure"] * decode_srgb(codes / 255)
+
+
+def test_the_picture_is_linear_with_two_stops_of_headroom(radiance):
     content = el.view(HALL, RIG, truth=True).data
-    stored = content["truth"]
-    codes = np.asarray(
-        Image.open(io.BytesIO(base64.b64decode(stored["picture"].split("base64,")[1])))
-    )
-    found = stored["headroom"] / content["exposure"] * decode_srgb(codes / 255)
+    stored, found = content["truth"], radiance_of(content)
     assert stored["headroom"] == 4
-    np.testing.assert_allclose(found[:, [0, -1]], radiance[:, [0, -1]], rtol=0.02)
+    np.testing.assert_allclose(found[:120, [0, -1]], radiance[:120, [0, -1]], rtol=0.02)
     assert stored["noise"] == pytest.approx(0.01)
     assert stored["start"].items() <= content["state"].items()
 
@@ -103,3 +107,35 @@ def test_the_split_shows_both_halves_until_something_changes(radiance, tmp_path)
     assert dim[2:4] == pytest.approx([sixth, sixth], abs=2)
     assert [each[4] for each in answer["result"]] == [True, True, True, False, True]
     assert again == first
+
+
+@needs_browser
+def test_the_start_is_that_of_a_page_without_a_truth(tmp_path):
+    page = tmp_path / "page.html"
+    shown = el.view(HALL, RIG)
+    shown.save(page)
+    start = truth.start_of(shown.data["state"]["azimuth"])
+    state = run(page, "() => envlights.state")["result"]
+    for name, value in start.items():
+        np.testing.assert_allclose(state[name], value, atol=1e-9, err_msg=name)
+
+
+@pytest.mark.slow
+@needs_browser
+def test_page_and_truth_agree(monkeypatch, tmp_path):
+    pytest.importorskip("mitsuba")
+    monkeypatch.setattr(truth, "_PATHS", 32)
+    page = tmp_path / "page.html"
+    hall = el.synthetic.hall(256).radiance
+    shown = el.view(hall, el.fit(hall, 8, floor=True), truth=True)
+    shown.save(page)
+    drawn = run(page, "() => envlights.render({ width: 480, height: 270, count: 8 })")["result"]
+    # The rows of the page go up. Means of 10x10 pixels have little noise. The largest error, of the
+    # model of reflected light, is on the side of the ball that the box lights.
+    drawn = np.reshape(drawn, (270, 480, 4))[::-1, :, :3]
+    ours, true = (
+        image.reshape(27, 10, 48, 10, 3).mean(axis=(1, 3))
+        for image in (drawn, radiance_of(shown.data))
+    )
+    assert np.linalg.norm(ours - true) < 0.05 * np.linalg.norm(true)
+    assert np.median(np.abs(ours - true) / true) < 0.03
