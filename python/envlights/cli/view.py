@@ -38,6 +38,9 @@ from envlights.viewer.page import SUFFIXES, view
 @click.option(
     "--up", type=click.Choice(["y", "z"]), default="y", show_default=True, help="Its axis up."
 )
+@click.option(
+    "--truth", is_flag=True, help="Add a path-traced picture of the start to compare (Mitsuba)."
+)
 def command(
     map_file: MapFile,
     rig: str | None,
@@ -47,6 +50,7 @@ def command(
     model: str | None,
     scale: float,
     up: str,
+    truth: bool,
 ) -> None:
     """Make a page that shows a ball and a box in MAP (.hdr, .exr, ...), lit by a few lights.
 
@@ -58,9 +62,9 @@ def command(
     is_rig = Path(map_file.path).suffix.lower() == ".json"
     title = title or Path(map_file.path).stem
     if is_rig:
-        page = view(Rig.load(map_file.path), lights, title=title, model=shown)
+        page = view(Rig.load(map_file.path), lights, title=title, model=shown, truth=truth)
     else:
         filling = radiance_or_name(unseen)
-        page = view(map_file.open(), lights, title=title, unseen=filling, model=shown)
+        page = view(map_file.open(), lights, title=title, unseen=filling, model=shown, truth=truth)
     page.save(output)
     say_written([output])

@@ -111,17 +111,15 @@ def picture(env: EnvMap) -> dict[str, Any]:
     bright = _TOP * np.pi / max(float(from_above(env) @ LUMINANCE), np.finfo(float).tiny)
     small = _thumbnails.shrink(radiance, _COLUMNS)
     codes = np.round(255 * encode_srgb(small / (_HEADROOM * white))).astype(np.uint8)
-    kind, content = _encode(codes)
-    address = f"data:image/{kind};base64,{base64.b64encode(content).decode()}"
     return {
-        "map": address,
+        "map": address(codes),
         "white": _HEADROOM * white,
         "exposure": float(np.clip(bright, 0.5 / white, 2 / white)),
     }
 
 
-def _encode(codes: NDArray[np.uint8]) -> tuple[str, bytes]:
-    """WebP, or JPEG where the image library lacks it, with the name of the format."""
+def address(codes: NDArray[np.uint8]) -> str:
+    """A picture as an address that holds it: WebP, or JPEG where the image library lacks it."""
     from PIL import Image, features
 
     kind = "webp" if features.check("webp") else "jpeg"
@@ -132,7 +130,7 @@ def _encode(codes: NDArray[np.uint8]) -> tuple[str, bytes]:
         content = file.getvalue()
         if len(content) <= _MOST_BYTES:
             break
-    return kind, content
+    return f"data:image/{kind};base64,{base64.b64encode(content).decode()}"
 
 
 def irradiance_table(env: EnvMap, unit: float, over_floor: bool) -> dict[str, Any]:

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from envlights._check import describe
+from envlights._check import describe, flag
 from envlights._native import EnvLightsError
 from envlights._unseen import Unseen
 from envlights.envmap import AnyMap, EnvMap, as_envmap
@@ -25,6 +25,7 @@ from envlights.io.source import is_source, name_of
 from envlights.rig import Rig
 from envlights.viewer import data, model_textures, widget
 from envlights.viewer.model import Model
+from envlights.viewer.truth import check_renderer, with_truth
 
 #: Distance of the camera over the diagonal of a model.
 _AWAY = 1.8
@@ -56,8 +57,8 @@ class View:
         """Text of the page, which needs no other file and no network."""
         parts = {
             "TITLE": escape(self.data["title"]),
-            "STYLE": _text("view.css"),
-            "SCRIPT": script("model" in self.data),
+            "STYLE": self._style(),
+            "SCRIPT": self._script(),
             "DATA": _json(self._content()),
         }
         page = _text("page.html")
@@ -84,8 +85,19 @@ class View:
         lights, ``sizes``, ``off`` (rows of the lights that are switched off) and ``eye``, (3,) in
         metres.
         """
-        module = script("model" in self.data) + _compact("widget.js")
-        return widget.widget(self._content(), module, _text("view.css"))
+        module = self._script() + _compact("widget.js")
+        return widget.widget(self._content(), module, self._style())
+
+    def _script(self) -> str:
+        """Module of the page, whose entry is ``render({model, el})``."""
+        return "".join(_compact(f"{name}.js") for name in ("scene", "view", *self._more()))
+
+    def _style(self) -> str:
+        return _text("view.css") + (_text("truth.css") if "truth" in self.data else "")
+
+    def _more(self) -> list[str]:
+        """Parts that few pages have."""
+        return [name for name in ("model", "truth") if name in self.data]
 
     def _content(self) -> dict[str, Any]:
         return {**self.data, "shaders": shaders("model" in self.data)}
@@ -108,6 +120,7 @@ def view(
     title: str | None = None,
     unseen: Unseen = None,
     model: Any = None,
+    truth: bool = False,
 ) -> View:
     """Page that shows a ball and a box in a map, lit by a few lights, with their shadows.
 
@@ -131,6 +144,10 @@ def view(
     model : Model, path-like, trimesh.Trimesh or trimesh.Scene, optional
         A thing of your own in place of ball and box, which a switch adds: see `Model`. Its shadows
         are rays; the picture is refined while nothing moves.
+    truth : bool
+        Add a picture of the start, path-traced under the map by Mitsuba (extra `bake`): 480x270
+        pixels of 200 paths, which take up to a minute on two cores. A slider divides truth from
+        page until camera, things or ground change.
 
     Returns
     -------
@@ -141,7 +158,8 @@ def view(
     ------
     EnvLightsError
         If `env` is no map and no rig, `rig` is no rig or has more than 8 lights, `filled` refuses
-        `unseen`, or `model` is no model, or has more than 200 000 triangles.
+        `unseen`, `model` is no model or has more than 200 000 triangles, or Mitsuba
+        is missing or a model given for `truth`.
 
     References
     ----------
@@ -155,16 +173,18 @@ def view(
     >>> page.html[:15]
     '<!doctype html>'
     """
+    _check_truth(truth, model)
     if isinstance(env, Rig):
         if rig is not None:
             raise EnvLightsError("view takes a map and a rig, or one of them; got two rigs")
         title = "A rig" if title is None else title
-        return view(data.map_of(env), env, title=title, model=model)
+        return view(data.map_of(env), env, title=title, model=model, truth=truth)
     _check_rig(rig)
     world = as_envmap(env).filled(unseen)
     rigs = data.fitted_rigs(world) if rig is None else data.rigs_of(rig)
     shown = model if model is None or isinstance(model, Model) else Model.open(model)
     content = _data(world, rigs, _title(env, title))
+    content = with_truth(content, world) if truth else content
     return View(content if shown is None else _with_model(content, shown))
 
 
@@ -177,6 +197,15 @@ def _with_model(content: dict[str, Any], model: Model) -> dict[str, Any]:
     }
     state = {**content["state"], **start}
     return {**content, "model": model_textures.textures(model), "state": state}
+
+
+def _check_truth(truth: object, model: object) -> None:
+    """Refuse a truth that cannot be rendered, before anything is fitted."""
+    if not flag("truth", truth):
+        return
+    if model is not None:
+        raise EnvLightsError("the truth shows a ball and a box; leave out truth or model")
+    check_renderer()
 
 
 def _check_rig(rig: object) -> None:
@@ -213,12 +242,6 @@ def _data(world: EnvMap, rigs: dict[str, list[Rig]], title: str) -> dict[str, An
         "notes": notes,
         "state": {"azimuth": data.azimuth(rigs), "ambient": next(iter(rigs)).split()[0]},
     }
-
-
-def script(has_model: bool) -> str:
-    """Module of the page, whose entry is ``render({model, el})``."""
-    names = ("scene", "view", *(("model",) if has_model else ()))
-    return "".join(_compact(f"{name}.js") for name in names)
 
 
 def shaders(has_model: bool) -> dict[str, str]:

@@ -79,6 +79,7 @@ export class Scene {
       gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGB16F, ...size, 0, gl.RGB, gl.HALF_FLOAT, new Uint16Array(bytes.buffer));
     }
     if (data.model) loadModel(this, data.model);
+    if (data.truth) await loadTruth(this, data.truth);
   }
 
   // A new texture in a unit.
@@ -188,6 +189,7 @@ export class Scene {
     this.use(PRESENT, {});
     this.set({ map: unit, size });
     gl.drawArrays(gl.TRIANGLES, 0, 3);
+    if (this.truth) presentTruth(this, s);
     if (!s.probes || !s.inset) return;
     const [left, bottom, width, height] = s.inset.map(Math.round);
     gl.viewport(left, bottom, width, height);

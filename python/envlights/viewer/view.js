@@ -114,6 +114,7 @@ class Page {
       this.group("Shadows", this.choice("Shadows are", "shadows", { exact: "exact", paper: "overlays", none: "none" })),
       this.group("Picture", this.slider("Exposure", "exposure", -4, 4, 0.1, (x) => `${x > 0 ? "+" : ""}${x.toFixed(1)} EV`), this.check("Probes", "probes", () => { this.caption.hidden = !state.probes; })),
       ...(data.model ? [modelPanel(this, degrees)] : []),
+      ...(data.truth ? [truthPanel(this)] : []),
       this.group("Ball and box", this.slider("Albedo", "albedo", 0.05, 0.95, 0.01, plain), this.slider("Highlight", "shine", 0, 1, 0.01, plain),
         this.slider("Roughness", "roughness", 0.1, 0.9, 0.01, plain), this.turn("Turn of the box", "box", 5, 90, degrees)),
       this.group("Ground", this.slider("Camera height", "cameraHeight", 0.3, 6, 0.1, metres), this.slider("Dome radius", "dome", 3, 60, 0.5, metres),
