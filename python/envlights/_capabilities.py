@@ -156,6 +156,7 @@ def common(capabilities: Iterable[Capabilities]) -> Capabilities:
         sizes=min((one.sizes for one in each), key=_SIZES.index),
         harmonics=min((one.harmonics for one in each), key=_HARMONICS.index),
         floor=all(one.floor for one in each),
+        environment=all(one.environment for one in each),
         lights=min((one.lights for one in each if one.lights is not None), default=None),
     )
 

@@ -43,9 +43,9 @@ class Target(NamedTuple):
     For `PANORAMA` the writer accepts the keyword `texture`, the name of an existing map."""
 
 
-#: Errors of a file that nobody sees, and by which factor a larger one may exceed that of the rig.
+#: Error in a file up to which `save` does not warn, and largest ratio to the error of the rig: a
+#: tenth is the accuracy at which stated errors are compared with files.
 _SMALL_ERROR, _SAME_ERROR = 1e-3, 1.1
-
 
 _TARGETS: list[Target] = []
 _LOADERS: list[Callable[[], object]] = []
@@ -173,11 +173,11 @@ def _warn_of_losses(rig: Any, target: Target) -> None:
     """Warn if the error in the file is larger than that of the rig, with both figures."""
     if not hasattr(getattr(rig, "lights", rig), "discs"):
         return  # The writer refuses it.
-    losses, told = target.shows.losses(rig), getattr(rig, "error", 0.0)
+    losses, stated = target.shows.losses(rig), getattr(rig, "error", 0.0)
     if not losses:
         return
     error = target.shows.error(rig)
-    if error > max(_SAME_ERROR * told, _SMALL_ERROR):
+    if error > max(_SAME_ERROR * stated, _SMALL_ERROR):
         lost = f"{target.title} shows {' and '.join(losses)}"
         warnings.warn(f"{lost}: {_figures(rig, target, error)}", stacklevel=5)
 
@@ -187,9 +187,9 @@ def _figures(rig: Any, target: Target, error: float) -> str:
     if not hasattr(rig, "error"):
         return f"the irradiance changes by {_percent(error)}"
     fitted = rig.report.fitted_points_error
-    told = f"the error in the file is {_percent(error)}, not {_percent(rig.error)}"
+    both = f"the error in the file is {_percent(error)}, not {_percent(rig.error)}"
     refit = "" if fitted is None else f" has at most {_percent(fitted)} with as many lights"
-    return f"{told}; `fit(env, target={target.name!r})`{refit or ' is made for it'}"
+    return f"{both}; `fit(env, target={target.name!r})`{refit or ' is made for it'}"
 
 
 def _percent(share: float) -> str:

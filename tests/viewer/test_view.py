@@ -85,11 +85,11 @@ def test_jpeg_serves_where_webp_is_missing(monkeypatch):
 def test_the_ground_has_the_albedo_that_its_light_says():
     radiance = np.ones((64, 128, 3), np.float32)
     radiance[32:] = [0.1, 0.2, 0.3]
-    albedo, notes = data.floor_albedo(el.EnvMap(radiance))
+    albedo, notes = data.floor_of(el.EnvMap(radiance))
     np.testing.assert_allclose(albedo, [0.1, 0.2, 0.3], rtol=1e-3)
     assert notes == []
     radiance[32:] = 3
-    albedo, notes = data.floor_albedo(el.EnvMap(radiance))
+    albedo, notes = data.floor_of(el.EnvMap(radiance))
     assert albedo.tolist() == [0.8] * 3
     assert "not plausible" in notes[0]
 

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from envlights.envmap import EnvMap
 from envlights.kernels import sphere
+from envlights.kernels.probe import working_irradiance
 from envlights.scene.camera import Ray
 from envlights.scene.path_traced import Texture
 
@@ -23,13 +24,18 @@ CAMERA_HEIGHT, DOME_RADIUS = 1.6, 12.0
 
 def floor_albedo(env: EnvMap) -> NDArray[np.float64]:
     """Mean reflectance of the floor of a map, (3,), clipped to 0.02 .. 0.8."""
+    return measured_floor_albedo(env).clip(_LEAST_ALBEDO, _MOST_ALBEDO)
+
+
+def measured_floor_albedo(env: EnvMap) -> NDArray[np.float64]:
+    """Mean radiance of the floor of a map times pi, over the irradiance that it receives, (3,)."""
     elevations = 90 - (np.arange(env.height) + 0.5) * 180 / env.height
     near, far = _FLOOR_ELEVATIONS
     rows = (-elevations > near) & (-elevations < far)
     weights = np.cos(np.deg2rad(elevations[rows]))
-    mean = weights @ env.radiance[rows].mean(axis=1) / weights.sum()
-    albedo: NDArray[np.float64] = np.pi * mean / _from_above(env)
-    return albedo.clip(_LEAST_ALBEDO, _MOST_ALBEDO)
+    mean = weights @ env.radiance[rows].mean(axis=1, dtype=np.float64) / weights.sum()
+    albedo: NDArray[np.float64] = np.pi * mean / floor_irradiance(env)
+    return albedo
 
 
 def floor_texture(
@@ -39,7 +45,7 @@ def floor_texture(
     along = half_width * (2 * (np.arange(pixels) + 0.5) / pixels - 1)
     x, z = np.meshgrid(along, along)
     seen = radiance_at(env, np.stack([x, np.full_like(x, -height), z], axis=-1).reshape(-1, 3))
-    albedo = np.minimum(np.pi * seen / _from_above(env), _MOST_ALBEDO)
+    albedo = np.minimum(np.pi * seen / floor_irradiance(env), _MOST_ALBEDO)
     return Texture(albedo.reshape(pixels, pixels, 3), half_width)
 
 
@@ -78,9 +84,10 @@ def radiance_at(env: EnvMap, directions: NDArray[np.float64]) -> NDArray[np.floa
     return radiance
 
 
-def _from_above(env: EnvMap) -> NDArray[np.float64]:
-    """Irradiance of a floor under the upper half of a map, (3,)."""
-    rows = np.arange(env.height)[:, None, None] < env.height / 2
-    (received,) = EnvMap(np.where(rows, env.radiance, 0)).probe([[0, 1, 0]])
+def floor_irradiance(env: EnvMap) -> NDArray[np.float64]:
+    """Irradiance of a floor under the upper half of a map, (3,), above 0."""
+    upper = env.radiance.copy()
+    upper[env.height // 2 :] = 0
+    (received,), _ = working_irradiance(upper, [[0, 1, 0]], border_sampled=env.is_border_sampled)
     irradiance: NDArray[np.float64] = np.maximum(received, np.finfo(float).tiny)
     return irradiance

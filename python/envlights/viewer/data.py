@@ -18,6 +18,11 @@ from envlights.kernels.image import LUMINANCE
 from envlights.kernels.probe import working_irradiance
 from envlights.lights import Lights
 from envlights.rig import Rig
+from envlights.scene.panorama_floor import (
+    floor_albedo,
+    floor_irradiance,
+    measured_floor_albedo,
+)
 
 #: Largest number of lights that are fitted beforehand; the shader has an array of this length.
 MOST_LIGHTS = 8
@@ -35,10 +40,6 @@ _QUALITIES, _MOST_BYTES = (97, 94, 90, 80, 60), 300_000
 _ROWS_OF_RIG, _GROUND_OF_RIG = 512, 0.25
 #: Rows of the table of the map's irradiance over all normals, which is smooth.
 _ROWS = 28
-#: Degrees below the horizon between which the ground is measured: above are things, below a tripod.
-_GROUND = (20.0, 80.0)
-#: Plausible albedos of a ground.
-_ALBEDOS = (0.02, 0.8)
 #: Angle in radians from the brightest light to the camera: a little behind the things.
 _ACROSS = 1.9
 #: Irradiance over radiance of real harmonics of each order, times the constants of the polynomials
@@ -108,7 +109,7 @@ def picture(env: EnvMap) -> dict[str, Any]:
     """
     radiance = env.radiance
     white, _ = _thumbnails.white_of(radiance)
-    bright = _TOP * np.pi / max(float(from_above(env) @ LUMINANCE), np.finfo(float).tiny)
+    bright = _TOP * np.pi / float(floor_irradiance(env) @ LUMINANCE)
     small = _thumbnails.shrink(radiance, _COLUMNS)
     codes = np.round(255 * encode_srgb(small / (_HEADROOM * white))).astype(np.uint8)
     return {
@@ -148,31 +149,14 @@ def irradiance_table(env: EnvMap, unit: float, over_floor: bool) -> dict[str, An
     return {"size": [2 * _ROWS, _ROWS], "halves": base64.b64encode(halves).decode()}
 
 
-def from_above(env: EnvMap) -> NDArray[np.float64]:
-    """Irradiance of the ground, (3,)."""
-    upper = env.radiance.copy()
-    upper[env.height // 2 :] = 0
-    lit, _ = working_irradiance(upper, [[0, 1, 0]], border_sampled=env.is_border_sampled)
-    return np.asarray(lit[0], np.float64)
-
-
-def floor_albedo(env: EnvMap) -> tuple[NDArray[np.float64], list[str]]:
-    """Albedo of the ground of the map by channel, and a note if it is not plausible.
-
-    The mean radiance of the ground times pi, over the irradiance that it receives.
-    """
-    below = (np.arange(env.height) + 0.5) / env.height * 180 - 90
-    rows = (below > _GROUND[0]) & (below < _GROUND[1])
-    weights = np.cos(np.deg2rad(below[rows]))
-    means = env.radiance[rows].mean(axis=1, dtype=np.float64)
-    mean = weights @ means / weights.sum()
-    measured = np.pi * mean / np.maximum(from_above(env), np.finfo(float).tiny)
-    albedo = np.clip(measured, *_ALBEDOS)
+def floor_of(env: EnvMap) -> tuple[NDArray[np.float64], list[str]]:
+    """Albedo of the ground of the map by channel, and a note if it is not plausible."""
+    albedo, measured = floor_albedo(env), measured_floor_albedo(env)
     if np.array_equal(albedo, measured):
         return albedo, []
-    told = f"{measured @ LUMINANCE:.2g}" if np.isfinite(measured).all() else "unknown"
+    figure = f"{measured @ LUMINANCE:.2g}" if np.isfinite(measured).all() else "unknown"
     return albedo, [
-        f"The ground of the map reflects {told} of the light that reaches it, which is not"
+        f"The ground of the map reflects {figure} of the light that reaches it, which is not"
         f" plausible; the page uses {albedo @ LUMINANCE:.2g}."
     ]
 

@@ -226,7 +226,7 @@ def _title(env: AnyMap, title: object) -> str:
 
 
 def _data(world: EnvMap, rigs: dict[str, list[Rig]], title: str) -> dict[str, Any]:
-    floor, notes = data.floor_albedo(world)
+    floor, notes = data.floor_of(world)
     picture = data.picture(world)
     if not any(rig.floor for some in rigs.values() for rig in some):
         notes.append(_WITHOUT_FLOOR)

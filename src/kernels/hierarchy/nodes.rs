@@ -20,8 +20,8 @@ const FEW: usize = 4096;
 pub struct Hierarchy {
     /// One node a row: lower x and y, lower z and upper x, upper y and z, and a link.
     ///
-    /// Of two coordinates the first is in the low 16 bits. A ray that meets the box goes on with the next node, a ray that misses it with the node of the link. The link
-    /// of a leaf is [`LEAF`], its number of triangles less one, and its first triangle; the next node follows it.
+    /// The low 16 bits hold the first of two coordinates. After a hit of the box the next node follows, after a miss
+    /// the node of the link. The link of a leaf is [`LEAF`], its number of triangles less one, and its first triangle.
     pub nodes: Vec<[u32; 4]>,
     /// Row of each triangle, leaf by leaf.
     pub order: Vec<u32>,

@@ -294,7 +294,7 @@ impl Lights {
 
 /// Solid angle of the part of a picture that is seen.
 ///
-/// With the whole sphere instead, an even photograph in a map would be bright, and its pixels would be moved one by one.
+/// The mean radiance refers to it: if it were the whole sphere, all pixels of an even photograph would be bright.
 fn seen_extent(picture: &SourcePicture<'_>) -> f64 {
     let Some(seen) = picture.seen else { return picture.layout.extent().0 };
     let rows = seen.outer_iter().enumerate().map(|(row, shares)| {

@@ -17,8 +17,8 @@
 //!   n . V,   V = integral of T(w) w dw        (one vector for each channel)
 //! ```
 //!
-//! Of a map that shows a part of the sphere, radiance is multiplied by its share `s` already. Unseen pixels are holes of the
-//! fill, so nothing is filled from their black, and the rest is the smaller one of the map and `s` times the fill.
+//! The radiance of partly seen pixels is already multiplied by the seen share `s`. Unseen pixels are holes of the fill, so
+//! nothing is filled from their black. The rest is the smaller one of the map and `s` times the fill.
 //!
 //! A light has one direction `d` and an RGB irradiance `E`; a surface receives `E n.d`. `d` is the direction of the luminance of V,
 //! so luminance is exact. A channel whose vector has another direction differs by its component across `d`: red and blue
