@@ -162,3 +162,11 @@ def test_nothing_is_spread_to_unseen_pixels():
     np.testing.assert_allclose(integrals(limited)[0], integrals(env)[0], rtol=1e-6)
     with pytest.raises(el.EnvLightsError, match="mean radiance of the map"):
         env.limited(0.6)
+
+
+@pytest.mark.parametrize("take", [lambda env: el.limit(env, 1.0), el.split])
+def test_what_remains_keeps_the_exposure_and_the_source_of_its_map(take):
+    env = el.EnvMap(el.synthetic.hall(64).radiance)
+    env._ev100 = 11.0
+    rest = take(env).rest
+    assert (rest.ev100, rest.source, rest.units) == (11.0, env.source, env.units)

@@ -303,6 +303,31 @@ class MapPixels:
         build = partial(type(self), **layout, units=self._units)
         return build, (self._radiance,), {"_source": self._source, "_ev100": self._ev100}
 
+    def with_radiance(self, radiance: NDArray[np.float32], notes: Iterable[str]) -> Self:
+        """Map of other samples at the same places.
+
+        Parameters
+        ----------
+        radiance : ndarray of float32, shape (height, width, 3)
+            Multiplied by `seen`; not checked.
+        notes : iterable of str
+            All notes of the new map.
+
+        Returns
+        -------
+        EnvMap
+            Registration, clip level, seen part, source, units and exposure are those of this map.
+        """
+        env = type(self).unchecked(
+            radiance,
+            registration=self._registration,
+            notes=notes,
+            white=self._white,
+            seen=self._seen,
+            source=self._source,
+        )
+        return self._of_same_scale(env)
+
     def _of_same_scale(self, env: Self) -> Self:
         """`env` with the units and the exposure of this map."""
         env._units, env._ev100 = self._units, self._ev100

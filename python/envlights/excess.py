@@ -89,16 +89,7 @@ def limit(env: AnyMap, maximum: float) -> Limit:
         percent = 100 * (excess * integrals[:, 3:]).sum() / _flux(env)
         note = f"limited to {level:g}: {percent:.2g} % of the flux is in {lights.in_short()}"
         notes = (*notes, note)
-    rest = EnvMap.unchecked(
-        radiance,
-        registration=env.registration,
-        notes=notes,
-        white=env.white,
-        seen=env.seen,
-        source=env.source,
-        units=env.units,
-    )
-    return Limit(lights, rest)
+    return Limit(lights, env.with_radiance(radiance, notes))
 
 
 def _flux(env: EnvMap) -> float:

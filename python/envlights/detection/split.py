@@ -207,16 +207,7 @@ def split(
     parts = _native.split_map(env.radiance, is_border, pixels, env.seen)
     removed = _removed_lights(chosen, parts, _report(chosen, len(found), perf_counter() - start))
     notes = (*env.notes, *_notes(removed))
-    rest = EnvMap.unchecked(
-        parts.rest,
-        registration=env.registration,
-        notes=notes,
-        white=env.white,
-        seen=env.seen,
-        source=env.source,
-        units=env.units,
-    )
-    return Split(removed, rest)
+    return Split(removed, env.with_radiance(parts.rest, notes))
 
 
 def _choose(
