@@ -5,10 +5,11 @@ of linear radiance over four views, their worst view, and the noise of the truth
 by two independent renders. The floor has the mean reflectance of the floor of the map, or its
 picture as texture. Each pixel of the pictures is the mean of 6 by 6 points.
 
-Half an hour. Usage: python benchmarks/view.py MAP... (`hall` is the generated hall)
+Half an hour. Usage: python benchmarks/view.py MAP... (`hall` is the generated hall); `--samples`
+sets the paths through each pixel.
 """
 
-import sys
+import argparse
 from typing import NamedTuple
 
 import numpy as np
@@ -75,13 +76,13 @@ def errors(method, rig, scene, cameras, truths):
     return max(np.mean(squares), 0), max(*squares, 0)
 
 
-def table(name):
+def table(name, samples):
     env = el.EnvMap(el.synthetic.hall(512).radiance) if name == "hall" else el.EnvMap.open(name)
     cameras = views(env)
     mean = SolidsOnFloor(SOLIDS, ALBEDO, floor_albedo(env))
     textured = mean._replace(texture=floor_texture(env))
     for scene, methods in ((mean, METHODS), (textured, METHODS[1:2] + METHODS[6:7])):
-        truths = [path_traced(env, scene, c, SAMPLES, seed) for seed, c in enumerate(cameras)]
+        truths = [path_traced(env, scene, c, samples, seed) for seed, c in enumerate(cameras)]
         noise = np.sqrt(np.mean([truth.noise**2 for truth in truths]))
         floor = "mean" if scene.texture is None else "texture"
         for method in methods:
@@ -95,5 +96,9 @@ def table(name):
 
 
 if __name__ == "__main__":
-    for argument in sys.argv[1:]:
-        table(argument)
+    parser = argparse.ArgumentParser()
+    parser.add_argument("maps", nargs="+")
+    parser.add_argument("--samples", type=int, default=SAMPLES)
+    asked = parser.parse_args()
+    for each in asked.maps:
+        table(each, asked.samples)

@@ -32,6 +32,7 @@ MODELS = [
 
 
 SHADOWS = [el.shadow_overlay(rig, el.Ball((0, 0.5, 0), 0.5), columns=64) for rig in RIGS]
+PAGES = [el.view(rig) for rig in RIGS]
 
 
 #: For each kind the name of its file, and how the first or the second thing is saved there.
@@ -52,6 +53,7 @@ SAVES = {
         f"overlay {suffix}": (f"shadow{suffix}", lambda path, which: SHADOWS[which].save(path))
         for suffix in (".exr", ".png")
     },
+    "page": ("page.html", lambda path, which: PAGES[which].save(path)),
     **{
         suffix: (f"picture{suffix}", lambda path, which: el.plot.save(FIGURES[which], path))
         for suffix in PICTURES

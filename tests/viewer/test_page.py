@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 import envlights as el
+from envlights._srgb import encode_srgb
 from tests.conftest import real_maps
 from tests.viewer.browser import needs_browser, run
 
@@ -64,6 +65,67 @@ def test_each_choice_changes_the_picture(hall):
     means = np.array(run(hall, MEANS, options)["result"])
     assert np.isfinite(means).all()
     assert len(np.unique(means.round(6), axis=0)) == len(options)
+
+
+def test_harmonics_come_with_a_sentence_about_the_ground(hall):
+    script = """() => {
+      const [note] = [...document.querySelectorAll(".note")].filter((each) => /over a floor/.test(each.textContent));
+      const radio = document.querySelector("[aria-label='Ambient term'] input:not(:checked)"), before = note.hidden;
+      radio.click();
+      return [radio.value, before, note.hidden];
+    }"""
+    assert run(hall, script)["result"] == ["harmonics", True, False]
+
+
+def test_a_rig_of_one_ambient_term_offers_no_other(tmp_path):
+    page = tmp_path / "page.html"
+    el.view(el.fit(el.synthetic.hall(64).radiance, lights=2, ambient="sh2")).save(page)
+    script = (
+        "() => [envlights.state.ambient, document.querySelector(\"[aria-label='Ambient term']\")]"
+    )
+    assert run(page, script)["result"] == ["harmonics", None]
+
+
+@pytest.mark.parametrize("size", [(390, 844), (760, 600), (1100, 700)])
+def test_texts_over_the_picture_do_not_overlap(hall, size):
+    script = """() => [...document.querySelectorAll(".probes span, .hint")].map((each) => {
+      const { left, right, top, bottom } = each.getBoundingClientRect();
+      return [left, right, top, bottom];
+    })"""
+    boxes = [box for box in run(hall, script, size=size)["result"] if box[0] < box[1]]
+    assert len(boxes) >= 3
+    for k, (left, right, top, bottom) in enumerate(boxes):
+        for other in boxes[k + 1 :]:
+            assert right <= other[0] or other[1] <= left or bottom <= other[2] or other[3] <= top
+
+
+def test_the_canvas_shows_the_sRGB_codes_of_linear_radiance(hall):
+    """Away from outlines, which frames average."""
+    script = """() => {
+      const { canvas, scene, state, data } = envlights, { gl } = scene, { width, height } = canvas;
+      const codes = new Uint8Array(4 * width * height);
+      state.probes = false;
+      scene.preview(state, [width, height]);
+      gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, codes);
+      return [Array.from(codes), envlights.render({ width, height }), data.exposure * 2 ** state.exposure];
+    }"""
+    codes, radiance, exposure = run(hall, script)["result"]
+    codes, radiance = (np.reshape(each, (-1, 4))[:, :3] for each in (codes, radiance))
+    apart = np.abs(codes - 255 * encode_srgb(np.clip(exposure * radiance, 0, 1)))
+    assert (apart < 1.5).mean() > 0.999
+    assert 50 < codes.mean() < 220
+
+
+def test_a_sky_of_one_radiance_is_drawn_with_that_radiance(tmp_path):
+    page = tmp_path / "page.html"
+    radiance = [0.2, 0.3, 0.4]
+    el.view(
+        np.full((32, 64, 3), radiance),
+        el.Rig(radiance, el.Lights([[0, 1, 0]], [[1, 1, 1]])[:0], 0.0),
+    ).save(page)
+    found = run(page, "() => envlights.render({ width: 8, height: 8, only: 1, look: [0, 9, 0] })")
+    found = np.reshape(found["result"], (-1, 4))[:, :3]
+    np.testing.assert_allclose(found.mean(axis=0), radiance, rtol=0.03)
 
 
 def test_overlays_are_never_darker_than_what_they_stand_for(hall):

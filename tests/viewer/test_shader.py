@@ -177,3 +177,35 @@ def test_floor_ball_and_box_together_are_those_of_the_kernel(page, name):
     apart = codes_apart(found[on], shown / np.pi * received)
     assert (apart <= 1).mean() > 0.999
     assert apart.max() <= 2, np.sort(apart.ravel())[-20:]
+
+
+def is_dark(ball, box, points, direction):
+    """True for each floor point whose ray to a light meets ball or box."""
+    (x, z, radius), half = ball, np.array(box[2:5])
+    away = np.array([x, radius, z]) - points
+    along = away @ direction
+    by_ball = (along > 0) & ((away**2).sum(axis=1) - along**2 < radius**2)
+    turn = things.rotation(box[5])
+    start, step = (points - [box[0], half[1], box[1]]) @ turn, direction @ turn
+    near, far = (-np.sign(step) * half - start) / step, (np.sign(step) * half - start) / step
+    entry, exit_ = near.max(axis=1), far.min(axis=1)
+    return by_ball | ((entry < exit_) & (exit_ > 0))
+
+
+@pytest.mark.parametrize("shadows", ["exact", "paper"])
+@pytest.mark.parametrize("elevation", [20, 50])
+def test_hard_shadows_end_within_a_pixel_of_their_geometry(page, shadows, elevation):
+    up, around = np.deg2rad([elevation, 130])
+    sun = np.array([np.cos(up) * np.sin(around), np.sin(up), np.cos(up) * np.cos(around)])
+    rig = el.Rig([0.01] * 3, el.Lights([sun], [[3, 3, 3]]), 0.0, floor=True)
+    state, found = picture(page, rig, albedo=0.0, shadows=shadows, azimuth=0, elevation=0.6)
+    own, points, _ = things.visible(state, WIDTH, HEIGHT)
+    expected = is_dark(state["ball"], state["box"], points, sun)
+    lit = np.array(state["floor"]) / np.pi * 3 * sun[1]
+    found = (found < lit / 2).all(axis=1)
+    floor = own == things.FLOOR
+    # A pixel is certain if it and its neighbours are floor of one light.
+    sure = floor & things.inner(own, WIDTH) & things.inner(expected.astype(int), WIDTH)
+    np.testing.assert_array_equal(found[sure], expected[sure])
+    assert expected[sure].sum() > 100
+    assert (~expected)[sure].sum() > 3000

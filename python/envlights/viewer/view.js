@@ -2,6 +2,8 @@
 
 const SMEARED = "The map was photographed from one point. What stands near it is smeared over the ground, inside the dome.";
 
+const WITHOUT_FLOOR = "Harmonics cannot be fitted over a floor: they hold the light of the ground as well, which stays where the things hide it.";
+
 // Milliseconds of the first look at a change, and of a step of a full frame; frames of a smooth picture.
 const FIRST = 60, STEP = 120;
 
@@ -104,10 +106,11 @@ class Page {
     const lights = [];
     this.lamps = node("div", { className: "lamps" });
     this.fitted = node("p", { className: "note" });
+    this.caution = node("p", { className: "note", textContent: WITHOUT_FLOOR });
     if (most > 1) lights.push(this.slider("Number of lights", "count", 1, most, 1, String, () => { state.off = []; this.list(); }));
     lights.push(this.lamps, this.fitted);
     if (rigs.some((name) => name.endsWith("points"))) lights.push(this.choice("Lights are", "shape", { discs: "discs", points: "points" }, () => this.list()));
-    if (rigs.some((name) => name.startsWith("harmonics"))) lights.push(this.choice("Ambient term", "ambient", { constant: "constant", harmonics: "harmonics" }, () => this.list()));
+    if (["constant", "harmonics"].every((each) => rigs.some((name) => name.startsWith(each)))) lights.push(this.choice("Ambient term", "ambient", { constant: "constant", harmonics: "harmonics" }, () => this.list()), this.caution);
     form.append(
       node("h1", { textContent: data.title }),
       this.group("Lights", ...lights),
@@ -176,6 +179,7 @@ class Page {
       label.style.setProperty("--lamp", colour(light.irradiance));
       return label;
     }));
+    this.caution.hidden = rig.floor;
     const lights = `${rig.lights.length} light${rig.lights.length === 1 ? "" : "s"}`;
     this.fitted.textContent = rig.error > 0 ? `${lights}: error of the irradiance ${(100 * rig.error).toPrecision(2)} %` : lights;
   }
