@@ -99,7 +99,7 @@ def test_texts_over_the_picture_do_not_overlap(hall, size):
             assert right <= other[0] or other[1] <= left or bottom <= other[2] or other[3] <= top
 
 
-def test_the_canvas_shows_the_sRGB_codes_of_linear_radiance(hall):
+def test_the_canvas_shows_the_srgb_codes_of_linear_radiance(hall):
     """Away from outlines, which frames average."""
     script = """() => {
       const { canvas, scene, state, data } = envlights, { gl } = scene, { width, height } = canvas;
@@ -117,15 +117,16 @@ def test_the_canvas_shows_the_sRGB_codes_of_linear_radiance(hall):
 
 
 def test_a_sky_of_one_radiance_is_drawn_with_that_radiance(tmp_path):
+    """Within the codes of a lossy picture with two stops of headroom."""
     page = tmp_path / "page.html"
     radiance = [0.2, 0.3, 0.4]
     el.view(
         np.full((32, 64, 3), radiance),
         el.Rig(radiance, el.Lights([[0, 1, 0]], [[1, 1, 1]])[:0], 0.0),
     ).save(page)
-    found = run(page, "() => envlights.render({ width: 8, height: 8, only: 1, look: [0, 9, 0] })")
+    found = run(page, "() => envlights.render({ width: 8, height: 8, elevation: -0.5, look: [0, 9, 0] })")
     found = np.reshape(found["result"], (-1, 4))[:, :3]
-    np.testing.assert_allclose(found.mean(axis=0), radiance, rtol=0.03)
+    np.testing.assert_allclose(found.mean(axis=0), radiance, rtol=0.05)
 
 
 def test_overlays_are_never_darker_than_what_they_stand_for(hall):

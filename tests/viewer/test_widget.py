@@ -1,5 +1,6 @@
 """The page as a widget of Jupyter."""
 
+# ruff: noqa: E501, scripts keep their lines
 import sys
 
 import numpy as np
