@@ -124,7 +124,9 @@ def test_a_sky_of_one_radiance_is_drawn_with_that_radiance(tmp_path):
         np.full((32, 64, 3), radiance),
         el.Rig(radiance, el.Lights([[0, 1, 0]], [[1, 1, 1]])[:0], 0.0),
     ).save(page)
-    found = run(page, "() => envlights.render({ width: 8, height: 8, elevation: -0.5, look: [0, 9, 0] })")
+    found = run(
+        page, "() => envlights.render({ width: 8, height: 8, elevation: -0.5, look: [0, 9, 0] })"
+    )
     found = np.reshape(found["result"], (-1, 4))[:, :3]
     np.testing.assert_allclose(found.mean(axis=0), radiance, rtol=0.05)
 
