@@ -34,6 +34,8 @@ __all__ = [
     "BakedPairs",
     "Ball",
     "Box",
+    "Camera",
+    "Comparison",
     "DamagedFileError",
     "DetectedLights",
     "DetectionReport",
@@ -42,8 +44,12 @@ __all__ = [
     "EnvMap",
     "FilePairs",
     "FitReport",
+    "FolderComparison",
+    "ImageErrors",
+    "LightSetDifference",
     "Lights",
     "Limit",
+    "Material",
     "MissingFileError",
     "MitsubaScene",
     "Model",
@@ -51,6 +57,7 @@ __all__ = [
     "PhotographLight",
     "PhotographLights",
     "Polyhedron",
+    "Protocol",
     "RemovedLights",
     "Rig",
     "ShadowOverlay",
@@ -61,6 +68,9 @@ __all__ = [
     "TransferReport",
     "View",
     "bake",
+    "compare",
+    "compare_folders",
+    "compare_lights",
     "detect",
     "detect_article",
     "detect_photograph",
@@ -68,6 +78,7 @@ __all__ = [
     "fit",
     "fit_paper",
     "fit_probe",
+    "image_errors",
     "kernels",
     "limit",
     "read_pairs",
@@ -81,7 +92,7 @@ __all__ = [
 #: Attributes, too. What a fit does not need is imported when it is first used, so that `import
 #: envlights` does not wait for it; so is what reads the version.
 _SUBPACKAGES = (
-    *("cli", "detection", "export", "fitting", "io", "plot", "scene"),
+    *("cli", "comparison", "detection", "export", "fitting", "io", "plot", "scene"),
     *("synthetic", "transfer"),
 )
 #: Names of `__all__` that come from one of them.
@@ -90,6 +101,10 @@ _LATER = {
     **dict.fromkeys(("BakedPairs", "DirectLight", "MitsubaScene", "Surface", "bake"), "scene"),
     **dict.fromkeys(("ShadowOverlay", "shadow_overlay"), "scene"),
     **dict.fromkeys(("View", "view"), "viewer.page"),
+    **dict.fromkeys(("Camera", "Comparison", "ImageErrors", "LightSetDifference"), "comparison"),
+    **dict.fromkeys(("FolderComparison", "Material", "Protocol"), "comparison"),
+    **dict.fromkeys(("compare", "compare_folders", "compare_lights"), "comparison"),
+    "image_errors": "comparison",
     "Model": "viewer.model",
     **dict.fromkeys(("FilePairs", "TransferModel", "TransferReport", "read_pairs"), "transfer"),
 }
@@ -100,6 +115,7 @@ _targets.register_later(lambda: _import_module(f"{__name__}.export"))
 if _typing.TYPE_CHECKING:
     __version__: str
     from envlights import cli as cli
+    from envlights import comparison as comparison
     from envlights import detection as detection
     from envlights import export as export
     from envlights import fitting as fitting
@@ -108,6 +124,19 @@ if _typing.TYPE_CHECKING:
     from envlights import scene as scene
     from envlights import synthetic as synthetic
     from envlights import transfer as transfer
+    from envlights.comparison import (
+        Camera,
+        Comparison,
+        FolderComparison,
+        ImageErrors,
+        LightSetDifference,
+        Material,
+        Protocol,
+        compare,
+        compare_folders,
+        compare_lights,
+        image_errors,
+    )
     from envlights.fitting.madsen import PaperFit, fit_paper
     from envlights.scene import BakedPairs, DirectLight, MitsubaScene, ShadowOverlay, Surface
     from envlights.scene.bake import bake as bake

@@ -80,6 +80,7 @@ __all__ = [
     "resize_bilinear",
     "rig_irradiance",
     "rotate_map",
+    "rough_reflection",
     "split_map",
     "sum_over_sources",
     "suppress",
@@ -310,6 +311,9 @@ def resample(
     radiance: _Image, seen: _Image | None, source: Layout, target: Layout, matrix: _Reals
 ) -> tuple[_Image, _Image | None]: ...
 def rotate_map(radiance: _Image, matrix: _Reals) -> _Image: ...
+def rough_reflection(
+    radiance: _Image, normals: _Reals, views: _Reals, roughness: float, specular: float
+) -> _Reals: ...
 def split_map(
     radiance: _Image, border_sampled: bool, lights: _LightPixels, seen: _Image | None
 ) -> MapSplit: ...

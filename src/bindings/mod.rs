@@ -21,6 +21,7 @@ mod probe;
 mod projection;
 mod reduction;
 mod repair;
+mod rough_reflection;
 mod sampling;
 mod sphere;
 mod split;
@@ -84,6 +85,8 @@ mod _native {
     use super::reduction::{PyRowReducer, ReducedMap, reduce_map, reduce_radiance};
     #[pymodule_export]
     use super::repair::{clipped_depth, clipped_light_shares, clipped_share};
+    #[pymodule_export]
+    use super::rough_reflection::rough_reflection;
     #[pymodule_export]
     use super::sampling::{even_sphere, halton, hammersley, icosphere, radical_inverse, uniform_sphere};
     #[pymodule_export]

@@ -9,6 +9,7 @@
 //! | layouts of the sphere in a picture             | `projection/`  |
 //! | low-discrepancy points, icospheres             | `sampling.rs`  |
 //! | spherical harmonics, and irradiance under them | `harmonics.rs` |
+//! | reflection of a map by a rough surface        | `rough_reflection.rs` |
 //! | irradiance of a disc of uniform radiance       | `disc.rs`      |
 //! | drawing of discs into a map                    | `disc_map.rs`  |
 //! | light hidden by balls and convex polyhedra     | `occluder/`    |
@@ -41,6 +42,7 @@ pub mod occluder;
 pub mod probe;
 pub mod projection;
 pub mod repair;
+pub mod rough_reflection;
 pub mod sampling;
 pub mod sphere;
 pub mod split;

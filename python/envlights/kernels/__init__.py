@@ -39,6 +39,7 @@ from envlights.kernels.probe import (
     sum_over_sources,
     working_irradiance,
 )
+from envlights.kernels.reflection import rough_reflection
 from envlights.kernels.sampling import (
     halton,
     hammersley,
@@ -83,6 +84,7 @@ __all__ = [
     "relative_rms",
     "resize_bilinear",
     "rig_irradiance",
+    "rough_reflection",
     "sum_over_sources",
     "suppress",
     "uniform_sphere",

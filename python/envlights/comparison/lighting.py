@@ -1,0 +1,122 @@
+"""Lighting of one side of a comparison: a map, and discs beside it that need no pixels."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights.comparison import harmonics
+from envlights.detection.detect import detect
+from envlights.detection.lights_file import SUFFIXES, load_lights
+from envlights.envmap import AnyMap, EnvMap, as_envmap
+from envlights.io.files import as_path
+from envlights.kernels.probe import irradiance, rig_irradiance
+from envlights.lights import Lights
+from envlights.rig import Rig
+
+#: Lighting that can be compared.
+AnyLighting = AnyMap | Rig | Lights
+
+#: Rows of two rigs, which have no size of their own.
+DEFAULT_ROWS = 128
+
+
+@dataclass(frozen=True, eq=False)
+class Lighting:
+    """Radiance in cells, and the discs that are drawn in it.
+
+    Harmonics and irradiance of the discs are exact; their pixels are for mirrors and angles.
+    """
+
+    radiance: NDArray[np.float32]
+    """All light, (height, 2 * height, 3)."""
+
+    backdrop: NDArray[np.float32]
+    """Light without the discs, of the same shape."""
+
+    discs: Lights | None
+    """Lights of a rig or of a set of lights."""
+
+    env: EnvMap
+    """Map of all light, with its units and its clip level."""
+
+    @cached_property
+    def harmonics(self) -> NDArray[np.complex128]:
+        """Coefficients; see `comparison.harmonics`."""
+        cells = reduce_cells(self.backdrop, harmonics.MOST_ROWS)
+        out = harmonics.of_map(cells.astype(np.float64))
+        if self.discs is not None and len(self.discs):
+            arrays = self.discs.direction, self.discs.irradiance, self.discs.angular_radius
+            out = out + harmonics.of_discs(*arrays)
+        return out
+
+    def probe(self, normals: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Irradiance at unit normals, (n, 3)."""
+        values = irradiance(self.backdrop, normals)
+        if self.discs is not None and len(self.discs):
+            arrays = self.discs.direction, self.discs.irradiance, self.discs.angular_radius
+            values = values + rig_irradiance(normals, np.zeros(3), *arrays)
+        return values
+
+    def lights(self) -> Lights:
+        """Discs of a rig, or the lights that are detected in a map."""
+        if self.discs is not None:
+            return self.discs
+        return detect(self.env).discs()
+
+    @property
+    def rows(self) -> int:
+        """Rows of the map."""
+        return len(self.radiance)
+
+    def with_map(self, change: Callable[[NDArray[np.float32]], NDArray[np.float32]]) -> Lighting:
+        """Lighting of changed pixels, among them those of the discs."""
+        radiance = change(self.radiance)
+        return Lighting(radiance, radiance, None, EnvMap(radiance))
+
+
+def open_lighting(what: Any) -> EnvMap | Rig | Lights:
+    """Map, rig or lights of an argument: an object, an array or a path."""
+    if isinstance(what, Rig | Lights | EnvMap):
+        return what
+    if isinstance(what, str | os.PathLike) and as_path(what).suffix.lower() in SUFFIXES:
+        return load_lights(what)
+    return as_envmap(what)
+
+
+def rows_of(what: EnvMap | Rig | Lights) -> int | None:
+    """Rows of a map; None for lights, which can be drawn at any size."""
+    return what.height if isinstance(what, EnvMap) else None
+
+
+def lighting_of(what: EnvMap | Rig | Lights, rows: int) -> Lighting:
+    """Lighting of a map, a rig or lights, with a map of `rows` rows."""
+    if isinstance(what, EnvMap):
+        return _of_map(what, rows)
+    discs = (what.lights if isinstance(what, Rig) else what).discs()
+    drawn = what.to_map(rows)
+    dark = Lights(np.zeros((0, 3)), np.zeros((0, 3)), units=drawn.units)
+    if isinstance(what, Rig):
+        backdrop = Rig(what.ambient, dark, error=0.0, floor=what.floor).to_map(rows).radiance
+    else:
+        backdrop = np.zeros_like(drawn.radiance)
+    return Lighting(drawn.radiance, backdrop, discs, drawn)
+
+
+def _of_map(env: EnvMap, rows: int) -> Lighting:
+    """Lighting of a map, filled where it shows nothing."""
+    whole = env.filled()
+    reduced = whole if whole.height == rows else whole.resized(2 * rows)
+    cells = reduced.cells()
+    return Lighting(cells, cells, None, reduced)
+
+
+def reduce_cells(radiance: NDArray[np.float32], rows: int) -> NDArray[np.float32]:
+    """Area means of cells in a map of at most `rows` rows."""
+    return radiance if len(radiance) <= rows else EnvMap(radiance).resized(2 * rows).cells()
