@@ -59,7 +59,7 @@ class Camera:
     rough_size: int = 64
     """Diameter for other materials, whose images are smooth and take longer."""
 
-    coverage: float = 0.1203
+    coverage: float = 0.1185
     """Fraction of the whole picture that the ball covers, for percentiles of the picture."""
 
     def __post_init__(self) -> None:
