@@ -280,6 +280,15 @@ CALLS = {
         kernels.face_radiance,
         {"radiance": IMAGE, "faces": st.sampled_from([20, 80, 320]), "border_sampled": FLAG},
     ),
+    "kernels.gloss.spectrum": (
+        kernels.gloss.spectrum,
+        {
+            "roughness": st.floats(0.2, 1),
+            "degree": st.integers(0, 40),
+            "material": st.sampled_from(["metal", "plastic"]),
+            "base": SHARE,
+        },
+    ),
     "kernels.halton": (kernels.halton, {"n": COUNT, "bases": st.sampled_from([(2, 3), (2,), [5]])}),
     "kernels.hammersley": (kernels.hammersley, {"n": COUNT}),
     "kernels.harmonic_irradiance": (kernels.harmonic_irradiance, {"normals": NORMALS}),

@@ -9,6 +9,7 @@ mod error;
 mod fill;
 mod fit;
 mod formats;
+mod gloss;
 mod harmonics;
 mod hierarchy;
 mod image;
@@ -54,6 +55,8 @@ mod _native {
     use super::fit::{FitAnswer, fit_reduced, fit_samples, map_energy, relative_rms, rig_irradiance};
     #[pymodule_export]
     use super::formats::{PngFile, RadianceFile, radiance_rows};
+    #[pymodule_export]
+    use super::gloss::gloss_spectrum;
     #[pymodule_export]
     use super::harmonics::{harmonic_irradiance, harmonic_radiance};
     #[pymodule_export]

@@ -17,6 +17,7 @@
 //! | unusable samples, reduction, resampling        | `image/`       |
 //! | exact irradiance of a white probe              | `probe/`       |
 //! | a map in spherical harmonics                   | `expansion/`   |
+//! | spectrum of a shiny ball seen from all sides   | `gloss.rs`     |
 //! | smooth radiance for pixels without any         | `fill/`        |
 //! | lights of a map                                | `detect/`      |
 //! | clipped part of a map, and its missing light   | `repair/`      |
@@ -33,6 +34,7 @@ pub mod disc_map;
 mod expansion;
 pub mod fill;
 pub mod fit;
+pub mod gloss;
 pub mod harmonics;
 pub mod hierarchy;
 pub mod image;

@@ -6,6 +6,7 @@ function says otherwise; none is changed. An array must not be written to by ano
 kernel reads it.
 """
 
+from envlights.kernels import gloss
 from envlights.kernels.harmonics import harmonic_irradiance, harmonic_radiance
 from envlights.kernels.image import (
     blur,
@@ -62,6 +63,7 @@ __all__ = [
     "disc_map",
     "face_radiance",
     "form_factors",
+    "gloss",
     "halton",
     "hammersley",
     "harmonic_irradiance",
