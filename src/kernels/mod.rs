@@ -9,6 +9,7 @@
 //! | layouts of the sphere in a picture             | `projection/`  |
 //! | low-discrepancy points, icospheres             | `sampling.rs`  |
 //! | spherical harmonics, and irradiance under them | `harmonics.rs` |
+//! | optimal transport between weighted directions  | `transport/`   |
 //! | irradiance of a disc of uniform radiance       | `disc.rs`      |
 //! | drawing of discs into a map                    | `disc_map.rs`  |
 //! | light hidden by balls and convex polyhedra     | `occluder/`    |
@@ -45,3 +46,4 @@ pub mod sampling;
 pub mod sphere;
 pub mod split;
 pub mod transfer;
+pub mod transport;
