@@ -42,6 +42,7 @@ __all__ = [
     "EnvMap",
     "FilePairs",
     "FitReport",
+    "LightSetDifference",
     "Lights",
     "Limit",
     "MissingFileError",
@@ -61,6 +62,7 @@ __all__ = [
     "TransferReport",
     "View",
     "bake",
+    "compare_lights",
     "detect",
     "detect_article",
     "detect_photograph",
@@ -75,13 +77,14 @@ __all__ = [
     "split",
     "synthetic",
     "threads",
+    "vector_angle",
     "view",
 ]
 
 #: Attributes, too. What a fit does not need is imported when it is first used, so that `import
 #: envlights` does not wait for it; so is what reads the version.
 _SUBPACKAGES = (
-    *("cli", "detection", "export", "fitting", "io", "plot", "scene"),
+    *("cli", "comparison", "detection", "export", "fitting", "io", "plot", "scene"),
     *("synthetic", "transfer"),
 )
 #: Names of `__all__` that come from one of them.
@@ -90,6 +93,9 @@ _LATER = {
     **dict.fromkeys(("BakedPairs", "DirectLight", "MitsubaScene", "Surface", "bake"), "scene"),
     **dict.fromkeys(("ShadowOverlay", "shadow_overlay"), "scene"),
     **dict.fromkeys(("View", "view"), "viewer.page"),
+    "LightSetDifference": "comparison.light_set_difference",
+    "compare_lights": "comparison.light_sets",
+    "vector_angle": "comparison.vector_angle",
     "Model": "viewer.model",
     **dict.fromkeys(("FilePairs", "TransferModel", "TransferReport", "read_pairs"), "transfer"),
 }
@@ -100,6 +106,7 @@ _targets.register_later(lambda: _import_module(f"{__name__}.export"))
 if _typing.TYPE_CHECKING:
     __version__: str
     from envlights import cli as cli
+    from envlights import comparison as comparison
     from envlights import detection as detection
     from envlights import export as export
     from envlights import fitting as fitting
@@ -108,6 +115,9 @@ if _typing.TYPE_CHECKING:
     from envlights import scene as scene
     from envlights import synthetic as synthetic
     from envlights import transfer as transfer
+    from envlights.comparison.light_set_difference import LightSetDifference
+    from envlights.comparison.light_sets import compare_lights
+    from envlights.comparison.vector_angle import vector_angle as vector_angle
     from envlights.fitting.madsen import PaperFit, fit_paper
     from envlights.scene import BakedPairs, DirectLight, MitsubaScene, ShadowOverlay, Surface
     from envlights.scene.bake import bake as bake

@@ -11,13 +11,17 @@ use crate::kernels::sphere::{check_lengths, check_memory, check_rows, unit_vecto
 /// Units of mass of a whole set: its weights are rounded to 1e-18 of their sum.
 const WHOLE: i64 = 1 << 60;
 
+/// Largest share that the plan leaves out, in units of mass: 1e-14. Equal weights that differ by rounding would fill
+/// the plan with such pairs.
+const ROUNDING: i64 = WHOLE / 100_000_000_000_000;
+
 /// Movement of mass at the least mean angle.
 pub struct TransportPlan {
     /// Mean angle in radians, weighted by the shares: the Wasserstein distance W1.
     pub mean_angle: f64,
     /// Rows of the sets that mass moves between, (k, 2), in rising order.
     pub pairs: Array2<i64>,
-    /// Moved share of each pair, above 0; their sum is 1.
+    /// Moved share of each pair, above 1e-14; their sum is 1 up to that.
     pub shares: Vec<f64>,
 }
 
@@ -40,6 +44,7 @@ pub fn transport_plan(
     let sink = MassSet::new(["to_directions", "to_weights"], to, to_weights)?;
     let angles = angles_between(&source.directions, &sink.directions)?;
     let mut flows = cheapest_flows(angles.view(), &source.units, &sink.units);
+    flows.retain(|flow| flow.units > ROUNDING);
     flows.sort_unstable_by_key(|flow| (flow.source, flow.sink));
     let pairs = flows.iter().map(|flow| [source.rows[flow.source], sink.rows[flow.sink]]);
     let shares: Vec<f64> = flows.iter().map(|flow| flow.units as f64 / WHOLE as f64).collect();
