@@ -34,7 +34,6 @@ __all__ = [
     "BakedPairs",
     "Ball",
     "Box",
-    "Camera",
     "Comparison",
     "DamagedFileError",
     "DetectedLights",
@@ -49,7 +48,6 @@ __all__ = [
     "LightSetDifference",
     "Lights",
     "Limit",
-    "Material",
     "MissingFileError",
     "MitsubaScene",
     "Model",
@@ -86,6 +84,7 @@ __all__ = [
     "split",
     "synthetic",
     "threads",
+    "vector_angle",
     "view",
 ]
 
@@ -101,10 +100,13 @@ _LATER = {
     **dict.fromkeys(("BakedPairs", "DirectLight", "MitsubaScene", "Surface", "bake"), "scene"),
     **dict.fromkeys(("ShadowOverlay", "shadow_overlay"), "scene"),
     **dict.fromkeys(("View", "view"), "viewer.page"),
-    **dict.fromkeys(("Camera", "Comparison", "ImageErrors", "LightSetDifference"), "comparison"),
-    **dict.fromkeys(("FolderComparison", "Material", "Protocol"), "comparison"),
-    **dict.fromkeys(("compare", "compare_folders", "compare_lights"), "comparison"),
-    "image_errors": "comparison",
+    **dict.fromkeys(("Comparison", "compare"), "comparison.compare"),
+    **dict.fromkeys(("FolderComparison", "compare_folders"), "comparison.folders"),
+    **dict.fromkeys(("ImageErrors", "image_errors"), "comparison.image_errors"),
+    "LightSetDifference": "comparison.light_set_difference",
+    "Protocol": "comparison.protocol",
+    "compare_lights": "comparison.light_sets",
+    "vector_angle": "comparison.vector_angle",
     "Model": "viewer.model",
     **dict.fromkeys(("FilePairs", "TransferModel", "TransferReport", "read_pairs"), "transfer"),
 }
@@ -124,19 +126,13 @@ if _typing.TYPE_CHECKING:
     from envlights import scene as scene
     from envlights import synthetic as synthetic
     from envlights import transfer as transfer
-    from envlights.comparison import (
-        Camera,
-        Comparison,
-        FolderComparison,
-        ImageErrors,
-        LightSetDifference,
-        Material,
-        Protocol,
-        compare,
-        compare_folders,
-        compare_lights,
-        image_errors,
-    )
+    from envlights.comparison.compare import Comparison, compare
+    from envlights.comparison.folders import FolderComparison, compare_folders
+    from envlights.comparison.image_errors import ImageErrors, image_errors
+    from envlights.comparison.light_set_difference import LightSetDifference
+    from envlights.comparison.light_sets import compare_lights
+    from envlights.comparison.protocol import Protocol
+    from envlights.comparison.vector_angle import vector_angle as vector_angle
     from envlights.fitting.madsen import PaperFit, fit_paper
     from envlights.scene import BakedPairs, DirectLight, MitsubaScene, ShadowOverlay, Surface
     from envlights.scene.bake import bake as bake

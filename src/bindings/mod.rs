@@ -27,6 +27,7 @@ mod sampling;
 mod sphere;
 mod split;
 mod transfer;
+mod transport;
 
 use pyo3::prelude::*;
 
@@ -98,6 +99,8 @@ mod _native {
     use super::split::{MapSplit, split_map};
     #[pymodule_export]
     use super::transfer::{transfer_columns, transfer_frames, transfer_gram};
+    #[pymodule_export]
+    use super::transport::transport_plan;
 
     /// Import `numpy` now: the first array would import it inside a kernel, where Ctrl-C could interrupt it.
     #[pymodule_init]

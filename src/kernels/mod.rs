@@ -10,6 +10,7 @@
 //! | low-discrepancy points, icospheres             | `sampling.rs`  |
 //! | spherical harmonics, and irradiance under them | `harmonics.rs` |
 //! | reflection of a map by a rough surface        | `rough_reflection.rs` |
+//! | optimal transport between weighted directions  | `transport/`   |
 //! | irradiance of a disc of uniform radiance       | `disc.rs`      |
 //! | drawing of discs into a map                    | `disc_map.rs`  |
 //! | light hidden by balls and convex polyhedra     | `occluder/`    |
@@ -49,3 +50,4 @@ pub mod sampling;
 pub mod sphere;
 pub mod split;
 pub mod transfer;
+pub mod transport;

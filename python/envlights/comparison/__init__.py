@@ -1,25 +1,28 @@
-"""Comparison of lightings by spheres and by lights, exactly or as published."""
+"""Comparison of lightings by spheres and by lights, exactly or as published.
 
-from envlights.comparison.compare import Comparison, compare
-from envlights.comparison.folders import FolderComparison, compare_folders
-from envlights.comparison.image_errors import ImageErrors, image_errors
-from envlights.comparison.light_sets import LightSetDifference, compare_lights
+| step                                           | file                      |
+|------------------------------------------------|---------------------------|
+| angles between vectors                         | `angles.py`               |
+| angle between the irradiance vectors of maps   | `vector_angle.py`         |
+| rotation of one set of lights to another       | `common_rotation.py`      |
+| difference of two sets of lights as a result   | `light_set_difference.py` |
+| measurement of that difference                 | `light_sets.py`           |
+| choices of a comparison                        | `protocol.py`             |
+| errors of pixels                               | `image_errors.py`         |
+| tone of a map                                  | `tone.py`                 |
+| harmonics of maps and discs                    | `harmonics.py`            |
+| spectra of spheres                             | `spectra.py`              |
+| map, rig or lights at one size                 | `lighting.py`             |
+| normals and views of images of a ball          | `rays.py`                 |
+| errors of one sphere                           | `spheres.py`              |
+| notes                                          | `wording.py`              |
+| comparison of two lightings                    | `compare.py`              |
+| comparison of two folders                      | `folders.py`              |
+"""
+
 from envlights.comparison.protocol import PROTOCOLS, Camera, Material, Protocol
 
-__all__ = [
-    "PROTOCOLS",
-    "Camera",
-    "Comparison",
-    "FolderComparison",
-    "ImageErrors",
-    "LightSetDifference",
-    "Material",
-    "Protocol",
-    "compare",
-    "compare_folders",
-    "compare_lights",
-    "image_errors",
-]
+__all__ = ["PROTOCOLS", "Camera", "Material", "Protocol"]
 
 
 def __dir__() -> list[str]:

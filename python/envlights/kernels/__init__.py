@@ -54,6 +54,7 @@ from envlights.kernels.sphere import (
     pixel_solid_angles,
     uv_to_direction,
 )
+from envlights.kernels.transport import transport_plan
 
 __all__ = [
     "WORKING_COLUMNS",
@@ -89,6 +90,7 @@ __all__ = [
     "rough_reflection",
     "sum_over_sources",
     "suppress",
+    "transport_plan",
     "uniform_sphere",
     "unpack_lights",
     "uv_to_direction",

@@ -1,0 +1,59 @@
+//! The transportation problem by the network simplex (Ahuja, Magnanti and Orlin 1993, chapter 11).
+//!
+//! Each pivot moves flow around the cycle that one arc of negative reduced cost closes in the tree. The tree stays
+//! strongly feasible (Cunningham 1976), which rules out cycling: pivots without flow lower the potentials.
+
+use ndarray::ArrayView2;
+
+use super::spanning_tree::SpanningTree;
+use crate::interrupt;
+
+/// Reduced cost in radians below which an arc enters the basis; the result is at most that far from the optimum.
+/// It exceeds the rounding of potentials, so that no arc enters twice for nothing.
+const TOLERANCE: f64 = 1e-12;
+
+/// Mass that moves along one arc.
+#[derive(Debug, PartialEq)]
+pub(super) struct ArcFlow {
+    /// Row of the costs.
+    pub source: usize,
+    /// Column of the costs.
+    pub sink: usize,
+    /// Units of mass, above 0.
+    pub units: i64,
+}
+
+/// Flows of least total cost from `supplies` to `demands`, which are above 0 and have the same sum.
+///
+/// `costs` are finite, from 0 to pi.
+pub(super) fn cheapest_flows(costs: ArrayView2<'_, f64>, supplies: &[i64], demands: &[i64]) -> Vec<ArcFlow> {
+    let mut tree = SpanningTree::star(supplies, demands);
+    let mut row = 0;
+    while let Some((source, sink)) = entering_arc(costs, tree.potentials(), &mut row) {
+        interrupt::check();
+        tree.pivot(source, sink, costs[[source, sink]]);
+    }
+    tree.flows()
+}
+
+/// Arc of the most negative reduced cost in the next row that has one, from `row` on; `None` at the optimum.
+fn entering_arc(
+    costs: ArrayView2<'_, f64>,
+    (sources, sinks): (&[f64], &[f64]),
+    row: &mut usize,
+) -> Option<(usize, usize)> {
+    for _ in 0..sources.len() {
+        let source = *row;
+        *row = (source + 1) % sources.len();
+        let (mut least, mut sink) = (-TOLERANCE - sources[source], None);
+        for (column, (cost, potential)) in costs.row(source).iter().zip(sinks).enumerate() {
+            if cost - potential < least {
+                (least, sink) = (cost - potential, Some(column));
+            }
+        }
+        if let Some(sink) = sink {
+            return Some((source, sink));
+        }
+    }
+    None
+}
