@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 import envlights as el
 from envlights import export, io, kernels, synthetic
+from tests.call_comparisons import COMPARISON_CALLS
 from tests.call_solids import SOLID_CALLS
 from tests.call_values import (
     AMBIENT,
@@ -178,6 +179,7 @@ CALLS = {
             "fixed": st.one_of(st.none(), FEW),
         },
     ),
+    **COMPARISON_CALLS,
     "fit_paper": (
         el.fit_paper,
         {
@@ -279,15 +281,6 @@ CALLS = {
     "kernels.face_radiance": (
         kernels.face_radiance,
         {"radiance": IMAGE, "faces": st.sampled_from([20, 80, 320]), "border_sampled": FLAG},
-    ),
-    "kernels.gloss.spectrum": (
-        kernels.gloss.spectrum,
-        {
-            "roughness": st.floats(0.2, 1),
-            "degree": st.integers(0, 40),
-            "material": st.sampled_from(["metal", "plastic"]),
-            "base": SHARE,
-        },
     ),
     "kernels.halton": (kernels.halton, {"n": COUNT, "bases": st.sampled_from([(2, 3), (2,), [5]])}),
     "kernels.hammersley": (kernels.hammersley, {"n": COUNT}),

@@ -66,15 +66,15 @@ def test_the_diffuse_sphere_is_the_probe_over_all_normals():
 
 def test_the_matte_sphere_is_the_sum_over_pixels_from_all_sides():
     truth, guess = rooms(32)
-    # Four points in each pixel, which the closed form integrates.
+    # Four points in each pixel, which the closed form integrates: 0.4 % more.
     fine = [np.repeat(np.repeat(env.radiance, 2, 0), 2, 1) for env in (truth, guess)]
     normals, views = reference.sides(40000)
     both = el.kernels.rough_reflection(np.concatenate(fine, axis=2), normals, views, 0.3271)
     expected = reference.numbers(both[:, :3], both[:, 3:])
     c = el.compare(truth, guess)
-    # The sampling error of 40000 pixels is 0.3 %, that of the 256 pixels of the angle 3 %.
-    assert c.spheres["matte"].rmse == pytest.approx(expected[0], rel=0.01)
-    assert c.spheres["matte"].si_rmse == pytest.approx(expected[1], rel=0.01)
+    # Samples of 40000 pixels differ by 1 %, those of the 256 pixels of the angle by 3 %.
+    assert c.spheres["matte"].rmse == pytest.approx(expected[0], rel=0.02)
+    assert c.spheres["matte"].si_rmse == pytest.approx(expected[1], rel=0.02)
     assert c.spheres["matte"].angle == pytest.approx(expected[2], rel=0.05)
 
 
@@ -193,6 +193,24 @@ def test_the_spectrum_of_shadows_sums_to_the_kernel_at_zero():
     assert total == pytest.approx(np.pi / 3, rel=5e-3)
 
 
+def test_lights_and_irradiance_vectors_are_those_of_their_own_functions():
+    truth, guess = rooms(32)
+    c = el.compare(truth, guess)
+    assert c.vector_angle == pytest.approx(el.vector_angle(truth, guess), rel=1e-6)
+    assert c.lights == el.compare_lights(el.detect(truth), el.detect(guess))
+    rig = el.fit(truth, lights=2)
+    assert el.compare(truth, rig).lights == el.compare_lights(el.detect(truth), rig.lights)
+    # A uniform map has no vector and no light.
+    assert el.compare(even((1, 1, 1)), even((1, 1, 1))).vector_angle is None
+
+
+def test_irradiance_vectors_of_rigs_need_no_pixels():
+    turn = 0.003
+    one = el.Lights([[0, 0, 1]], [[1, 1, 1]])
+    other = el.Lights([[0, np.sin(turn), np.cos(turn)]], [[1, 1, 1]])
+    assert el.compare(one, other).vector_angle == pytest.approx(np.degrees(turn), rel=1e-6)
+
+
 def test_black_pixels_have_no_angle():
     truth = even((1, 2, 3))
     truth[:8] = 0
@@ -252,5 +270,5 @@ def test_a_gloss_error_needs_a_roughness_within_its_degrees(roughness):
 
 
 def test_materials_without_closed_form_are_refused():
-    with pytest.raises(el.EnvLightsError, match="only for specular=0.04"):
+    with pytest.raises(el.EnvLightsError, match=r"only for specular=0\.04"):
         spectra.of_material(Material(base=0.5, specular=0.1, roughness=0.5))

@@ -221,9 +221,7 @@ def test_clipped_lights_and_other_units_are_noted():
     calibrated = el.Lights([[0, 1, 0]], [WHITE], units="cd/m2")
     notes = el.compare_lights(clipped, calibrated).notes
     assert any("clipped in the truth" in note for note in notes)
-    assert notes[-1] == (
-        "the truth is in the map's own scale, the guess in cd/m2; see flux_ratio"
-    )
+    assert notes[-1] == ("the truth is in the map's own scale, the guess in cd/m2; see flux_ratio")
 
 
 def test_the_difference_is_symmetric_but_for_the_ratio():

@@ -15,32 +15,33 @@ from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights.comparison import spectra
 from envlights.comparison.image_errors import ImageErrors, errors_table
-from envlights.comparison.light_sets import LightSetDifference, compare_lights
+from envlights.comparison.light_set_difference import LightSetDifference
+from envlights.comparison.light_sets import compare_lights
 from envlights.comparison.lighting import (
     DEFAULT_ROWS,
     AnyLighting,
     Lighting,
+    angle_of_vectors,
     lighting_of,
     open_lighting,
     rows_of,
 )
-from envlights.comparison.protocol import LEAST_ROUGHNESS, Protocol, as_protocol
+from envlights.comparison.protocol import Protocol, as_protocol
 from envlights.comparison.spheres import degree_products, products_of, sphere_errors
 from envlights.comparison.tone import tone
 from envlights.comparison.wording import (
     note_of_black,
+    note_of_lights,
     notes_of_protocol,
     notes_of_size,
     notes_of_units,
 )
+from envlights.kernels.gloss import LEAST_ROUGHNESS
 
 if TYPE_CHECKING:
     from envlights.envmap import EnvMap
     from envlights.lights import Lights
     from envlights.rig import Rig
-
-#: Least product of two spectra that counts: rounding of a truth without light.
-_DARK = 0.0
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -53,8 +54,11 @@ class Comparison(Result):
     spheres: Mapping[str, ImageErrors]
     """Errors of each sphere; "diffuse", "matte" and "mirror", unless the protocol has others."""
 
-    lights: LightSetDifference | None
-    """Difference of the lights; None if one side has none."""
+    lights: LightSetDifference
+    """Difference of the lights: those of rigs, and those that `detect` finds in maps."""
+
+    vector_angle: float | None
+    """Angle between the irradiance vectors in degrees; see `envlights.vector_angle`."""
 
     by_degree: NDArray[np.float64] = field(repr=False)
     """Inner products of the linear maps by degree, (4, degree): T T, T G, G G and (G - T)^2."""
@@ -100,21 +104,19 @@ class Comparison(Result):
         return f"{self.protocol.name}: {', '.join(errors)}"
 
     def __str__(self) -> str:
-        lights = "" if self.lights is None else f"lights: {self.lights.in_short()}"
-        return "\n".join(
-            filter(None, [str(errors_table(dict(self.spheres))), self._line(), lights, *self.notes])
-        )
+        return "\n".join([str(errors_table(dict(self.spheres))), *self._lines()])
 
-    def _line(self) -> str:
-        """Errors that need no image."""
+    def _lines(self) -> list[str]:
+        """Errors that need no image, those of the lights, and the notes."""
         names = ("probe", self.probe_error), ("shadow", self.shadow_error)
-        parts = (*names, ("gloss", self.gloss_error()))
-        return ", ".join(f"{name} error {100 * value:.3g} %" for name, value in parts)
+        errors = (*names, ("gloss", self.gloss_error()))
+        line = ", ".join(f"{name} error {100 * value:.3g} %" for name, value in errors)
+        vector = "none" if self.vector_angle is None else f"{self.vector_angle:.3g}°"
+        lights = f"lights: {self.lights.in_short()}; irradiance vectors: {vector}"
+        return [line, lights, *self.notes]
 
     def _html_parts(self) -> tuple[str, ...]:
-        lights = () if self.lights is None else (f"lights: {self.lights.in_short()}",)
-        text = "\n".join([self._line(), *lights, *self.notes])
-        return errors_table(dict(self.spheres)).html(), _html.lines(text)
+        return errors_table(dict(self.spheres)).html(), _html.lines("\n".join(self._lines()))
 
     def to_dict(self) -> dict[str, Any]:
         """Plain numbers, texts and lists, for example for JSON."""
@@ -124,7 +126,8 @@ class Comparison(Result):
             "probe_error": self.probe_error,
             "shadow_error": self.shadow_error,
             "gloss_error": self.gloss_error(),
-            "lights": None if self.lights is None else self.lights.to_dict(),
+            "lights": self.lights.to_dict(),
+            "vector_angle": self.vector_angle,
             "notes": list(self.notes),
         }
 
@@ -192,10 +195,17 @@ def compare(
         name: sphere_errors(toned.truth, toned.guess, material, rules)
         for name, material in rules.materials.items()
     }
-    lights, remarks = _compare_lights(linear)
-    notes += [*notes_of_protocol(rules, factors), *note_of_black(spheres, rules.black), *remarks]
-    by_degree = degree_products(linear.truth, linear.guess)
-    return Comparison(rules, spheres, lights, by_degree, tuple(notes))
+    lights = compare_lights(linear.truth.lights, linear.guess.lights)
+    notes += notes_of_protocol(rules, factors)
+    notes += [*note_of_black(spheres, rules.black), *note_of_lights(lights)]
+    return Comparison(
+        rules,
+        spheres,
+        lights,
+        angle_of_vectors(linear.truth, linear.guess),
+        degree_products(linear.truth, linear.guess),
+        tuple(notes),
+    )
 
 
 class _Pair(NamedTuple):
@@ -230,12 +240,3 @@ def _tone(pair: _Pair, rules: Protocol) -> tuple[_Pair, list[float]]:
         return pair, []
     factors = [tone(side.radiance, rules)[1] for side in pair]
     return _Pair(*(side.with_map(lambda map_: tone(map_, rules)[0]) for side in pair)), factors
-
-
-def _compare_lights(pair: _Pair) -> tuple[LightSetDifference | None, list[str]]:
-    """Difference of the lights, or a note on the side without lights."""
-    sets = [side.lights() for side in pair]
-    for name, lights in zip(pair._fields, sets, strict=True):
-        if not lights.irradiance.any():
-            return None, [f"{name} has no lights, so lights are not compared"]
-    return compare_lights(*sets), []

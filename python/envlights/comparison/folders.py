@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -31,7 +31,10 @@ _SUFFIXES = (".exr", ".hdr", ".png", ".jpg", ".jpeg", ".tif", ".tiff", *LIGHT_FI
 TABLE_FILES = (".csv", ".json")
 #: Numbers of each sphere and of the lights, with a column each.
 _OF_SPHERE = ("rmse", "si_rmse", "angle", "relative", "si_relative", "normalised_rmse")
-_OF_LIGHTS = ("angle", "peak_angle", "flux_ratio", "colour_angle", "size", "unmatched")
+_OF_LIGHTS = (
+    *("angle", "peak_angle", "flux_ratio", "colour_angle", "size", "unmatched", "rotation"),
+    "left_out",
+)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -162,8 +165,8 @@ def _numbers(comparison: Comparison) -> dict[str, float]:
         "shadow_error": comparison.shadow_error,
         "gloss_error": comparison.gloss_error(),
     }
-    lights = {f"lights_{what}": getattr(comparison.lights, what, None) for what in _OF_LIGHTS}
-    numbers = {**spheres, **errors, **lights}
+    lights = {f"lights_{what}": getattr(comparison.lights, what) for what in _OF_LIGHTS}
+    numbers = {**spheres, **errors, **lights, "vector_angle": comparison.vector_angle}
     return {name: float(value) for name, value in numbers.items() if value is not None}
 
 
@@ -221,17 +224,11 @@ def compare_folders(
     comparisons, failures = {}, {}
     for name in progress_bar(names, "compare", "map", progress):
         try:
-            paths = [_only(side, name, what) for side, what in _sides(sides)]
-            comparisons[name] = compare(*paths, rules)
+            paths = _only(sides[0], name, "truth"), _only(sides[1], name, "guess")
+            comparisons[name] = compare(paths[0], paths[1], rules)
         except (EnvLightsError, OSError) as refusal:
             failures[name] = str(refusal)
     return FolderComparison(rules, comparisons, failures)
-
-
-def _sides(
-    sides: list[dict[str, list[Path]]],
-) -> Iterator[tuple[dict[str, list[Path]], str]]:
-    return zip(sides, ("truth", "guess"), strict=True)
 
 
 def _files(name: str, folder: str | os.PathLike[str]) -> dict[str, list[Path]]:

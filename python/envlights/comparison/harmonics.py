@@ -67,7 +67,8 @@ def of_map(radiance: NDArray[np.floating]) -> NDArray[np.complex128]:
     of_cell = step * np.sinc(orders / width) * np.exp(-0.5j * orders * step)
     rows = np.ascontiguousarray((rows * of_cell[:, None]).transpose(1, 0, 2))
     products = _row_integrals(height) @ rows.view(np.float64)
-    return products.view(np.complex128).reshape(DEGREE + 1, DEGREE + 1, channels)
+    out: NDArray[np.complex128] = products.view(np.complex128)
+    return out.reshape(DEGREE + 1, DEGREE + 1, channels)
 
 
 def of_discs(
@@ -81,7 +82,8 @@ def of_discs(
     functions = legendre(direction[:, 1]) * disc_factors(cosine)
     azimuth = np.arctan2(direction[:, 0], -direction[:, 2])
     turns = np.exp(-1j * np.arange(DEGREE + 1)[:, None] * azimuth)
-    return np.einsum("mln,mn,nc->mlc", functions, turns, flux, optimize=True)
+    out: NDArray[np.complex128] = np.einsum("mln,mn,nc->mlc", functions, turns, flux, optimize=True)
+    return out
 
 
 def disc_factors(cosine: NDArray[np.float64]) -> NDArray[np.float64]:

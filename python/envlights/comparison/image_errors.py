@@ -12,6 +12,7 @@ from envlights._check import check_choice, describe, first_not_finite, reals
 from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights._tables import Table
+from envlights.comparison.angles import degrees_between
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -166,20 +167,16 @@ def mean_angle(
 ) -> tuple[float | None, float]:
     """Mean angle between RGB vectors, (n, 3), in degrees, and the fraction of black pixels.
 
-    It is that of the cross and the dot product, exact near 0, where an arc cosine loses half of the
-    digits.
+    Black pixels are those that are black in either image.
     """
     # Scale each vector, so that products neither overflow nor vanish.
     largest = [np.abs(each).max(axis=1) for each in (truth, guess)]
+    safe = [np.where(most > 0, most, 1) for most in largest]
     is_seen = (largest[0] > 0) & (largest[1] > 0)
     if not is_seen.any():
         return None, 1.0
-    x, y = (
-        (each / np.where(most > 0, most, 1)[:, None]).T
-        for each, most in zip((truth, guess), largest, strict=True)
-    )
-    cross = (x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0])
-    angles = np.degrees(np.arctan2(np.sqrt(sum(each**2 for each in cross)), (x * y).sum(axis=0)))
+    units = [each / most[:, None] for each, most in zip((truth, guess), safe, strict=True)]
+    angles = degrees_between(*units)
     share = np.full(len(truth), 1.0) if weights is None else weights
     share = share / share.sum()
     seen = 1.0 if is_seen.all() else float(share[is_seen].sum())

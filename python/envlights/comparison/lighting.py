@@ -12,16 +12,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights.comparison import harmonics
+from envlights.comparison.angles import degrees_between
 from envlights.detection.detect import detect
 from envlights.detection.lights_file import SUFFIXES, load_lights
 from envlights.envmap import AnyMap, EnvMap, as_envmap
 from envlights.io.files import as_path
+from envlights.kernels.image import LUMINANCE
 from envlights.kernels.probe import irradiance, rig_irradiance
 from envlights.lights import Lights
 from envlights.rig import Rig
 
 #: Lighting that can be compared.
 AnyLighting = AnyMap | Rig | Lights
+
+#: Irradiance vectors shorter than this fraction of the flux are rounding of single precision.
+_LEAST_LENGTH = 1e-6
 
 #: Rows of two rigs, which have no size of their own.
 DEFAULT_ROWS = 128
@@ -46,6 +51,9 @@ class Lighting:
     env: EnvMap
     """Map of all light, with its units and its clip level."""
 
+    given: Lights | None = None
+    """Lights of a rig or of a set of lights, as they were given."""
+
     @cached_property
     def harmonics(self) -> NDArray[np.complex128]:
         """Coefficients; see `comparison.harmonics`."""
@@ -64,11 +72,17 @@ class Lighting:
             values = values + rig_irradiance(normals, np.zeros(3), *arrays)
         return values
 
+    @cached_property
     def lights(self) -> Lights:
-        """Discs of a rig, or the lights that are detected in a map."""
-        if self.discs is not None:
-            return self.discs
-        return detect(self.env).discs()
+        """Lights of a rig, or those that are detected in a map."""
+        return detect(self.env) if self.given is None else self.given
+
+    @property
+    def vector(self) -> NDArray[np.float64]:
+        """Irradiance vector of the luminance: the part of degree 1, (3,)."""
+        polar, turned = self.harmonics[:2, 1] @ LUMINANCE
+        x, z = -turned.imag / np.sqrt(3 / (8 * np.pi)), -turned.real / np.sqrt(3 / (8 * np.pi))
+        return np.array([x, polar.real / np.sqrt(3 / (4 * np.pi)), z])
 
     @property
     def rows(self) -> int:
@@ -99,14 +113,14 @@ def lighting_of(what: EnvMap | Rig | Lights, rows: int) -> Lighting:
     """Lighting of a map, a rig or lights, with a map of `rows` rows."""
     if isinstance(what, EnvMap):
         return _of_map(what, rows)
-    discs = (what.lights if isinstance(what, Rig) else what).discs()
+    lights = what.lights if isinstance(what, Rig) else what
     drawn = what.to_map(rows)
     dark = Lights(np.zeros((0, 3)), np.zeros((0, 3)), units=drawn.units)
     if isinstance(what, Rig):
         backdrop = Rig(what.ambient, dark, error=0.0, floor=what.floor).to_map(rows).radiance
     else:
         backdrop = np.zeros_like(drawn.radiance)
-    return Lighting(drawn.radiance, backdrop, discs, drawn)
+    return Lighting(drawn.radiance, backdrop, lights.discs(), drawn, lights)
 
 
 def _of_map(env: EnvMap, rows: int) -> Lighting:
@@ -115,6 +129,16 @@ def _of_map(env: EnvMap, rows: int) -> Lighting:
     reduced = whole if whole.height == rows else whole.resized(2 * rows)
     cells = reduced.cells()
     return Lighting(cells, cells, None, reduced)
+
+
+def angle_of_vectors(truth: Lighting, guess: Lighting) -> float | None:
+    """Degrees between the irradiance vectors; None if one is 0, but for rounding."""
+    vectors = [truth.vector, guess.vector]
+    for side, vector in zip((truth, guess), vectors, strict=True):
+        flux = float(side.harmonics[0, 0].real @ LUMINANCE) * np.sqrt(4 * np.pi)
+        if not np.linalg.norm(vector) > _LEAST_LENGTH * flux:
+            return None
+    return float(degrees_between(*vectors))
 
 
 def reduce_cells(radiance: NDArray[np.float32], rows: int) -> NDArray[np.float32]:

@@ -10,9 +10,7 @@ import numpy as np
 
 from envlights._check import amount, check_choice, count, describe, reals
 from envlights._native import EnvLightsError
-
-#: Smallest roughness other than 0: narrower lobes need more degrees and finer sums.
-LEAST_ROUGHNESS = 0.2
+from envlights.kernels.gloss import LEAST_ROUGHNESS
 
 
 @dataclass(frozen=True)

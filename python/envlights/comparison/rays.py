@@ -39,7 +39,8 @@ class Rays(NamedTuple):
     def mirrored(self) -> NDArray[np.float64]:
         """Unit vectors from which a mirror reflects light to the viewer."""
         cosine = (self.normals * self.views).sum(axis=1, keepdims=True)
-        return 2 * cosine * self.normals - self.views
+        mirrored: NDArray[np.float64] = 2 * cosine * self.normals - self.views
+        return mirrored
 
     def pixel_means(self, colours: NDArray[np.float64]) -> NDArray[np.float64]:
         """Colour of each pixel from those of its points."""

@@ -37,7 +37,7 @@ def sphere_errors(
     errors = errors_of_pixels(*images, channels=protocol.channels, black=protocol.black)
     if not protocol.normalised:
         return errors
-    return replace(errors, normalised_rmse=_normalised(images, protocol))
+    return replace(errors, normalised_rmse=_normalised_rmse(images, protocol))
 
 
 def _from_all_sides(
@@ -81,11 +81,11 @@ def _angle(
     """RGB angle in degrees over pixels from all sides, and the fraction of black ones."""
     if material.roughness == 0 and material.specular:
         solid_angles = pixel_solid_angles(*truth.radiance.shape[:2]).reshape(-1)
-        images = (each.radiance.reshape(-1, 3).astype(np.float64) for each in (truth, guess))
-        return mean_angle(*images, solid_angles, black=black)
+        one, other = (each.radiance.reshape(-1, 3).astype(np.float64) for each in (truth, guess))
+        return mean_angle(one, other, solid_angles, black=black)
     points = rays.sides() if material.specular else rays.even_normals()
-    images = _rough_images(truth, guess, material, points)
-    return mean_angle(*images, points.weights, black=black)
+    one, other = _rough_images(truth, guess, material, points)
+    return mean_angle(one, other, points.weights, black=black)
 
 
 def camera_images(truth: Lighting, guess: Lighting, material: Material, camera: Camera) -> _Images:
@@ -129,7 +129,7 @@ def _mirror_images(truth: Lighting, guess: Lighting, material: Material, camera:
     return image(truth), image(guess)
 
 
-def _normalised(images: _Images, protocol: Protocol) -> float:
+def _normalised_rmse(images: _Images, protocol: Protocol) -> float:
     """RMSE of images over the 99.9 % percentile of their whole pictures, black but for the ball."""
     coverage = protocol.camera.coverage if protocol.camera else 1.0
     level = 1 - 0.001 / coverage

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from envlights.comparison.image_errors import ImageErrors
+from envlights.comparison.light_set_difference import LightSetDifference
 from envlights.comparison.protocol import Protocol
 from envlights.envmap import EnvMap
 from envlights.lights import Lights
@@ -82,3 +83,8 @@ def note_of_black(spheres: Mapping[str, ImageErrors], black: str) -> list[str]:
     texts = ", ".join(f"{100 * share:.2g} % of '{name}'" for name, share in shares.items())
     rule = "left out of the angle" if black == "left out" else "counted as perfect in the angle"
     return [f"black pixels are {rule}: {texts}"]
+
+
+def note_of_lights(lights: LightSetDifference) -> list[str]:
+    """Notes on the lights, named as such."""
+    return [f"lights: {note}" for note in lights.notes]
