@@ -154,6 +154,22 @@ def test_maps_of_any_sizes_are_compared_at_the_smaller_one(one, other, seed):
     assert errors[0] <= errors[1] * 1.1 <= errors[2] * 1.3
 
 
+def test_a_border_sampled_map_is_compared_by_its_cells():
+    radiance = el.synthetic.hall(33).radiance
+    border = el.EnvMap(radiance, registration="border-sampled")
+    c = el.compare(el.EnvMap(border.cells()), border)
+    assert all(each.rmse == 0 for each in c.spheres.values())
+
+
+def test_unseen_pixels_are_filled_and_noted():
+    truth = el.EnvMap(even((1, 2, 3)))
+    seen = np.ones((16, 32))
+    seen[14:] = 0
+    c = el.compare(truth, el.EnvMap(truth.radiance, seen=seen))
+    assert all(each.relative < 1e-3 for each in c.spheres.values())
+    assert any("of the sphere is not seen and was filled" in note for note in c.notes)
+
+
 def test_the_harmonics_of_a_map_have_its_energy():
     """The sums of squares of the coefficients, for pixels of 2.8 degrees."""
     height = 64

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,13 +21,13 @@ from envlights.comparison.lighting import (
     DEFAULT_ROWS,
     AnyLighting,
     Lighting,
-    angle_of_vectors,
+    Pair,
     lighting_of,
     open_lighting,
     rows_of,
 )
 from envlights.comparison.protocol import Protocol, as_protocol
-from envlights.comparison.spheres import degree_products, products_of, sphere_errors
+from envlights.comparison.spheres import products_of, sphere_errors
 from envlights.comparison.tone import tone
 from envlights.comparison.wording import (
     note_of_black,
@@ -166,7 +166,7 @@ def compare(
     products of spherical harmonics. :math:`\lambda` is that of a clamped cosine (Ramamoorthi and
     Hanrahan 2001, equation 8) for "diffuse", that of GGX metal of roughness 0.3271 for "matte", and
     1 for "mirror", whose errors are the area-weighted ones of the maps. Degrees end at 100. Angles
-    are :math:`\mathrm{atan2}(|G \times T|, G \cdot T)` of pixels from all sides: 512 for
+    are :math:`\mathrm{atan2}(|G \times T|, G \cdot T)` of pixels from all sides: 288 for
     "diffuse", 256 for "matte", and all pixels of the maps for "mirror".
 
     See Also
@@ -192,8 +192,7 @@ def compare(
         raise EnvLightsError("truth must have light; it is black everywhere")
     toned, factors = _tone(linear, rules)
     spheres = {
-        name: sphere_errors(toned.truth, toned.guess, material, rules)
-        for name, material in rules.materials.items()
+        name: sphere_errors(toned, material, rules) for name, material in rules.materials.items()
     }
     lights = compare_lights(linear.truth.lights, linear.guess.lights)
     notes += notes_of_protocol(rules, factors)
@@ -202,17 +201,10 @@ def compare(
         rules,
         spheres,
         lights,
-        angle_of_vectors(linear.truth, linear.guess),
-        degree_products(linear.truth, linear.guess),
+        linear.vector_angle(),
+        linear.by_degree,
         tuple(notes),
     )
-
-
-class _Pair(NamedTuple):
-    """Both sides at one size."""
-
-    truth: Lighting
-    guess: Lighting
 
 
 def _open(name: str, what: Any) -> EnvMap | Rig | Lights:
@@ -225,18 +217,19 @@ def _open(name: str, what: Any) -> EnvMap | Rig | Lights:
 
 def _of_one_size(
     truth: EnvMap | Rig | Lights, guess: EnvMap | Rig | Lights, rules: Protocol
-) -> tuple[_Pair, list[str]]:
+) -> tuple[Pair, list[str]]:
     """Lightings with maps of one size, and notes on sizes and units."""
     heights = [rows for rows in map(rows_of, (truth, guess)) if rows is not None]
     rows = min([*heights, *([rules.rows] if rules.rows else [])] or [DEFAULT_ROWS])
-    pair = _Pair(lighting_of(truth, rows), lighting_of(guess, rows))
+    pair = Pair(lighting_of(truth, rows), lighting_of(guess, rows))
     named = {"truth": truth, "guess": guess}
     return pair, [*notes_of_size(named, rows), *notes_of_units(named)]
 
 
-def _tone(pair: _Pair, rules: Protocol) -> tuple[_Pair, list[float]]:
+def _tone(pair: Pair, rules: Protocol) -> tuple[Pair, list[float]]:
     """Toned lightings, and the factor of each."""
     if rules.gamma is None and rules.median is None:
         return pair, []
-    factors = [tone(side.radiance, rules)[1] for side in pair]
-    return _Pair(*(side.with_map(lambda map_: tone(map_, rules)[0]) for side in pair)), factors
+    toned = [tone(side.radiance, rules) for side in pair.sides]
+    sides = [Lighting.of_cells(radiance) for radiance, _ in toned]
+    return Pair(sides[0], sides[1]), [factor for _, factor in toned]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -130,58 +130,61 @@ def errors_of_products(
     )
 
 
-def errors_of_pixels(
+class PixelSums(NamedTuple):
+    """Weighted sums over pixels; those of two blocks of an image can be added."""
+
+    weight: float
+    """Sum of the weights."""
+
+    products: NDArray[np.float64]
+    """T T, T G, G G and (G - T)^2, as means over channels, (4,)."""
+
+    seen: float
+    """Weight of the pixels that are black in neither image."""
+
+    angle: float
+    """Weighted angles of those in degrees."""
+
+    def plus(self, other: PixelSums) -> PixelSums:
+        """Sums over both blocks."""
+        return PixelSums(*(one + more for one, more in zip(self, other, strict=True)))
+
+    def errors(self, *, channels: str, black: str) -> ImageErrors:
+        """Errors of the pixels."""
+        products = Products(*(self.products / self.weight))
+        return errors_of_products(products, self.mean_angle(black), channels=channels)
+
+    def mean_angle(self, black: str) -> tuple[float | None, float]:
+        """Mean angle in degrees, and the fraction of black pixels."""
+        if not self.seen > 0:
+            return None, 1.0
+        whole = self.weight if black == "perfect" else self.seen
+        return float(self.angle / whole), float(1 - self.seen / self.weight)
+
+
+def pixel_sums(
     truth: NDArray[np.float64],
     guess: NDArray[np.float64],
     weights: NDArray[np.float64] | None = None,
-    *,
-    channels: str = "mean",
-    black: str = "left out",
-) -> ImageErrors:
-    """Errors of pixels, (n, 3), with equal or given `weights`, (n,)."""
-    mean = weighted_mean(truth[:, 0], weights)
-    products = Products(
-        mean((truth**2).mean(axis=1)),
-        mean((truth * guess).mean(axis=1)),
-        mean((guess**2).mean(axis=1)),
-        mean(((guess - truth) ** 2).mean(axis=1)),
-    )
-    angle = mean_angle(truth, guess, weights, black=black)
-    return errors_of_products(products, angle, channels=channels)
-
-
-def weighted_mean(values: NDArray[np.float64], weights: NDArray[np.float64] | None) -> Any:
-    """Function that averages over pixels."""
-    if weights is None:
-        return lambda values: float(values.mean())
-    share = weights / weights.sum()
-    return lambda values: float(share @ values)
-
-
-def mean_angle(
-    truth: NDArray[np.float64],
-    guess: NDArray[np.float64],
-    weights: NDArray[np.float64] | None = None,
-    *,
-    black: str = "left out",
-) -> tuple[float | None, float]:
-    """Mean angle between RGB vectors, (n, 3), in degrees, and the fraction of black pixels.
-
-    Black pixels are those that are black in either image.
-    """
+) -> PixelSums:
+    """Sums over pixels, (n, 3), with equal or other `weights`, (n,)."""
+    # Channels first: sums over the last axis of (n, 3) take ten times as long.
+    one, other = np.ascontiguousarray(truth.T), np.ascontiguousarray(guess.T)
+    share = np.ones(len(truth)) if weights is None else weights
+    difference = other - one
+    pairs = (one, one), (one, other), (other, other), (difference, difference)
+    products = np.array([(a * b @ share).sum() / 3 for a, b in pairs])
     # Scale each vector, so that products neither overflow nor vanish.
-    largest = [np.abs(each).max(axis=1) for each in (truth, guess)]
-    safe = [np.where(most > 0, most, 1) for most in largest]
+    largest = [np.maximum.reduce(np.abs(each)) for each in (one, other)]
     is_seen = (largest[0] > 0) & (largest[1] > 0)
-    if not is_seen.any():
-        return None, 1.0
-    units = [each / most[:, None] for each, most in zip((truth, guess), safe, strict=True)]
-    angles = degrees_between(*units)
-    share = np.full(len(truth), 1.0) if weights is None else weights
-    share = share / share.sum()
-    seen = 1.0 if is_seen.all() else float(share[is_seen].sum())
-    total = float(share[is_seen] @ angles[is_seen])
-    return total / (1.0 if black == "perfect" else seen), 1.0 - seen
+    units = [
+        each / np.where(is_seen, most, 1) for each, most in zip((one, other), largest, strict=True)
+    ]
+    angles = degrees_between(units[0].T, units[1].T)
+    seen = share * is_seen
+    return PixelSums(
+        share @ np.ones(len(truth)), products, seen @ np.ones(len(truth)), seen @ angles
+    )
 
 
 def image_errors(
@@ -231,7 +234,7 @@ def image_errors(
         )
     counted = _mask(mask, images[0].shape[:-1])
     rows = [image[counted] if mask is not None else image.reshape(-1, 3) for image in images]
-    return errors_of_pixels(*rows, channels=channels)
+    return pixel_sums(rows[0], rows[1]).errors(channels=channels, black="left out")
 
 
 def _image(name: str, image: ArrayLike) -> NDArray[np.float64]:

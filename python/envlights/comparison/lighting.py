@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -89,10 +88,39 @@ class Lighting:
         """Rows of the map."""
         return len(self.radiance)
 
-    def with_map(self, change: Callable[[NDArray[np.float32]], NDArray[np.float32]]) -> Lighting:
-        """Lighting of changed pixels, among them those of the discs."""
-        radiance = change(self.radiance)
-        return Lighting(radiance, radiance, None, EnvMap(radiance))
+    @classmethod
+    def of_cells(cls, radiance: NDArray[np.float32]) -> Lighting:
+        """Lighting of pixels alone."""
+        return cls(radiance, radiance, None, EnvMap(radiance))
+
+
+@dataclass(frozen=True, eq=False)
+class Pair:
+    """Truth and guess at one size."""
+
+    truth: Lighting
+    guess: Lighting
+
+    @property
+    def sides(self) -> tuple[Lighting, Lighting]:
+        """Truth, then guess."""
+        return self.truth, self.guess
+
+    @cached_property
+    def by_degree(self) -> NDArray[np.float64]:
+        """Inner products of each degree, (4, degree): T T, T G, G G and those of G - T."""
+        one, other = self.truth.harmonics, self.guess.harmonics
+        difference = other - one
+        pairs = [(one, one), (one, other), (other, other), (difference, difference)]
+        return np.stack([harmonics.products(*pair) for pair in pairs])
+
+    def vector_angle(self) -> float | None:
+        """Degrees between the irradiance vectors; None if one is 0, but for rounding."""
+        for side in self.sides:
+            flux = float(side.harmonics[0, 0].real @ LUMINANCE) * np.sqrt(4 * np.pi)
+            if not np.linalg.norm(side.vector) > _LEAST_LENGTH * flux:
+                return None
+        return float(degrees_between(self.truth.vector, self.guess.vector))
 
 
 def open_lighting(what: Any) -> EnvMap | Rig | Lights:
@@ -129,16 +157,6 @@ def _of_map(env: EnvMap, rows: int) -> Lighting:
     reduced = whole if whole.height == rows else whole.resized(2 * rows)
     cells = reduced.cells()
     return Lighting(cells, cells, None, reduced)
-
-
-def angle_of_vectors(truth: Lighting, guess: Lighting) -> float | None:
-    """Degrees between the irradiance vectors; None if one is 0, but for rounding."""
-    vectors = [truth.vector, guess.vector]
-    for side, vector in zip((truth, guess), vectors, strict=True):
-        flux = float(side.harmonics[0, 0].real @ LUMINANCE) * np.sqrt(4 * np.pi)
-        if not np.linalg.norm(vector) > _LEAST_LENGTH * flux:
-            return None
-    return float(degrees_between(*vectors))
 
 
 def reduce_cells(radiance: NDArray[np.float32], rows: int) -> NDArray[np.float32]:

@@ -118,7 +118,7 @@ class Protocol:
     """Rows to which larger maps are reduced by area means; None: those of the smaller map."""
 
     camera: Camera | None = None
-    """Camera of images; None: exact means over all sides."""
+    """Camera of images; None: exact means over all sides, where metals have no brighter rim."""
 
     materials: Mapping[str, Material] = field(default_factory=lambda: _WHITE)
     """Material of each sphere."""
@@ -173,10 +173,11 @@ class Protocol:
         EnvLightsError
             For other names. For protocols that cannot be reproduced, it says what is missing.
         """
-        if isinstance(name, str) and name.lower() in _REFUSED:
-            raise EnvLightsError(f"there is no protocol '{name}': {_REFUSED[name.lower()]}")
-        check_choice("protocol", name, tuple(PROTOCOLS))
-        return PROTOCOLS[name]
+        key = name.lower() if isinstance(name, str) else ""
+        if key in _REFUSED:
+            raise EnvLightsError(f"there is no protocol '{name}': {_REFUSED[key]}")
+        check_choice("protocol", key or name, tuple(PROTOCOLS))
+        return PROTOCOLS[key]
 
 
 def _restore(values: dict[str, object]) -> Protocol:

@@ -16,7 +16,7 @@ from envlights.kernels.sphere import direction_to_uv
 #: Pixels of a rough ball from all sides, for its angle.
 SIDES = 256
 #: Latitudes of the normals of a Lambertian ball, for its angle; twice as many longitudes.
-_LATITUDES = 16
+_LATITUDES = 12
 #: Rays along each side of a pixel of a mirror.
 _RAYS = 2
 

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import reduce
 
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights.comparison import harmonics, rays, spectra
+from envlights._blocks import blocks
+from envlights.comparison import rays, spectra
 from envlights.comparison.image_errors import (
     ImageErrors,
+    PixelSums,
     Products,
-    errors_of_pixels,
     errors_of_products,
-    mean_angle,
+    pixel_sums,
 )
-from envlights.comparison.lighting import Lighting, reduce_cells
+from envlights.comparison.lighting import Lighting, Pair, reduce_cells
 from envlights.comparison.protocol import Camera, Material, Protocol
 from envlights.kernels.reflection import rough_reflection
 from envlights.kernels.sphere import pixel_solid_angles
@@ -27,38 +29,30 @@ _ROUGH_ROWS = 128
 _Images = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 
-def sphere_errors(
-    truth: Lighting, guess: Lighting, material: Material, protocol: Protocol
-) -> ImageErrors:
+def sphere_errors(pair: Pair, material: Material, protocol: Protocol) -> ImageErrors:
     """Errors of a sphere of a `material` by the rules of a protocol."""
+    rules = {"channels": protocol.channels, "black": protocol.black}
     if protocol.camera is None:
-        return _from_all_sides(truth, guess, material, protocol)
-    images = camera_images(truth, guess, material, protocol.camera)
-    errors = errors_of_pixels(*images, channels=protocol.channels, black=protocol.black)
+        return _from_all_sides(pair, material, protocol)
+    images = camera_images(*pair.sides, material, protocol.camera)
+    errors = pixel_sums(*images).errors(**rules)
     if not protocol.normalised:
         return errors
-    return replace(errors, normalised_rmse=_normalised_rmse(images, protocol))
+    scaled = [_over_percentile(image, protocol.camera.coverage) for image in images]
+    return replace(errors, normalised_rmse=pixel_sums(*scaled).errors(**rules).rmse)
 
 
-def _from_all_sides(
-    truth: Lighting, guess: Lighting, material: Material, protocol: Protocol
-) -> ImageErrors:
-    """Errors in closed form; the angle is a mean over sampled pixels."""
+def _from_all_sides(pair: Pair, material: Material, protocol: Protocol) -> ImageErrors:
+    """Errors in closed form; the angle of all but a mirror is a mean over sampled pixels."""
     factors = spectra.of_material(material)
     if factors is None:
-        products = _products_of_mirror(truth, guess, material)
-    else:
-        products = products_of(degree_products(truth, guess), factors)
-    angle = _angle(truth, guess, material, protocol.black)
+        sums = _sums_of_mirror(*pair.sides, material)
+        return sums.errors(channels=protocol.channels, black=protocol.black)
+    products = products_of(pair.by_degree, factors)
+    points = rays.sides() if material.specular else rays.even_normals()
+    one, other = _rough_images(*pair.sides, material, points)
+    angle = pixel_sums(one, other, points.weights).mean_angle(protocol.black)
     return errors_of_products(products, angle, channels=protocol.channels)
-
-
-def degree_products(truth: Lighting, guess: Lighting) -> NDArray[np.float64]:
-    """Inner products of each degree, (4, degree): T T, T G, G G and those of the difference."""
-    one, other = truth.harmonics, guess.harmonics
-    difference = other - one
-    pairs = [(one, one), (one, other), (other, other), (difference, difference)]
-    return np.stack([harmonics.products(*pair) for pair in pairs])
 
 
 def products_of(by_degree: NDArray[np.float64], factors: NDArray[np.float64]) -> Products:
@@ -66,26 +60,17 @@ def products_of(by_degree: NDArray[np.float64], factors: NDArray[np.float64]) ->
     return Products(*(by_degree @ factors / (12 * np.pi)))
 
 
-def _products_of_mirror(truth: Lighting, guess: Lighting, material: Material) -> Products:
-    """Products of the maps themselves, weighted by solid angle."""
-    one, other = (each.radiance.astype(np.float64) for each in (truth, guess))
-    share = pixel_solid_angles(*one.shape[:2]) / (4 * np.pi)
-    pairs = [(one, one), (one, other), (other, other), (other - one, other - one)]
-    means = [float(np.einsum("hw,hwc,hwc->", share, *pair)) / 3 for pair in pairs]
-    return Products(*(material.specular**2 * np.array(means)))
+def _sums_of_mirror(truth: Lighting, guess: Lighting, material: Material) -> PixelSums:
+    """Sums over the pixels of the maps themselves, weighted by solid angle."""
+    shape = truth.radiance.shape
+    weights = pixel_solid_angles(*shape[:2])
 
+    def sums(rows: slice) -> PixelSums:
+        pair = (side.radiance[rows].reshape(-1, 3) for side in (truth, guess))
+        one, other = (material.specular * each.astype(np.float64) for each in pair)
+        return pixel_sums(one, other, weights[rows].reshape(-1))
 
-def _angle(
-    truth: Lighting, guess: Lighting, material: Material, black: str
-) -> tuple[float | None, float]:
-    """RGB angle in degrees over pixels from all sides, and the fraction of black ones."""
-    if material.roughness == 0 and material.specular:
-        solid_angles = pixel_solid_angles(*truth.radiance.shape[:2]).reshape(-1)
-        one, other = (each.radiance.reshape(-1, 3).astype(np.float64) for each in (truth, guess))
-        return mean_angle(one, other, solid_angles, black=black)
-    points = rays.sides() if material.specular else rays.even_normals()
-    one, other = _rough_images(truth, guess, material, points)
-    return mean_angle(one, other, points.weights, black=black)
+    return reduce(PixelSums.plus, map(sums, blocks(shape)))
 
 
 def camera_images(truth: Lighting, guess: Lighting, material: Material, camera: Camera) -> _Images:
@@ -129,12 +114,8 @@ def _mirror_images(truth: Lighting, guess: Lighting, material: Material, camera:
     return image(truth), image(guess)
 
 
-def _normalised_rmse(images: _Images, protocol: Protocol) -> float:
-    """RMSE of images over the 99.9 % percentile of their whole pictures, black but for the ball."""
-    coverage = protocol.camera.coverage if protocol.camera else 1.0
+def _over_percentile(image: NDArray[np.float64], coverage: float) -> NDArray[np.float64]:
+    """Image over the 99.9 % percentile of its whole picture, black but for the ball."""
     level = 1 - 0.001 / coverage
-    scaled = []
-    for image in images:
-        most = float(np.quantile(image, level)) if level > 0 else 0.0
-        scaled.append(image / most if most > 0 else image)
-    return errors_of_pixels(*scaled, channels=protocol.channels).rmse
+    most = float(np.quantile(image, level)) if level > 0 else 0.0
+    return image / most if most > 0 else image
