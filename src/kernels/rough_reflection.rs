@@ -11,7 +11,7 @@
 //!   D = alpha^2 q^2 / (pi (q - (1 - alpha^2) s^2)^2)
 //! ```
 //!
-//! The pixels are points, in single precision: a relative error of about `1e-7 / alpha^2`. Sums over rows are in double precision.
+//! The pixels are points, in single precision: a relative error of up to `4e-7 / alpha^2`. Sums over rows are in double precision.
 
 #![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
 #![allow(clippy::needless_range_loop, reason = "loops, not closures, become wide vectors")]
