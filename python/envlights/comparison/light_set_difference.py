@@ -111,7 +111,7 @@ class LightSetDifference(Result):
             f"flux of guess over truth   {_ratio(self.flux_ratio)}",
             f"angle between the colours  {_degrees(self.colour_angle)}",
             f"difference of the radii    {_degrees(self.size)}",
-            f"moved more than {UNMATCHED_DEG:.0f}°       {_percent(self.unmatched)}",
+            f"moved more than {UNMATCHED_DEG:.0f}°        {_percent(self.unmatched)}",
             f"best common rotation       {_degrees(self.rotation)}",
         ]
         return lines if self.angle is not None else []

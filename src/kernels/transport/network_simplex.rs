@@ -8,8 +8,8 @@ use ndarray::{Array2, ArrayView2};
 use super::spanning_tree::SpanningTree;
 use crate::interrupt;
 
-/// Reduced cost in radians below which an arc enters the basis; the optimum is as near.
-/// It exceeds the rounding of potentials, so that no arc enters twice for nothing.
+/// Reduced cost in radians below which an arc enters the tree; the mean angle gets that close to the optimum.
+/// It exceeds the rounding of potentials, so that no arc enters without a gain.
 const TOLERANCE: f64 = 1e-12;
 
 /// Reduced cost in radians up to which an arc belongs to an optimum. Ties differ by rounding, far less than this.
@@ -50,12 +50,11 @@ fn descend(tree: &mut SpanningTree, costs: ArrayView2<'_, f64>) {
 
 /// Squared costs of the arcs that an optimum may use, by complementary slackness; infinity for all others.
 fn squares_of_optimal_arcs(costs: ArrayView2<'_, f64>, (sources, sinks): (&[f64], &[f64])) -> Array2<f64> {
-    let square = |((source, sink), &cost): ((usize, usize), &f64)| {
+    Array2::from_shape_fn(costs.dim(), |(source, sink)| {
+        let cost = costs[[source, sink]];
         let reduced = cost + sources[source] - sinks[sink];
         if reduced <= SLACK { cost * cost } else { f64::INFINITY }
-    };
-    Array2::from_shape_vec(costs.dim(), costs.indexed_iter().map(square).collect())
-        .expect("one square for each cost")
+    })
 }
 
 /// Arc of the most negative reduced cost in the next row that has one, from `row` on; `None` at the optimum.

@@ -103,7 +103,8 @@ fn whole_units(weights: ArrayView1<'_, f64>) -> Option<Vec<i64>> {
 ///
 /// The arctangent of both products keeps all digits; the arccosine loses half of them near 0 and pi.
 fn angles_between(from: &[DVec3], to: &[DVec3]) -> Result<Array2<f64>> {
-    check_memory(&[from.len(), to.len()])?;
+    // Of the angles, and later of their squares.
+    check_memory(&[from.len(), to.len(), 2])?;
     let mut angles = Array2::zeros((from.len(), to.len()));
     for (mut row, &one) in angles.outer_iter_mut().zip(from) {
         interrupt::check();

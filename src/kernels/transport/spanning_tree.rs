@@ -1,4 +1,4 @@
-//! The basis of the network simplex: a spanning tree of sources, sinks and a root.
+//! Spanning tree of the network simplex, of sources, sinks and a root.
 //!
 //! Arcs lead from sources to sinks. Each node stores the arc to its parent, so the arc of a source leads up, and that
 //! of a sink leads down. Arcs between the root and all others exist for the start; they cost more than any detour.
