@@ -5,7 +5,7 @@
 
 use ndarray::{Array2, ArrayView2};
 
-use super::spanning_tree::SpanningTree;
+use super::spanning_tree::{ArcFlow, SpanningTree};
 use crate::interrupt;
 
 /// Reduced cost in radians below which an arc enters the tree; the mean angle gets that close to the optimum.
@@ -14,17 +14,6 @@ const TOLERANCE: f64 = 1e-12;
 
 /// Reduced cost in radians up to which an arc belongs to an optimum. Ties differ by rounding, far less than this.
 const SLACK: f64 = 1e-11;
-
-/// Mass that moves along one arc.
-#[derive(Debug, PartialEq)]
-pub(super) struct ArcFlow {
-    /// Row of the costs.
-    pub source: usize,
-    /// Column of the costs.
-    pub sink: usize,
-    /// Units of mass, above 0.
-    pub units: i64,
-}
 
 /// Flows of least total cost from `supplies` to `demands`, which are above 0 and have the same sum.
 ///

@@ -5,8 +5,6 @@
 
 use ndarray::ArrayView2;
 
-use super::network_simplex::ArcFlow;
-
 /// Cost of an arc at the root: two of them cost more than an arc between a source and a sink, at most pi.
 const ROOT_COST: f64 = 4.0;
 
@@ -19,6 +17,17 @@ struct ParentArc {
     parent: usize,
     cost: f64,
     flow: i64,
+}
+
+/// Mass that moves along one arc.
+#[derive(Debug, PartialEq)]
+pub(super) struct ArcFlow {
+    /// Row of the costs.
+    pub source: usize,
+    /// Column of the costs.
+    pub sink: usize,
+    /// Units of mass, above 0.
+    pub units: i64,
 }
 
 /// Strongly feasible spanning tree: each arc without flow leads towards the root.
