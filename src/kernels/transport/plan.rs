@@ -88,7 +88,7 @@ impl MassSet {
 /// Units of mass of each weight; `None` if all weights are 0.
 fn whole_units(weights: ArrayView1<'_, f64>) -> Option<Vec<i64>> {
     let largest = weights.iter().copied().fold(0.0, f64::max);
-    let heaviest = weights.iter().position(|&weight| weight == largest).filter(|_| largest > 0.0)?;
+    let heaviest = weights.iter().position(|&weight| weight >= largest).filter(|_| largest > 0.0)?;
     // Divide by the largest weight first: the sum of weights may overflow.
     let whole: f64 = weights.iter().map(|weight| weight / largest).sum();
     let share = |weight: &f64| weight / largest / whole;
