@@ -1,10 +1,22 @@
-"""Rows of `calls.py`: comparison of lightings."""
+"""Calls of the functions that compare lightings and lights."""
 
 from hypothesis import strategies as st
 
 import envlights as el
 from envlights import kernels
-from tests.call_values import COLOURS, FEW, FLAG, IMAGE, RIGS, SHARE, SIZE, SMALL, array
+from tests.call_values import (
+    COLOURS,
+    COUNT,
+    FEW,
+    FLAG,
+    IMAGE,
+    LIGHT_SETS,
+    RIGS,
+    SHARE,
+    SIZE,
+    SMALL,
+    array,
+)
 
 COMPARISON_CALLS = {
     "compare": (
@@ -14,6 +26,10 @@ COMPARISON_CALLS = {
             "guess": st.one_of(IMAGE, RIGS),
             "protocol": st.sampled_from(["exact", el.Protocol(gamma=2.2, median=0.5)]),
         },
+    ),
+    "compare_lights": (
+        el.compare_lights,
+        {"truth": LIGHT_SETS, "guess": LIGHT_SETS, "strongest": COUNT},
     ),
     "compare_folders": (
         el.compare_folders,
@@ -41,6 +57,16 @@ COMPARISON_CALLS = {
         },
     ),
     "Protocol.named": (el.Protocol.named, {"name": st.sampled_from(["exact", "stylelight"])}),
+    "vector_angle": (el.vector_angle, {"truth": IMAGE, "guess": IMAGE}),
+    "kernels.transport_plan": (
+        kernels.transport_plan,
+        {
+            "from_directions": FEW,
+            "from_weights": array(5),
+            "to_directions": FEW,
+            "to_weights": array(5),
+        },
+    ),
     "kernels.gloss.spectrum": (
         kernels.gloss.spectrum,
         {

@@ -40,6 +40,7 @@ LEFT_OUT = {
     "FitReport": "comes from fit",
     "FolderComparison": "comes from compare_folders",
     "ImageErrors": "comes from image_errors",
+    "LightSetDifference": "comes from compare_lights",
     "Limit": "comes from limit",
     "MitsubaScene": "is Mitsuba's answer to a scene",
     "PaperFit": "comes from fit_paper",

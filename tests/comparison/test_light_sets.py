@@ -28,7 +28,9 @@ def lamp(azimuth, elevation, colour=WHITE, radius=0.0):
 
 
 def together(*sets):
-    arrays = zip(*((each.direction, each.irradiance, each.angular_radius) for each in sets))
+    arrays = zip(
+        *((each.direction, each.irradiance, each.angular_radius) for each in sets), strict=True
+    )
     return el.Lights(*(np.concatenate(each) for each in arrays))
 
 
@@ -37,6 +39,13 @@ def some_lights(seed, count):
     corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) / 3**0.5
     rng = np.random.default_rng(seed)
     return el.Lights(corners[:count], rng.random((count, 3)), rng.random(count) / 9)
+
+
+def scattered_lights(seed, count):
+    """Lights in random directions: no two plans have the same mean angle."""
+    rng = np.random.default_rng(seed)
+    directions = Rotation.random(count, random_state=seed).as_matrix()[:, 0]
+    return el.Lights(directions, rng.random((count, 3)), rng.random(count))
 
 
 def turn(axis, degrees):
@@ -83,12 +92,20 @@ def test_flux_that_moves_more_than_30_degrees_is_unmatched(degrees, unmatched):
     assert el.compare_lights(lamp(5, 0), lamp(5 + degrees, 0)).unmatched == unmatched
 
 
-def test_equal_lamps_may_be_exchanged():
-    """Each lamp of a row moves to the position of the next: the first one goes to the end."""
-    row = together(*(lamp(10 * k, 0) for k in range(4)))
-    moved = together(*(lamp(10 * k + 10, 0) for k in range(4)))
+@pytest.mark.parametrize("seed", range(4))
+def test_lamps_that_move_along_their_row_all_move(seed):
+    """The first one could also move to the end, past the others, at the same mean angle."""
+    rng = np.random.default_rng(seed)
+    row = together(*(lamp(10 * k, 0) for k in rng.permutation(8)))
+    moved = together(*(lamp(10 * k + 10, 0) for k in rng.permutation(8)))
     difference = el.compare_lights(row, moved)
     assert difference.angle == pytest.approx(10, abs=1e-9)
+    assert difference.unmatched == 0
+    assert difference.rotation == pytest.approx(10, abs=1e-9)
+
+
+def test_equal_lamps_may_be_exchanged():
+    row = together(*(lamp(10 * k, 0) for k in range(4)))
     shuffled = el.compare_lights(row, row[[2, 0, 3, 1]])
     assert shuffled.angle == pytest.approx(0, abs=1e-9)
 
@@ -192,13 +209,13 @@ def test_black_lights_among_others_take_no_part():
     assert el.compare_lights(truth, lamp(0, 0)).angle == pytest.approx(0, abs=1e-9)
 
 
-def detected(azimuth=90.0):
+def lights_of_a_disc(azimuth=90.0):
     shape = el.synthetic.Disc(tuple(at(azimuth, 0)), 5.0, (9, 6, 3))
     return el.detect(el.synthetic.scene(128, background=[0.1] * 3, shapes=[shape]).radiance)
 
 
 def test_detected_lights_are_compared_at_their_peaks():
-    one, other = detected(90), detected(100)
+    one, other = lights_of_a_disc(90), lights_of_a_disc(100)
     difference = el.compare_lights(one, other)
     assert difference.peak_angle == angle_deg(one.peak_direction[0], other.peak_direction[0])
     assert difference.angle == pytest.approx(10, abs=0.05)
@@ -225,7 +242,7 @@ def test_clipped_lights_and_other_units_are_noted():
 
 
 def test_the_difference_is_symmetric_but_for_the_ratio():
-    one, other = some_lights(1, 8), some_lights(2, 5)
+    one, other = scattered_lights(1, 8), scattered_lights(2, 5)
     forward, back = el.compare_lights(one, other), el.compare_lights(other, one)
     for name in ("angle", "peak_angle", "colour_angle", "size", "unmatched", "rotation"):
         assert getattr(forward, name) == pytest.approx(getattr(back, name), abs=1e-6), name

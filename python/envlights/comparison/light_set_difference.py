@@ -35,33 +35,33 @@ class LightSetDifference(Result):
     A number is None if it does not exist: most are, if either set has no light.
     """
 
-    angle: float | None
+    angle: float | None = None
     """Mean angle in degrees by which flux moves in the cheapest plan: the distance W1."""
 
-    peak_angle: float | None
+    peak_angle: float | None = None
     """Angle in degrees between the strongest lights of both sets."""
 
-    flux_ratio: float | None
+    flux_ratio: float | None = None
     """Binary logarithm of the total luminance of the guess over that of the truth."""
 
-    colour_angle: float | None
+    colour_angle: float | None = None
     """Angle in degrees between the total RGB irradiances."""
 
-    size: float | None
+    size: float | None = None
     """Mean difference of the angular radii in degrees, over the plan."""
 
-    unmatched: float | None
+    unmatched: float | None = None
     """Share of the flux that the plan moves by more than 30 degrees."""
 
-    rotation: float | None
+    rotation: float | None = None
     """Angle in degrees of the rotation that brings the truth closest to the guess, over the plan.
 
     With a single light, it is the smallest such rotation. None also if all are equally good."""
 
-    left_out: float
+    left_out: float = 0.0
     """Share of the flux in lights beyond the strongest, the larger one of both sets."""
 
-    plan: tuple[Movement, ...]
+    plan: tuple[Movement, ...] = ()
     """Movements of flux, by the index in the truth, then in the guess."""
 
     notes: tuple[str, ...] = ()
@@ -111,7 +111,7 @@ class LightSetDifference(Result):
             f"flux of guess over truth   {_ratio(self.flux_ratio)}",
             f"angle between the colours  {_degrees(self.colour_angle)}",
             f"difference of the radii    {_degrees(self.size)}",
-            f"moved more than {UNMATCHED_DEG:.0f}°       {_percent(self.unmatched)}",
+            f"moved more than {UNMATCHED_DEG:.0f}°        {_percent(self.unmatched)}",
             f"best common rotation       {_degrees(self.rotation)}",
         ]
         return lines if self.angle is not None else []

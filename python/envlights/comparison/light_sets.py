@@ -51,8 +51,8 @@ def compare_lights(truth: Lights, guess: Lights, *, strongest: int = 256) -> Lig
     Flux is the luminance of the irradiance at normal incidence, as shares that sum to 1 in either
     set, so brightness does not change the angles. The plan has the least mean angle (Peyré and
     Cuturi 2019, "Computational Optimal Transport", equation 2.11), which is a metric, symmetric and
-    with a triangle inequality. It treats equal lamps as one kind of flux: if each lamp of a row
-    moves to the position of the next, only the ends count. `peak_angle` is that between the
+    with a triangle inequality; of several such plans, it is one with the least mean square. Equal
+    lamps may be exchanged, if that moves less. `peak_angle` is that between the
     `peak_direction` of both sets if both were detected, and otherwise between the directions.
     `rotation` solves Wahba's problem (1965) for the pairs of the plan.
 
@@ -76,14 +76,14 @@ def compare_lights(truth: Lights, guess: Lights, *, strongest: int = 256) -> Lig
     best common rotation       0°
     """
     most = count("strongest", strongest, least=1)
-    sets = [_LightSet.of(*each, most) for each in (("truth", truth), ("guess", guess))]
-    notes = [note for each in sets for note in each.notes]
+    one, other = _LightSet.of("truth", truth, most), _LightSet.of("guess", guess, most)
+    notes = [*one.notes, *other.notes]
     if truth.units != guess.units:
         notes.append(f"the truth is in {truth.units}, the guess in {guess.units}; see flux_ratio")
-    left_out = max(each.left_out for each in sets)
-    if not all(each.flux.any() for each in sets):
-        return LightSetDifference(*[None] * 7, left_out=left_out, plan=(), notes=tuple(notes))
-    return _difference(*sets, left_out, tuple(notes))
+    if not (one.flux.any() and other.flux.any()):
+        left_out = max(one.left_out, other.left_out)
+        return LightSetDifference(left_out=left_out, notes=tuple(notes))
+    return _difference(one, other, tuple(notes))
 
 
 class _LightSet(NamedTuple):
@@ -143,9 +143,7 @@ def _notes(name: str, lights: Lights, strongest: int, left_out: float) -> list[s
     return notes
 
 
-def _difference(
-    truth: _LightSet, guess: _LightSet, left_out: float, notes: tuple[str, ...]
-) -> LightSetDifference:
+def _difference(truth: _LightSet, guess: _LightSet, notes: tuple[str, ...]) -> LightSetDifference:
     """Difference of two sets with light."""
     before, after = truth.lights.direction[truth.rows], guess.lights.direction[guess.rows]
     angle, pairs, shares = transport_plan(before, truth.flux, after, guess.flux)
@@ -163,7 +161,7 @@ def _difference(
         size=float(np.rad2deg(shares @ np.abs(radii[0] - radii[1]))),
         unmatched=float(shares[angles > UNMATCHED_DEG].sum()),
         rotation=rotation_degrees(before, after, shares),
-        left_out=left_out,
+        left_out=max(truth.left_out, guess.left_out),
         plan=_movements(*rows, shares, angles),
         notes=notes,
     )

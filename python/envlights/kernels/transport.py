@@ -18,7 +18,8 @@ def transport_plan(
     r"""Movement of weight between directions at the least mean angle.
 
     The weights of either set are divided by their sum. The result is exact: all weight is moved,
-    split where that is cheaper, and no other plan has a smaller mean angle.
+    split where that is cheaper, and no other plan has a smaller mean angle. Of several such plans,
+    it is one with the least mean square angle.
 
     Parameters
     ----------

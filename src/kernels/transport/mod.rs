@@ -4,7 +4,7 @@
 //! |-------------------------------------------------|----------------------|
 //! | weights as whole units of mass, angles as costs | `plan.rs`            |
 //! | flows of least cost                             | `network_simplex.rs` |
-//! | basis of the simplex as a tree                  | `spanning_tree.rs`   |
+//! | spanning tree that carries the flows            | `spanning_tree.rs`   |
 //!
 //! Mass is counted in whole units, so flows are exact: equal masses and coincident directions neither let the simplex
 //! cycle nor leave remainders of rounding in the plan.

@@ -1,9 +1,9 @@
-//! The basis of the network simplex: a spanning tree of sources, sinks and a root.
+//! Spanning tree of the network simplex, of sources, sinks and a root.
 //!
 //! Arcs lead from sources to sinks. Each node stores the arc to its parent, so the arc of a source leads up, and that
 //! of a sink leads down. Arcs between the root and all others exist for the start; they cost more than any detour.
 
-use super::network_simplex::ArcFlow;
+use ndarray::ArrayView2;
 
 /// Cost of an arc at the root: two of them cost more than an arc between a source and a sink, at most pi.
 const ROOT_COST: f64 = 4.0;
@@ -17,6 +17,17 @@ struct ParentArc {
     parent: usize,
     cost: f64,
     flow: i64,
+}
+
+/// Mass that moves along one arc.
+#[derive(Debug, PartialEq)]
+pub(super) struct ArcFlow {
+    /// Row of the costs.
+    pub source: usize,
+    /// Column of the costs.
+    pub sink: usize,
+    /// Units of mass, above 0.
+    pub units: i64,
 }
 
 /// Strongly feasible spanning tree: each arc without flow leads towards the root.
@@ -53,12 +64,11 @@ impl SpanningTree {
 
     /// Flows between sources and sinks that are above 0.
     pub fn flows(&self) -> Vec<ArcFlow> {
-        let flow = |(node, arc): (usize, &ParentArc)| {
-            let (source, sink) = if self.is_source(node) { (node, arc.parent) } else { (arc.parent, node) };
-            ArcFlow { source, sink: sink - self.sources, units: arc.flow }
+        let flow = |node: usize| {
+            let ([source, sink], units) = (self.ends(node)?, self.arcs[node].flow);
+            (units > 0).then_some(ArcFlow { source, sink, units })
         };
-        let inner = |(_, arc): &(usize, &ParentArc)| arc.parent < self.root() && arc.flow > 0;
-        self.arcs.iter().enumerate().filter(inner).map(flow).collect()
+        (0..self.root()).filter_map(flow).collect()
     }
 
     /// Add the arc from `source` to `sink`, with as much flow as the cycle admits, and remove the arc that blocks it.
@@ -77,6 +87,27 @@ impl SpanningTree {
         }
         let (inner, outer) = if self.is_below(source, last) { (source, sink) } else { (sink, source) };
         self.hang(inner, last, ParentArc { parent: outer, cost, flow });
+    }
+
+    /// Give the arcs between sources and sinks other costs, which are finite in the tree.
+    ///
+    /// Without flow at the root, none gets there: arcs from sources to it have no flow to give back.
+    pub fn replace_costs(&mut self, costs: ArrayView2<'_, f64>) {
+        for node in 0..self.root() {
+            if let Some([source, sink]) = self.ends(node) {
+                self.arcs[node].cost = costs[[source, sink]];
+            }
+        }
+        for node in self.children[self.root()].clone() {
+            self.update(node);
+        }
+    }
+
+    /// Source and sink, each by its own number, of the arc to the parent; `None` for an arc at the root.
+    fn ends(&self, node: usize) -> Option<[usize; 2]> {
+        let parent = self.arcs[node].parent;
+        let (source, sink) = if self.is_source(node) { (node, parent) } else { (parent, node) };
+        (parent < self.root()).then(|| [source, sink - self.sources])
     }
 
     fn root(&self) -> usize {

@@ -26,7 +26,7 @@ fn distance(from: &Cloud, to: &Cloud) -> f64 {
     plan(from, to).mean_angle
 }
 
-fn turned((directions, weights): &Cloud, turn: DMat3) -> Cloud {
+fn rotate((directions, weights): &Cloud, turn: DMat3) -> Cloud {
     (directions.iter().map(|&each| (turn * each).normalize()).collect(), weights.clone())
 }
 
@@ -53,7 +53,7 @@ fn random_cloud() -> impl Strategy<Value = Cloud> {
     with_weight((0.0..PI, 0.0..2.0 * PI, 0.0..1.0_f64).prop_map(|(t, p, weight)| (direction(t, p), weight)))
 }
 
-/// Up to 12 lights, one of which has weight.
+/// Up to 11 lights, the first one with a weight above 0.
 fn with_weight(light: impl Strategy<Value = (DVec3, f64)>) -> impl Strategy<Value = Cloud> {
     prop::collection::vec(light, 1..12).prop_map(|mut lights| {
         lights[0].1 += 1.0;
@@ -78,7 +78,7 @@ proptest! {
         let directions: Vec<_> = angles[..2 * half].iter().map(|&(theta, phi)| direction(theta, phi)).collect();
         let (from, to) = directions.split_at(half);
         let found = distance(&(from.to_vec(), vec![mass; half]), &(to.to_vec(), vec![1.0; half]));
-        prop_assert!((found - best_assignment(from, to) / half as f64).abs() < 1e-12);
+        prop_assert!((found - best_assignment(from, to) / half as f64).abs() < 2e-11);
     }
 
     #[test]
@@ -112,7 +112,7 @@ proptest! {
     #[test]
     fn a_rotation_of_both_sets_changes_nothing(a in any_cloud(), b in any_cloud(), turn in any_rotation()) {
         let before = distance(&a, &b);
-        let after = distance(&turned(&a, turn), &turned(&b, turn));
+        let after = distance(&rotate(&a, turn), &rotate(&b, turn));
         prop_assert!((before - after).abs() < 1e-11, "{before} {after}");
     }
 
@@ -125,7 +125,7 @@ proptest! {
         let sign = |code: usize, bit: usize| if code >> bit & 1 == 1 { 1.0 } else { -1.0 };
         let corner = |code| turn * DVec3::new(sign(code, 0), sign(code, 1), sign(code, 2)).normalize();
         let corners: Cloud = ((0..8).map(corner).collect(), weights.iter().map(|weight| weight + 1e-3).collect());
-        let moved = turned(&corners, DMat3::from_axis_angle(direction(around.0, around.1), angle));
+        let moved = rotate(&corners, DMat3::from_axis_angle(direction(around.0, around.1), angle));
         let movement = |k: usize| corners.0[k].cross(moved.0[k]).length().atan2(corners.0[k].dot(moved.0[k]));
         let whole: f64 = corners.1.iter().sum();
         let expected: f64 = (0..8).map(|k| movement(k) * corners.1[k] / whole).sum();
@@ -149,6 +149,19 @@ fn neither_the_seam_nor_a_pole_is_special() {
             angle,
             epsilon = 1e-15
         );
+    }
+}
+
+/// The first light could also move past all others at the same mean angle.
+#[test]
+fn lights_that_move_along_one_circle_all_move() {
+    let row = |first: i32| -> Cloud {
+        let lights = (0..5).map(|k| direction(PI / 2.0, 0.2 * f64::from(first + k)));
+        (lights.collect(), vec![1.0; 5])
+    };
+    for (from, to) in [(row(0), row(1)), (row(3), row(0))] {
+        let plan = plan(&from, &to);
+        assert!(plan.pairs.rows().into_iter().all(|pair| pair[0] == pair[1]), "{}", plan.pairs);
     }
 }
 
