@@ -147,7 +147,12 @@ class PixelSums(NamedTuple):
 
     def plus(self, other: PixelSums) -> PixelSums:
         """Sums over both blocks."""
-        return PixelSums(*(one + more for one, more in zip(self, other, strict=True)))
+        return PixelSums(
+            self.weight + other.weight,
+            self.products + other.products,
+            self.seen + other.seen,
+            self.angle + other.angle,
+        )
 
     def errors(self, *, channels: str, black: str) -> ImageErrors:
         """Errors of the pixels."""
@@ -182,9 +187,8 @@ def pixel_sums(
     ]
     angles = degrees_between(units[0].T, units[1].T)
     seen = share * is_seen
-    return PixelSums(
-        share @ np.ones(len(truth)), products, seen @ np.ones(len(truth)), seen @ angles
-    )
+    every = np.ones(len(truth))
+    return PixelSums(float(share @ every), products, float(seen @ every), float(seen @ angles))
 
 
 def image_errors(
