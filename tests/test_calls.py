@@ -61,6 +61,7 @@ LEFT_OUT = {
     "export.TARGETS": "is a table",
     "export.Target": "is a row of it",
     "kernels.WORKING_COLUMNS": "is a number",
+    "kernels.gloss": "is a module, whose function is in the table",
     "threads": "changes the threads of the process",
 }
 
