@@ -107,6 +107,13 @@ pub enum Error {
         value: f64,
     },
 
+    /// Weights that are all 0.
+    #[error("{what} must hold a number above 0; the sum is 0")]
+    NoWeight {
+        /// Name of the argument.
+        what: &'static str,
+    },
+
     /// An icosphere of this many faces does not exist.
     #[error("an icosphere has 20 * 4^k faces (20, 80, 320, 1280, 5120, ... up to {limit}); got {faces}")]
     NoSuchIcosphere {

@@ -95,6 +95,7 @@ ENGINE = {
     "forward": AXIS,
 }
 RIGS = st.sampled_from([RIG, FITTED, RIG.lights, DETECTED])
+LIGHT_SETS = st.sampled_from([RIG.lights, FITTED.lights, DETECTED, RIG.lights[:0]])
 PAPER = {"k_a": SMALL, "k_d": SMALL, "C": COLOUR}
 
 #: What no parameter expects, or hardly one.

@@ -35,6 +35,12 @@ SHADOWS = [el.shadow_overlay(rig, el.Ball((0, 0.5, 0), 0.5), columns=64) for rig
 PAGES = [el.view(rig) for rig in RIGS]
 
 
+TABLES = [
+    el.FolderComparison(el.Protocol(), {"hall": el.compare(IMAGES[which], RIGS[which])}, {})
+    for which in (0, 1)
+]
+
+
 #: For each kind the name of its file, and how the first or the second thing is saved there.
 SAVES = {
     **{
@@ -43,6 +49,10 @@ SAVES = {
         for suffix in target.suffixes
         # Crates are packed by OpenUSD, in a folder of its own, and not everywhere.
         if suffix != ".usdc"
+    },
+    **{
+        f"comparison {suffix}": (f"table{suffix}", lambda path, which: TABLES[which].save(path))
+        for suffix in (".csv", ".json")
     },
     "model": ("model.npz", lambda path, which: MODELS[which].save(path)),
     "image": ("image.exr", lambda path, which: el.io.write_exr(path, IMAGES[which])),

@@ -34,6 +34,7 @@ __all__ = [
     "BakedPairs",
     "Ball",
     "Box",
+    "Comparison",
     "DamagedFileError",
     "DetectedLights",
     "DetectionReport",
@@ -42,6 +43,9 @@ __all__ = [
     "EnvMap",
     "FilePairs",
     "FitReport",
+    "FolderComparison",
+    "ImageErrors",
+    "LightSetDifference",
     "Lights",
     "Limit",
     "MissingFileError",
@@ -51,6 +55,7 @@ __all__ = [
     "PhotographLight",
     "PhotographLights",
     "Polyhedron",
+    "Protocol",
     "RemovedLights",
     "Rig",
     "ShadowOverlay",
@@ -61,6 +66,9 @@ __all__ = [
     "TransferReport",
     "View",
     "bake",
+    "compare",
+    "compare_folders",
+    "compare_lights",
     "detect",
     "detect_article",
     "detect_photograph",
@@ -68,6 +76,7 @@ __all__ = [
     "fit",
     "fit_paper",
     "fit_probe",
+    "image_errors",
     "kernels",
     "limit",
     "read_pairs",
@@ -75,13 +84,14 @@ __all__ = [
     "split",
     "synthetic",
     "threads",
+    "vector_angle",
     "view",
 ]
 
 #: Attributes, too. What a fit does not need is imported when it is first used, so that `import
 #: envlights` does not wait for it; so is what reads the version.
 _SUBPACKAGES = (
-    *("cli", "detection", "export", "fitting", "io", "plot", "scene"),
+    *("cli", "comparison", "detection", "export", "fitting", "io", "plot", "scene"),
     *("synthetic", "transfer"),
 )
 #: Names of `__all__` that come from one of them.
@@ -90,6 +100,13 @@ _LATER = {
     **dict.fromkeys(("BakedPairs", "DirectLight", "MitsubaScene", "Surface", "bake"), "scene"),
     **dict.fromkeys(("ShadowOverlay", "shadow_overlay"), "scene"),
     **dict.fromkeys(("View", "view"), "viewer.page"),
+    **dict.fromkeys(("Comparison", "compare"), "comparison.compare"),
+    **dict.fromkeys(("FolderComparison", "compare_folders"), "comparison.folders"),
+    **dict.fromkeys(("ImageErrors", "image_errors"), "comparison.image_errors"),
+    "LightSetDifference": "comparison.light_set_difference",
+    "Protocol": "comparison.protocol",
+    "compare_lights": "comparison.light_sets",
+    "vector_angle": "comparison.vector_angle",
     "Model": "viewer.model",
     **dict.fromkeys(("FilePairs", "TransferModel", "TransferReport", "read_pairs"), "transfer"),
 }
@@ -100,6 +117,7 @@ _targets.register_later(lambda: _import_module(f"{__name__}.export"))
 if _typing.TYPE_CHECKING:
     __version__: str
     from envlights import cli as cli
+    from envlights import comparison as comparison
     from envlights import detection as detection
     from envlights import export as export
     from envlights import fitting as fitting
@@ -108,6 +126,13 @@ if _typing.TYPE_CHECKING:
     from envlights import scene as scene
     from envlights import synthetic as synthetic
     from envlights import transfer as transfer
+    from envlights.comparison.compare import Comparison, compare
+    from envlights.comparison.folders import FolderComparison, compare_folders
+    from envlights.comparison.image_errors import ImageErrors, image_errors
+    from envlights.comparison.light_set_difference import LightSetDifference
+    from envlights.comparison.light_sets import compare_lights
+    from envlights.comparison.protocol import Protocol
+    from envlights.comparison.vector_angle import vector_angle as vector_angle
     from envlights.fitting.madsen import PaperFit, fit_paper
     from envlights.scene import BakedPairs, DirectLight, MitsubaScene, ShadowOverlay, Surface
     from envlights.scene.bake import bake as bake

@@ -9,6 +9,7 @@ mod error;
 mod fill;
 mod fit;
 mod formats;
+mod gloss;
 mod harmonics;
 mod hierarchy;
 mod image;
@@ -21,10 +22,12 @@ mod probe;
 mod projection;
 mod reduction;
 mod repair;
+mod rough_reflection;
 mod sampling;
 mod sphere;
 mod split;
 mod transfer;
+mod transport;
 
 use pyo3::prelude::*;
 
@@ -53,6 +56,8 @@ mod _native {
     use super::fit::{FitAnswer, fit_reduced, fit_samples, map_energy, relative_rms, rig_irradiance};
     #[pymodule_export]
     use super::formats::{PngFile, RadianceFile, radiance_rows};
+    #[pymodule_export]
+    use super::gloss::gloss_spectrum;
     #[pymodule_export]
     use super::harmonics::{harmonic_irradiance, harmonic_radiance};
     #[pymodule_export]
@@ -85,6 +90,8 @@ mod _native {
     #[pymodule_export]
     use super::repair::{clipped_depth, clipped_light_shares, clipped_share};
     #[pymodule_export]
+    use super::rough_reflection::rough_reflection;
+    #[pymodule_export]
     use super::sampling::{even_sphere, halton, hammersley, icosphere, radical_inverse, uniform_sphere};
     #[pymodule_export]
     use super::sphere::{direction_to_uv, pixel_directions, pixel_solid_angles, uv_to_direction};
@@ -92,6 +99,8 @@ mod _native {
     use super::split::{MapSplit, split_map};
     #[pymodule_export]
     use super::transfer::{transfer_columns, transfer_frames, transfer_gram};
+    #[pymodule_export]
+    use super::transport::transport_plan;
 
     /// Import `numpy` now: the first array would import it inside a kernel, where Ctrl-C could interrupt it.
     #[pymodule_init]

@@ -9,6 +9,8 @@
 //! | layouts of the sphere in a picture             | `projection/`  |
 //! | low-discrepancy points, icospheres             | `sampling.rs`  |
 //! | spherical harmonics, and irradiance under them | `harmonics.rs` |
+//! | reflection of a map by a rough surface        | `rough_reflection.rs` |
+//! | optimal transport between weighted directions  | `transport/`   |
 //! | irradiance of a disc of uniform radiance       | `disc.rs`      |
 //! | drawing of discs into a map                    | `disc_map.rs`  |
 //! | light hidden by balls and convex polyhedra     | `occluder/`    |
@@ -16,6 +18,7 @@
 //! | unusable samples, reduction, resampling        | `image/`       |
 //! | exact irradiance of a white probe              | `probe/`       |
 //! | a map in spherical harmonics                   | `expansion/`   |
+//! | spectrum of a shiny ball seen from all sides   | `gloss.rs`     |
 //! | smooth radiance for pixels without any         | `fill/`        |
 //! | lights of a map                                | `detect/`      |
 //! | clipped part of a map, and its missing light   | `repair/`      |
@@ -32,6 +35,7 @@ pub mod disc_map;
 mod expansion;
 pub mod fill;
 pub mod fit;
+pub mod gloss;
 pub mod harmonics;
 pub mod hierarchy;
 pub mod image;
@@ -41,7 +45,9 @@ pub mod occluder;
 pub mod probe;
 pub mod projection;
 pub mod repair;
+pub mod rough_reflection;
 pub mod sampling;
 pub mod sphere;
 pub mod split;
 pub mod transfer;
+pub mod transport;

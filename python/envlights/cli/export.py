@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import contextlib
-import json
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import click
@@ -12,18 +10,9 @@ import click
 from envlights._native import EnvLightsError
 from envlights._targets import save
 from envlights.cli.outputs import check_output, print_losses, say_written, strict_option
-from envlights.detection.lights import DetectedLights
+from envlights.detection.lights_file import load_lights
 from envlights.envmap import EnvMap
 from envlights.export.targets import SUFFIXES, TARGETS
-from envlights.io.csv_table import read_csv
-from envlights.lights import Lights
-from envlights.rig import Rig
-
-#: Readers by the format in the file.
-_READERS: dict[str, Callable[[str], Lights]] = {
-    "envlights lights": Lights.load,
-    "envlights detected lights": DetectedLights.load,
-}
 
 
 def _table() -> str:
@@ -50,7 +39,7 @@ def command(rig_path: str, targets: Sequence[str], environment: str | None, stri
     inputs = {"the rig": rig_path, **({"the map": environment} if environment else {})}
     for output in outputs:
         check_output(output, SUFFIXES, inputs)
-    rig = _load(rig_path)
+    rig = load_lights(rig_path)
     env = None if environment is None else EnvMap.open(environment)
     for output in outputs:
         with print_losses(strict=strict):
@@ -71,14 +60,3 @@ def _place(rig_path: str, target: str) -> str:
             f"cannot write {target} beside '{rig_path}', which names no file; give a file of a rig"
         )
     return str(Path(rig_path).with_suffix(suffixes[target]))
-
-
-def _load(path: str) -> Rig | Lights:
-    """Rig or lights of a file; `Rig.load` refuses all other files."""
-    if Path(path).suffix.lower() == ".csv":
-        return Lights.load(path) if read_csv(path).ambient is None else Rig.load(path)
-    kind = None
-    with contextlib.suppress(OSError, ValueError, RecursionError, AttributeError):
-        kind = json.loads(Path(path).read_text(encoding="utf-8")).get("format")
-    reader = _READERS.get(kind) if isinstance(kind, str) else None
-    return reader(path) if reader else Rig.load(path)

@@ -6,6 +6,7 @@ function says otherwise; none is changed. An array must not be written to by ano
 kernel reads it.
 """
 
+from envlights.kernels import gloss
 from envlights.kernels.harmonics import harmonic_irradiance, harmonic_radiance
 from envlights.kernels.image import (
     blur,
@@ -39,6 +40,7 @@ from envlights.kernels.probe import (
     sum_over_sources,
     working_irradiance,
 )
+from envlights.kernels.reflection import rough_reflection
 from envlights.kernels.sampling import (
     halton,
     hammersley,
@@ -52,6 +54,7 @@ from envlights.kernels.sphere import (
     pixel_solid_angles,
     uv_to_direction,
 )
+from envlights.kernels.transport import transport_plan
 
 __all__ = [
     "WORKING_COLUMNS",
@@ -61,6 +64,7 @@ __all__ = [
     "disc_map",
     "face_radiance",
     "form_factors",
+    "gloss",
     "halton",
     "hammersley",
     "harmonic_irradiance",
@@ -83,8 +87,10 @@ __all__ = [
     "relative_rms",
     "resize_bilinear",
     "rig_irradiance",
+    "rough_reflection",
     "sum_over_sources",
     "suppress",
+    "transport_plan",
     "uniform_sphere",
     "unpack_lights",
     "uv_to_direction",

@@ -1,0 +1,60 @@
+"""`envlights compare`: `compare` on two files, `compare_folders` on two folders."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import click
+
+from envlights._native import EnvLightsError
+from envlights.cli.outputs import check_output, default_of, say_written
+from envlights.comparison.compare import Comparison, compare
+from envlights.comparison.folders import (
+    TABLE_FILES,
+    FolderComparison,
+    compare_folders,
+    save_table,
+)
+from envlights.comparison.protocol import PROTOCOLS
+
+
+@click.command("compare")
+@click.argument("truth", metavar="TRUTH")
+@click.argument("guess", metavar="GUESS")
+@click.option(
+    "--protocol",
+    default=default_of(compare, "protocol"),
+    show_default=True,
+    metavar="NAME",
+    help=f"Rules of the comparison: {', '.join(PROTOCOLS)}.",
+)
+@click.option("-o", "--output", metavar="OUT", help="Table to write (.csv, .json).")
+@click.option("--json", "as_json", is_flag=True, help="Print the comparison as JSON.")
+def command(truth: str, guess: str, protocol: str, output: str | None, as_json: bool) -> None:
+    """Compare the lighting GUESS with TRUTH.
+
+    Both are maps (.hdr, .exr, .png, .jpg, .tif), rigs or lights (.json, .csv), or both are folders
+    of such files, which are paired by name.
+    """
+    if output is not None:
+        check_output(output, TABLE_FILES, {"the truth": truth, "the guess": guess})
+    folders = _are_folders(truth, guess)
+    if folders:
+        table = compare_folders(truth, guess, protocol)
+        result: FolderComparison | Comparison = table
+    else:
+        result = compare(truth, guess, protocol)
+        table = FolderComparison(result.protocol, {Path(truth).stem: result}, {})
+    if output is not None:
+        save_table(output, table.to_csv(), result.to_dict())
+    click.echo(json.dumps(result.to_dict(), indent=2) if as_json else str(result))
+    say_written([] if output is None else [output])
+
+
+def _are_folders(truth: str, guess: str) -> bool:
+    """True for two folders; a refusal of a file and a folder."""
+    are_folders = [Path(path).is_dir() for path in (truth, guess)]
+    if any(are_folders) and not all(are_folders):
+        raise EnvLightsError("TRUTH and GUESS must both be files, or both be folders")
+    return all(are_folders)

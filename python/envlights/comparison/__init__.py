@@ -1,0 +1,29 @@
+"""Comparison of lightings by spheres and by lights, exactly or as published.
+
+| step                                           | file                      |
+|------------------------------------------------|---------------------------|
+| angles between vectors                         | `angles.py`               |
+| angle between the irradiance vectors of maps   | `vector_angle.py`         |
+| rotation of one set of lights to another       | `common_rotation.py`      |
+| difference of two sets of lights as a result   | `light_set_difference.py` |
+| measurement of that difference                 | `light_sets.py`           |
+| choices of a comparison                        | `protocol.py`             |
+| errors of pixels                               | `image_errors.py`         |
+| tone of a map                                  | `tone.py`                 |
+| harmonics of maps and discs                    | `harmonics.py`            |
+| spectra of spheres                             | `spectra.py`              |
+| map, rig or lights at one size                 | `lighting.py`             |
+| normals and views of images of a ball          | `rays.py`                 |
+| errors of one sphere                           | `spheres.py`              |
+| notes                                          | `wording.py`              |
+| comparison of two lightings                    | `compare.py`              |
+| comparison of two folders                      | `folders.py`              |
+"""
+
+from envlights.comparison.protocol import PROTOCOLS, Camera, Material, Protocol
+
+__all__ = ["PROTOCOLS", "Camera", "Material", "Protocol"]
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

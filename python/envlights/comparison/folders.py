@@ -1,0 +1,259 @@
+"""`compare_folders`: all maps of two folders that have the same names."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights import _html
+from envlights._native import EnvLightsError
+from envlights._progress import progress_bar
+from envlights._result import Result
+from envlights._tables import Table, frame_of
+from envlights.comparison.compare import Comparison, compare
+from envlights.comparison.protocol import Protocol, as_protocol
+from envlights.detection.lights_file import SUFFIXES as LIGHT_FILES
+from envlights.io.errors import MissingFileError
+from envlights.io.files import as_path, write_atomically
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+#: Suffixes of files that are compared; other files are not looked at.
+_SUFFIXES = (".exr", ".hdr", ".png", ".jpg", ".jpeg", ".tif", ".tiff", *LIGHT_FILES)
+#: Suffixes of the table that `save` writes.
+TABLE_FILES = (".csv", ".json")
+#: Numbers of each sphere and of the lights, with a column each.
+_OF_SPHERE = ("rmse", "si_rmse", "angle", "relative", "si_relative", "normalised_rmse")
+_OF_LIGHTS = (
+    *("angle", "peak_angle", "flux_ratio", "colour_angle", "size", "unmatched", "rotation"),
+    "left_out",
+)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class FolderComparison(Result):
+    """Comparisons of the maps of two folders, with means, medians and failures."""
+
+    protocol: Protocol
+    """Choices of each comparison."""
+
+    comparisons: Mapping[str, Comparison]
+    """Comparison of each pair, by name without suffix."""
+
+    failures: Mapping[str, str]
+    """Reason for each name that has no comparison."""
+
+    def columns(self) -> dict[str, NDArray[np.float64]]:
+        """Numbers of each pair by name, (pairs,); NaN if a pair has none."""
+        rows = [_numbers(each) for each in self.comparisons.values()]
+        names = list(dict.fromkeys(name for row in rows for name in row))
+        return {name: np.array([row.get(name, np.nan) for row in rows]) for name in names}
+
+    @property
+    def mean(self) -> dict[str, float]:
+        """Mean of each column over the pairs that have a number."""
+        return {name: float(np.nanmean(values)) for name, values in self.columns().items()}
+
+    @property
+    def median(self) -> dict[str, float]:
+        """Median of each column over the pairs that have a number."""
+        return {name: float(np.nanmedian(values)) for name, values in self.columns().items()}
+
+    def in_short(self) -> str:
+        """Number of pairs and of failures."""
+        pairs, failures = len(self.comparisons), len(self.failures)
+        return (
+            f"{pairs} pair{'' if pairs == 1 else 's'} by '{self.protocol.name}', {failures} failed"
+        )
+
+    def __len__(self) -> int:
+        return len(self.comparisons)
+
+    def table(self) -> Table:
+        """Table of the errors of each sphere, with means and medians."""
+        spheres = list(self.protocol.materials)
+        parts = [f"{name}_{what}" for name in spheres for what in ("rmse", "si_rmse", "angle")]
+        columns = self.columns()
+        rows = [
+            [name, *(f"{columns[part][i]:.4g}" for part in parts)]
+            for i, name in enumerate(self.comparisons)
+        ]
+        for what, numbers in (("mean", self.mean), ("median", self.median)):
+            rows += [[what, *(f"{numbers[part]:.4g}" for part in parts)]] if rows else []
+        return Table(["name", *(part.replace("_", " ", 1) for part in parts)], rows)
+
+    def __str__(self) -> str:
+        return "\n".join([self.in_short(), *self._table_lines(), *self._remarks()])
+
+    def _table_lines(self) -> list[str]:
+        return [str(self.table())] if self.comparisons else []
+
+    def _remarks(self) -> list[str]:
+        """Failures, and notes that all pairs share."""
+        failures = [f"failed: {name}: {reason}" for name, reason in self.failures.items()]
+        notes = [each.notes for each in self.comparisons.values()]
+        shared = [note for note in (notes[0] if notes else ()) if all(note in n for n in notes)]
+        return [*failures, *shared]
+
+    def _html_parts(self) -> tuple[str, ...]:
+        table = (self.table().html(),) if self.comparisons else ()
+        return (*table, _html.lines("\n".join(self._remarks())))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain numbers and texts, for example for JSON."""
+        return {
+            "protocol": self.protocol.name,
+            "pairs": {name: each.to_dict() for name, each in self.comparisons.items()},
+            "mean": _without_nan(self.mean),
+            "median": _without_nan(self.median),
+            "failures": dict(self.failures),
+        }
+
+    def to_frame(self) -> pd.DataFrame:
+        """Data frame with a row for each pair; needs pandas, from the extra `frame`."""
+        names = np.array(list(self.comparisons), dtype=object)
+        return frame_of({"name": names, **self.columns()})
+
+    def to_csv(self) -> str:
+        """Lossless table with a row for each pair, then failures as comments."""
+        import csv
+        import io
+
+        text = io.StringIO()
+        writer = csv.writer(text, lineterminator="\n")
+        columns = self.columns()
+        writer.writerow(["name", *columns])
+        for i, name in enumerate(self.comparisons):
+            values = (float(column[i]) for column in columns.values())
+            writer.writerow([name, *("" if np.isnan(v) else repr(v) for v in values)])
+        failures = "".join(f"# failed: {name}: {why}\n" for name, why in self.failures.items())
+        return text.getvalue() + failures
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the table as ``.csv`` or ``.json``; a failure leaves no file."""
+        save_table(path, self.to_csv(), self.to_dict())
+
+
+def save_table(path: str | os.PathLike[str], table: str, content: dict[str, Any]) -> None:
+    """Write a table as ``.csv``, or its content as ``.json``."""
+    import json
+
+    suffix = as_path(path).suffix.lower()
+    if suffix not in TABLE_FILES:
+        raise EnvLightsError(f"cannot write {path}: the suffix must be one of .csv, .json")
+    text = table if suffix == ".csv" else json.dumps(content, indent=2) + "\n"
+    data = text.encode("utf-8", "backslashreplace")
+    write_atomically(path, lambda beside: beside.write_bytes(data))
+
+
+def _numbers(comparison: Comparison) -> dict[str, float]:
+    """Numbers of a pair, by the name of their column."""
+    spheres = {
+        f"{name}_{what}": getattr(errors, what)
+        for name, errors in comparison.spheres.items()
+        for what in _OF_SPHERE
+    }
+    errors = {
+        "probe_error": comparison.probe_error,
+        "shadow_error": comparison.shadow_error,
+        "gloss_error": comparison.gloss_error(),
+    }
+    lights = {f"lights_{what}": getattr(comparison.lights, what) for what in _OF_LIGHTS}
+    numbers = {**spheres, **errors, **lights, "vector_angle": comparison.vector_angle}
+    return {name: float(value) for name, value in numbers.items() if value is not None}
+
+
+def _without_nan(numbers: dict[str, float]) -> dict[str, float | None]:
+    return {name: None if np.isnan(value) else value for name, value in numbers.items()}
+
+
+def compare_folders(
+    truth: str | os.PathLike[str],
+    guess: str | os.PathLike[str],
+    protocol: str | Protocol = "exact",
+    *,
+    progress: bool | None = None,
+) -> FolderComparison:
+    """Compare the maps of two folders that have the same name.
+
+    Parameters
+    ----------
+    truth, guess : path-like
+        Folders of maps (.exr, .hdr, .png, .jpg, .tif), rigs or lights (.json, .csv). Two files are
+        a pair if their names without the suffix are equal.
+    protocol : {"exact", "stylelight", "diffusionlight"} or Protocol
+        Protocol of `compare`.
+    progress : bool, optional
+        True: show a bar. When left out, one appears in a terminal or notebook after a second.
+
+    Returns
+    -------
+    FolderComparison
+        A row for each pair, sorted by name. A file that cannot be read, or that has no counterpart,
+        costs its row; `failures` says why.
+
+    Raises
+    ------
+    EnvLightsError
+        If a folder is missing, or holds no map.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import envlights as el
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     for name, gain in (("truth", 1), ("guess", 2)):
+    ...         (Path(folder) / name).mkdir()
+    ...         el.EnvMap(gain * el.synthetic.hall(32).radiance).save(f"{folder}/{name}/hall.exr")
+    ...     table = el.compare_folders(f"{folder}/truth", f"{folder}/guess")
+    >>> table
+    <FolderComparison: 1 pair by 'exact', 0 failed>
+    >>> round(table.mean["matte_relative"], 6)
+    1.0
+    """
+    rules = as_protocol(protocol)
+    sides = [_files(name, folder) for name, folder in (("truth", truth), ("guess", guess))]
+    names = sorted({*sides[0], *sides[1]})
+    comparisons, failures = {}, {}
+    for name in progress_bar(names, "compare", "map", progress):
+        try:
+            paths = _only(sides[0], name, "truth"), _only(sides[1], name, "guess")
+            comparisons[name] = compare(paths[0], paths[1], rules)
+        except (EnvLightsError, OSError) as refusal:
+            failures[name] = str(refusal)
+    return FolderComparison(rules, comparisons, failures)
+
+
+def _files(name: str, folder: str | os.PathLike[str]) -> dict[str, list[Path]]:
+    """Files of a folder by name without suffix."""
+    path = as_path(folder)
+    if not path.is_dir():
+        raise MissingFileError(f"{name} must be a folder; got '{folder}', which is none")
+    try:
+        paths = sorted(path.iterdir())
+    except OSError as error:
+        raise EnvLightsError(f"cannot read the folder {folder}: {error.strerror}") from None
+    files: dict[str, list[Path]] = {}
+    for each in paths:
+        if each.suffix.lower() in _SUFFIXES and each.is_file():
+            files.setdefault(each.stem, []).append(each)
+    if not files:
+        raise EnvLightsError(f"{name} has no map: the folder '{folder}' holds no file with one of"
+                             f" the suffixes {', '.join(_SUFFIXES)}")  # fmt: skip
+    return files
+
+
+def _only(files: dict[str, list[Path]], name: str, what: str) -> Path:
+    """Only file of a name, or a refusal."""
+    found = files.get(name, [])
+    if len(found) != 1:
+        count = "no file" if not found else f"{len(found)} files"
+        raise EnvLightsError(f"{what} has {count} of this name")
+    return found[0]

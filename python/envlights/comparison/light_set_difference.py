@@ -1,0 +1,135 @@
+"""Difference of two sets of lights, as a result."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from envlights._result import Result
+from envlights._tables import MOST_ROWS, Table
+
+#: Degrees above which flux counts as unmatched.
+UNMATCHED_DEG = 30.0
+
+
+class Movement(NamedTuple):
+    """Flux that moves from a light of the truth to a light of the guess."""
+
+    truth: int
+    """Index of the light in the truth."""
+
+    guess: int
+    """Index of the light in the guess."""
+
+    share: float
+    """Share of the flux; those of a plan sum to 1."""
+
+    angle: float
+    """Angle between both directions in degrees."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class LightSetDifference(Result):
+    """Difference of a guessed set of lights from a true one; see `compare_lights`.
+
+    A number is None if it does not exist: most are, if either set has no light.
+    """
+
+    angle: float | None = None
+    """Mean angle in degrees by which flux moves in the cheapest plan: the distance W1."""
+
+    peak_angle: float | None = None
+    """Angle in degrees between the strongest lights of both sets."""
+
+    flux_ratio: float | None = None
+    """Binary logarithm of the total luminance of the guess over that of the truth."""
+
+    colour_angle: float | None = None
+    """Angle in degrees between the total RGB irradiances."""
+
+    size: float | None = None
+    """Mean difference of the angular radii in degrees, over the plan."""
+
+    unmatched: float | None = None
+    """Share of the flux that the plan moves by more than 30 degrees."""
+
+    rotation: float | None = None
+    """Angle in degrees of the rotation that brings the truth closest to the guess, over the plan.
+
+    With a single light, it is the smallest such rotation. None also if all are equally good."""
+
+    left_out: float = 0.0
+    """Share of the flux in lights beyond the strongest, the larger one of both sets."""
+
+    plan: tuple[Movement, ...] = ()
+    """Movements of flux, by the index in the truth, then in the guess."""
+
+    notes: tuple[str, ...] = ()
+    """Remarks on lights that were left out, and on numbers that do not exist or are uncertain."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """All fields as plain numbers, lists and strings."""
+        numbers = {name: getattr(self, name) for name in _NUMBERS}
+        return {
+            **numbers,
+            "plan": [movement._asdict() for movement in self.plan],
+            "notes": list(self.notes),
+        }
+
+    def in_short(self) -> str:
+        """Mean angle and ratio of the fluxes."""
+        if self.angle is None:
+            return "no lights to compare"
+        return f"{_degrees(self.angle)} on average, flux x {_ratio(self.flux_ratio)}"
+
+    def __str__(self) -> str:
+        return "\n".join([*self._lines(), *(f"note: {note}" for note in self.notes)])
+
+    def verbose(self) -> str:
+        """Text with the largest movements of the plan."""
+        return "\n\n".join(filter(None, [str(self), str(self.table()) if self.plan else ""]))
+
+    def table(self) -> Table:
+        """Table of the dozen largest movements, and a summary of the others."""
+        largest = sorted(self.plan, key=lambda movement: -movement.share)
+        rows = [
+            [str(each.truth), str(each.guess), _percent(each.share), _degrees(each.angle)]
+            for each in largest[:MOST_ROWS]
+        ]
+        hidden = largest[MOST_ROWS:]
+        rest = f"{len(hidden)} more, {_percent(sum(each.share for each in hidden))} together"
+        return Table(["truth", "guess", "share", "angle"], rows, rest if hidden else "")
+
+    def _html_parts(self) -> tuple[str, ...]:
+        return (*super()._html_parts(), *([self.table().html()] if self.plan else []))
+
+    def _lines(self) -> list[str]:
+        """One line for each kind of number."""
+        lines = [
+            f"mean angle of the flux     {_degrees(self.angle)}",
+            f"between the strongest      {_degrees(self.peak_angle)}",
+            f"flux of guess over truth   {_ratio(self.flux_ratio)}",
+            f"angle between the colours  {_degrees(self.colour_angle)}",
+            f"difference of the radii    {_degrees(self.size)}",
+            f"moved more than {UNMATCHED_DEG:.0f}°        {_percent(self.unmatched)}",
+            f"best common rotation       {_degrees(self.rotation)}",
+        ]
+        return lines if self.angle is not None else []
+
+
+_NUMBERS = (
+    *("angle", "peak_angle", "flux_ratio", "colour_angle", "size", "unmatched", "rotation"),
+    "left_out",
+)
+
+
+def _degrees(angle: float | None) -> str:
+    return "none" if angle is None else f"{angle:.3g}°"
+
+
+def _percent(share: float | None) -> str:
+    return "none" if share is None else f"{100 * share:.3g} %"
+
+
+def _ratio(binary_logarithm: float | None) -> str:
+    return "none" if binary_logarithm is None else f"{2.0**binary_logarithm:.3g}"

@@ -1,0 +1,164 @@
+"""Lighting of one side of a comparison: a map, and discs beside it that need no pixels."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights.comparison import harmonics
+from envlights.comparison.angles import degrees_between
+from envlights.detection.detect import detect
+from envlights.detection.lights_file import SUFFIXES, load_lights
+from envlights.envmap import AnyMap, EnvMap, as_envmap
+from envlights.io.files import as_path
+from envlights.kernels.image import LUMINANCE
+from envlights.kernels.probe import irradiance, rig_irradiance
+from envlights.lights import Lights
+from envlights.rig import Rig
+
+#: Lighting that can be compared.
+AnyLighting = AnyMap | Rig | Lights
+
+#: Irradiance vectors shorter than this fraction of the flux are rounding of single precision.
+_LEAST_LENGTH = 1e-6
+
+#: Rows of two rigs, which have no size of their own.
+DEFAULT_ROWS = 128
+
+
+@dataclass(frozen=True, eq=False)
+class Lighting:
+    """Radiance in cells, and the discs that are drawn in it.
+
+    Harmonics and irradiance of the discs are exact; their pixels are for mirrors and angles.
+    """
+
+    radiance: NDArray[np.float32]
+    """All light, (height, 2 * height, 3)."""
+
+    backdrop: NDArray[np.float32]
+    """Light without the discs, of the same shape."""
+
+    discs: Lights | None
+    """Lights of a rig or of a set of lights."""
+
+    env: EnvMap
+    """Map of all light, with its units and its clip level."""
+
+    given: Lights | None = None
+    """Lights of a rig or of a set of lights, as they were given."""
+
+    @cached_property
+    def harmonics(self) -> NDArray[np.complex128]:
+        """Coefficients; see `comparison.harmonics`."""
+        cells = reduce_cells(self.backdrop, harmonics.MOST_ROWS)
+        out = harmonics.of_map(cells.astype(np.float64))
+        if self.discs is not None and len(self.discs):
+            arrays = self.discs.direction, self.discs.irradiance, self.discs.angular_radius
+            out = out + harmonics.of_discs(*arrays)
+        return out
+
+    def probe(self, normals: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Irradiance at unit normals, (n, 3)."""
+        values = irradiance(self.backdrop, normals)
+        if self.discs is not None and len(self.discs):
+            arrays = self.discs.direction, self.discs.irradiance, self.discs.angular_radius
+            values = values + rig_irradiance(normals, np.zeros(3), *arrays)
+        return values
+
+    @cached_property
+    def lights(self) -> Lights:
+        """Lights of a rig, or those that are detected in a map."""
+        return detect(self.env) if self.given is None else self.given
+
+    @property
+    def vector(self) -> NDArray[np.float64]:
+        """Irradiance vector of the luminance: the part of degree 1, (3,)."""
+        polar, turned = self.harmonics[:2, 1] @ LUMINANCE
+        x, z = -turned.imag / np.sqrt(3 / (8 * np.pi)), -turned.real / np.sqrt(3 / (8 * np.pi))
+        return np.array([x, polar.real / np.sqrt(3 / (4 * np.pi)), z])
+
+    @property
+    def rows(self) -> int:
+        """Rows of the map."""
+        return len(self.radiance)
+
+    @classmethod
+    def of_cells(cls, radiance: NDArray[np.float32]) -> Lighting:
+        """Lighting of pixels alone."""
+        return cls(radiance, radiance, None, EnvMap(radiance))
+
+
+@dataclass(frozen=True, eq=False)
+class Pair:
+    """Truth and guess at one size."""
+
+    truth: Lighting
+    guess: Lighting
+
+    @property
+    def sides(self) -> tuple[Lighting, Lighting]:
+        """Truth, then guess."""
+        return self.truth, self.guess
+
+    @cached_property
+    def by_degree(self) -> NDArray[np.float64]:
+        """Inner products of each degree, (4, degree): T T, T G, G G and those of G - T."""
+        one, other = self.truth.harmonics, self.guess.harmonics
+        difference = other - one
+        pairs = [(one, one), (one, other), (other, other), (difference, difference)]
+        return np.stack([harmonics.products(*pair) for pair in pairs])
+
+    def vector_angle(self) -> float | None:
+        """Degrees between the irradiance vectors; None if one is 0, but for rounding."""
+        for side in self.sides:
+            flux = float(side.harmonics[0, 0].real @ LUMINANCE) * np.sqrt(4 * np.pi)
+            if not np.linalg.norm(side.vector) > _LEAST_LENGTH * flux:
+                return None
+        return float(degrees_between(self.truth.vector, self.guess.vector))
+
+
+def open_lighting(what: Any) -> EnvMap | Rig | Lights:
+    """Map, rig or lights of an argument: an object, an array or a path."""
+    if isinstance(what, Rig | Lights | EnvMap):
+        return what
+    if isinstance(what, str | os.PathLike) and as_path(what).suffix.lower() in SUFFIXES:
+        return load_lights(what)
+    return as_envmap(what)
+
+
+def rows_of(what: EnvMap | Rig | Lights) -> int | None:
+    """Rows of a map; None for lights, which can be drawn at any size."""
+    return what.height if isinstance(what, EnvMap) else None
+
+
+def lighting_of(what: EnvMap | Rig | Lights, rows: int) -> Lighting:
+    """Lighting of a map, a rig or lights, with a map of `rows` rows."""
+    if isinstance(what, EnvMap):
+        return _of_map(what, rows)
+    lights = what.lights if isinstance(what, Rig) else what
+    drawn = what.to_map(rows)
+    dark = Lights(np.zeros((0, 3)), np.zeros((0, 3)), units=drawn.units)
+    if isinstance(what, Rig):
+        backdrop = Rig(what.ambient, dark, error=0.0, floor=what.floor).to_map(rows).radiance
+    else:
+        backdrop = np.zeros_like(drawn.radiance)
+    return Lighting(drawn.radiance, backdrop, lights.discs(), drawn, lights)
+
+
+def _of_map(env: EnvMap, rows: int) -> Lighting:
+    """Lighting of a map, filled where it shows nothing."""
+    whole = env.filled()
+    reduced = whole if whole.height == rows else whole.resized(2 * rows)
+    cells = reduced.cells()
+    return Lighting(cells, cells, None, reduced)
+
+
+def reduce_cells(radiance: NDArray[np.float32], rows: int) -> NDArray[np.float32]:
+    """Area means of cells in a map of at most `rows` rows."""
+    return radiance if len(radiance) <= rows else EnvMap(radiance).resized(2 * rows).cells()

@@ -1,0 +1,73 @@
+r"""Spectra of spheres: mean squared images from all sides, as factors of each degree.
+
+A sphere under the radiance L has the mean squared pixel
+:math:`\sum_l \lambda_l \sum_m L_{lm}^2 / 4 \pi`, for a mean over all sides.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights._native import EnvLightsError
+from envlights.comparison.harmonics import DEGREE
+from envlights.comparison.protocol import Material
+from envlights.kernels.gloss import spectrum
+
+#: Reflectance of the coat at normal incidence, that of the refractive index 1.5.
+_COAT = 0.04
+
+
+@lru_cache(maxsize=16)
+def of_material(material: Material) -> NDArray[np.float64] | None:
+    """Factors of each degree; None for a mirror, whose factors are all `specular` squared."""
+    if not material.specular:
+        return material.base**2 * lambertian()
+    if not material.roughness:
+        return None
+    if not material.base:
+        # The Fresnel term of a metal is its reflectance, without the rise at the rim.
+        return material.specular**2 * of_metal(material.roughness)
+    if material.specular != _COAT:
+        raise EnvLightsError(
+            "a material with a base and a coat has exact means only for specular=0.04;"
+            f" got {material.specular:g}; give the protocol a camera"
+        )
+    return spectrum(material.roughness, DEGREE, material="plastic", base=material.base)
+
+
+@lru_cache(maxsize=16)
+def of_metal(roughness: float) -> NDArray[np.float64]:
+    """Factors of a rough metal that reflects everything."""
+    return spectrum(roughness, DEGREE, material="metal")
+
+
+@lru_cache(maxsize=1)
+def lambertian() -> NDArray[np.float64]:
+    """Factors of a white Lambertian sphere: squares of those of a clamped cosine over pi.
+
+    Ramamoorthi and Hanrahan (2001), equation 8, by Legendre's recurrence.
+    """
+    out = np.zeros(DEGREE + 1)
+    out[:2] = 1, 2 / 3
+    even = 1.0  # (l - 2)!!-like product: |P_l(0)| by steps of two degrees
+    for l in range(2, DEGREE + 1, 2):  # noqa: E741, the degree
+        even *= (l - 1) / l
+        out[l] = 2 * even / ((l - 1) * (l + 2))
+    return out**2
+
+
+@lru_cache(maxsize=1)
+def shadows() -> NDArray[np.float64]:
+    """Factors of irradiance with a part of the light blocked, over all planes that block it.
+
+    Kernel at the angle g: ``2/3 (sin g + (pi - g) cos g) (1 - g/pi) / 2``.
+    """
+    nodes, weights = np.polynomial.legendre.leggauss(4 * DEGREE)
+    g = np.pi / 2 * (1 + nodes)
+    kernel = (np.sin(g) + (np.pi - g) * np.cos(g)) * (1 - g / np.pi) / 3
+    polynomials = np.polynomial.legendre.legvander(np.cos(g), DEGREE)
+    factors: NDArray[np.float64] = np.pi**2 * (weights * np.sin(g) * kernel) @ polynomials
+    return factors

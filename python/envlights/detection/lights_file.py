@@ -1,0 +1,33 @@
+"""Reader of a file of a rig, of lights or of detected lights."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+from collections.abc import Callable
+
+from envlights.detection.lights import DetectedLights
+from envlights.io.csv_table import read_csv
+from envlights.io.files import as_path
+from envlights.lights import Lights
+from envlights.rig import Rig
+
+#: Suffixes of the package's own files.
+SUFFIXES = (".json", ".csv")
+#: Readers by the format in the file.
+_READERS: dict[str, Callable[[str | os.PathLike[str]], Lights]] = {
+    "envlights lights": Lights.load,
+    "envlights detected lights": DetectedLights.load,
+}
+
+
+def load_lights(path: str | os.PathLike[str]) -> Rig | Lights:
+    """Rig or lights of a file; `Rig.load` refuses all other files."""
+    if as_path(path).suffix.lower() == ".csv":
+        return Lights.load(path) if read_csv(path).ambient is None else Rig.load(path)
+    kind = None
+    with contextlib.suppress(OSError, ValueError, RecursionError, AttributeError):
+        kind = json.loads(as_path(path).read_text(encoding="utf-8")).get("format")
+    reader = _READERS.get(kind) if isinstance(kind, str) else None
+    return reader(path) if reader else Rig.load(path)

@@ -1,0 +1,203 @@
+//! Mean squared images of a shiny ball seen from all sides, as a spectrum over the degrees of its surroundings.
+//!
+//! The ball reflects towards the camera, at the incidence i, the radiance `integral of L(l) b_i(l)` with
+//! `b_i(l) = f(l, v) cos l`. In its image `u = sin^2 i` is uniform on 0..1, and a mean over all orientations leaves one factor for
+//! each degree:
+//!
+//! ```text
+//!   <I^2>    = sum over l of lambda_l sum over m of L_lm^2 / (4 pi)
+//!   lambda_l = 4 pi / (2l + 1)  integral over u of  sum over m of |b_lm(i)|^2
+//! ```
+//!
+//! `L_lm` and `b_lm` are coefficients of orthonormal harmonics. The poles of the lobe's harmonics lie on its mirror direction.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::sampling::gauss_legendre;
+use crate::interrupt;
+
+/// Light that a surface reflects.
+#[derive(Clone, Copy, Debug)]
+pub struct Surface {
+    /// Width of the distribution of microfacet slopes: the square of the roughness.
+    pub alpha: f64,
+    /// Reflectance of the microfacets at normal incidence. It rises to 1 at grazing incidence (Schlick 1994).
+    pub specular: f64,
+    /// Reflectance of the Lambertian base, without losses in the coat.
+    pub base: f64,
+}
+
+impl Surface {
+    /// Metal whose microfacets reflect everything.
+    pub fn metal(roughness: f64) -> Self {
+        Self { alpha: roughness * roughness, specular: 1.0, base: 0.0 }
+    }
+
+    /// Lambertian base under a dielectric coat.
+    pub fn plastic(roughness: f64, base: f64) -> Self {
+        /// Fresnel reflectance at the refractive index 1.5.
+        const COAT: f64 = 0.04;
+        Self { alpha: roughness * roughness, specular: COAT, base }
+    }
+
+    /// Reflectance distribution times the cosine of `light`, towards `view`, at a `normal`.
+    ///
+    /// The distribution of microfacets and Smith's masking, separable: Walter et al. 2007, equations 33 and 34.
+    fn lobe(&self, normal: DVec3, view: DVec3, light: DVec3) -> f64 {
+        let (cosine, towards) = (normal.dot(light), normal.dot(view));
+        if cosine <= 0.0 {
+            return 0.0;
+        }
+        let half = (light + view).normalize_or(normal);
+        let square = self.alpha * self.alpha;
+        let spread = 1.0 + (square - 1.0) * normal.dot(half).powi(2);
+        let facets = square / (PI * spread * spread);
+        // Masking over twice the cosine, which has no pole at grazing incidence.
+        let masking = |c: f64| 1.0 / (c + (square + (1.0 - square) * c * c).sqrt());
+        let fresnel = self.specular + (1.0 - self.specular) * (1.0 - half.dot(view)).max(0.0).powi(5);
+        cosine * (fresnel * facets * masking(cosine) * masking(towards) + self.base / PI)
+    }
+}
+
+/// lambda of a surface, for the degrees from 0 to `degree`.
+pub fn spectrum(surface: &Surface, degree: usize) -> Vec<f64> {
+    /// Gauss nodes in u.
+    const INCIDENCES: usize = 24;
+    let (nodes, weights) = gauss_legendre(INCIDENCES);
+    let rings = Rings::new(degree);
+    let at = |node: &f64| rings.powers(surface, (0.5 * (1.0 + node)).sqrt().asin());
+    let powers: Vec<Vec<f64>> = nodes.par_iter().map(at).collect();
+    let mean =
+        |l: usize| -> f64 { powers.iter().zip(&weights).map(|(powers, weight)| weight * powers[l]).sum() };
+    (0..=degree).map(|l| 2.0 * PI / (2 * l + 1) as f64 * mean(l)).collect()
+}
+
+/// Circles around the mirror direction on which a lobe is integrated.
+struct Rings {
+    degree: usize,
+    sines: Vec<f64>,
+    cosines: Vec<f64>,
+    /// Solid angle of each ring over its number of points.
+    weights: Vec<f64>,
+    /// Points on one half of a ring; the other half mirrors it.
+    points: usize,
+}
+
+impl Rings {
+    /// Rings that are dense near the mirror direction: `theta = pi t^2` with Gauss's nodes t.
+    fn new(degree: usize) -> Self {
+        let count = 128 + degree;
+        let points = 64 + degree / 2;
+        let (nodes, gauss) = gauss_legendre(count);
+        let places: Vec<f64> = nodes.iter().map(|node| 0.5 * (1.0 + node)).collect();
+        let (sines, cosines): (Vec<f64>, Vec<f64>) = places.iter().map(|t| (PI * t * t).sin_cos()).unzip();
+        let solid_angle = |((weight, t), sine): ((&f64, &f64), &f64)| {
+            0.5 * weight * 2.0 * PI * t * sine * 2.0 * PI / points as f64
+        };
+        let weights = gauss.iter().zip(&places).zip(&sines).map(solid_angle).collect();
+        Self { degree, sines, cosines, weights, points }
+    }
+
+    /// Sum of the squared coefficients of each degree of the lobe at an incidence.
+    fn powers(&self, surface: &Surface, incidence: f64) -> Vec<f64> {
+        let waves = self.waves(surface, incidence);
+        let count = self.sines.len();
+        let mut out = vec![0.0; self.degree + 1];
+        let mut sectoral = vec![(0.25 / PI).sqrt(); count];
+        for m in 0..=self.degree {
+            interrupt::check();
+            if m > 0 {
+                let factor = ((2 * m + 1) as f64 / (2 * m) as f64).sqrt();
+                sectoral.iter_mut().zip(&self.sines).for_each(|(value, sine)| *value *= factor * sine);
+            }
+            self.add_order(m, &sectoral, &waves[m * count..][..count], &mut out);
+        }
+        out
+    }
+
+    /// Add the squared coefficients of one order, by the recurrence of associated Legendre functions over the degree.
+    fn add_order(&self, m: usize, sectoral: &[f64], wave: &[f64], out: &mut [f64]) {
+        let copies = if m == 0 { 1.0 } else { 2.0 };
+        let factor = |l: usize| {
+            let (l, m) = (l as f64, m as f64);
+            ((l * l - m * m) / (4.0 * l * l - 1.0)).sqrt()
+        };
+        let (mut before, mut last) = (vec![0.0; sectoral.len()], sectoral.to_vec());
+        for l in m..=self.degree {
+            let coefficient: f64 = last.iter().zip(wave).map(|(value, wave)| value * wave).sum();
+            out[l] += copies * coefficient * coefficient;
+            let next = 1.0 / factor(l + 1);
+            let back = if l == m { 0.0 } else { factor(l) * next };
+            for ((before, last), x) in before.iter_mut().zip(&mut last).zip(&self.cosines) {
+                (*before, *last) = (*last, next * x * *last - back * *before);
+            }
+        }
+    }
+
+    /// Integrals of a lobe over each ring times `cos m phi`, order by order, times the weights of the rings.
+    fn waves(&self, surface: &Surface, incidence: f64) -> Vec<f64> {
+        let count = self.sines.len();
+        let normal = DVec3::new(incidence.sin(), incidence.cos(), 0.0);
+        let view = DVec3::new((2.0 * incidence).sin(), (2.0 * incidence).cos(), 0.0);
+        let mut out = vec![0.0; (self.degree + 1) * count];
+        for point in 0..self.points {
+            let azimuth = PI * (point as f64 + 0.5) / self.points as f64;
+            let (sine, cosine) = azimuth.sin_cos();
+            let towards = |ring: usize| {
+                DVec3::new(self.sines[ring] * cosine, self.cosines[ring], self.sines[ring] * sine)
+            };
+            let value = |ring: usize| self.weights[ring] * surface.lobe(normal, view, towards(ring));
+            let values: Vec<f64> = (0..count).map(value).collect();
+            for (m, wave) in out.chunks_exact_mut(count).enumerate() {
+                let factor = (m as f64 * azimuth).cos();
+                wave.iter_mut().zip(&values).for_each(|(sum, value)| *sum += factor * value);
+            }
+        }
+        out
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mirror_passes_every_degree() {
+        let off = |alpha: f64| {
+            let surface = Surface { alpha, ..Surface::metal(1.0) };
+            spectrum(&surface, 24).into_iter().map(|factor| (factor - 1.0).abs()).fold(0.0, f64::max)
+        };
+        assert!(off(1e-3) < 0.01 && off(1e-4) < 3e-4, "{} {}", off(1e-3), off(1e-4));
+    }
+
+    /// The spectrum is a polynomial of second degree in the base, whose last coefficient is that of the base alone.
+    #[test]
+    fn a_white_base_has_the_spectrum_of_the_probe() {
+        let [none, half, whole] = [0.0, 0.5, 1.0].map(|base| spectrum(&Surface::plastic(0.4, base), 4));
+        for (l, factor) in [(0, 1.0), (1, 2.0 / 3.0), (2, 0.25), (3, 0.0), (4, 1.0 / 24.0)] {
+            let white = 2.0 * (whole[l] - 2.0 * half[l] + none[l]);
+            assert!((white - factor * factor).abs() < 2e-4, "{l}: {white}");
+        }
+    }
+
+    /// Walter's lobe at roughness 0.2, 0.33 and 0.5: smooth surfaces keep fine patterns, and more of the light.
+    #[test]
+    fn rougher_metal_passes_less_of_every_degree() {
+        let [fine, middle, rough] =
+            [0.2, 0.33, 0.5].map(|roughness| spectrum(&Surface::metal(roughness), 40));
+        for l in 0..=40 {
+            assert!(1.0 > fine[l] && fine[l] > middle[l] && middle[l] > rough[l], "{l}");
+        }
+    }
+
+    #[test]
+    fn a_spectrum_does_not_depend_on_its_length() {
+        let [short, long] = [8, 100].map(|degree| spectrum(&Surface::metal(0.2), degree));
+        for (one, other) in short.iter().zip(&long) {
+            assert!((one - other).abs() < 1e-3, "{one} {other}");
+        }
+    }
+}

@@ -1,0 +1,290 @@
+"""Exact comparison: closed forms against sums over pixels and normals."""
+
+import pickle
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import envlights as el
+from envlights.comparison import harmonics, spectra
+from envlights.comparison.protocol import Material
+from tests.comparison.worlds import even, rooms
+from tests.helpers import cases
+from tests.reference import spheres as reference
+
+SPHERES = ("diffuse", "matte", "mirror")
+
+
+def test_a_map_against_itself_has_no_error():
+    truth, _ = rooms()
+    c = el.compare(truth, truth)
+    for each in c.spheres.values():
+        assert (each.rmse, each.si_rmse, each.angle, each.relative) == (0, 0, 0, 0)
+    assert (c.probe_error, c.shadow_error, c.gloss_error()) == (0, 0, 0)
+
+
+@pytest.mark.parametrize("gain", [2.0, 0.25])
+def test_a_scaled_guess_has_only_an_error_of_scale(gain):
+    truth, _ = rooms()
+    c = el.compare(truth, gain * truth.radiance)
+    for each in c.spheres.values():
+        assert each.relative == pytest.approx(abs(gain - 1), rel=1e-6)
+        assert each.si_relative < 1e-6
+        assert each.angle < 1e-4
+        assert each.scale == pytest.approx(1 / gain, rel=1e-6)
+    assert c.gloss_error(0.5) == pytest.approx(abs(gain - 1), rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "angle"),
+    [((1, 0, 0), (1, 1, 0), 45), ((1, 1, 1), (1, 0, 0), 54.7356), ((2, 1, 0), (4, 2, 0), 0)],
+)
+def test_constant_colours_have_their_angle_and_their_difference(one, other, angle):
+    c = el.compare(even(one), even(other))
+    rms = np.sqrt(np.mean(np.subtract(one, other) ** 2.0))
+    for name in SPHERES:
+        assert c.spheres[name].angle == pytest.approx(angle, abs=1e-3)
+    for name in ("diffuse", "mirror"):
+        assert c.spheres[name].rmse == pytest.approx(rms, rel=1e-6)
+    # Masking takes light from a rough metal, in truth and guess alike.
+    assert 0.9 * rms < c.spheres["matte"].rmse <= rms + 1e-12
+
+
+def test_the_diffuse_sphere_is_the_probe_over_all_normals():
+    truth, guess = rooms()
+    normals, weights = el.kernels.icosphere(5120)
+    images = [env.probe(normals) / np.pi for env in (truth, guess)]
+    square = (weights @ (images[1] - images[0]) ** 2).mean() / weights.sum()
+    c = el.compare(truth, guess)
+    assert c.spheres["diffuse"].rmse == pytest.approx(np.sqrt(square), abs=1e-5, rel=1e-4)
+    expected = reference.numbers(*images)
+    assert c.spheres["diffuse"].si_rmse == pytest.approx(expected[1], rel=2e-3)
+    assert c.spheres["diffuse"].angle == pytest.approx(expected[2], rel=1e-2)
+
+
+def test_the_matte_sphere_is_the_sum_over_pixels_from_all_sides():
+    truth, guess = rooms(32)
+    # Four points in each pixel, which the closed form integrates: 0.4 % more.
+    fine = [np.repeat(np.repeat(env.radiance, 2, 0), 2, 1) for env in (truth, guess)]
+    normals, views = reference.sides(40000)
+    both = el.kernels.rough_reflection(np.concatenate(fine, axis=2), normals, views, 0.3271)
+    expected = reference.numbers(both[:, :3], both[:, 3:])
+    c = el.compare(truth, guess)
+    # Samples of 40000 pixels differ by 1 %, those of the 256 pixels of the angle by 3 %.
+    assert c.spheres["matte"].rmse == pytest.approx(expected[0], rel=0.02)
+    assert c.spheres["matte"].si_rmse == pytest.approx(expected[1], rel=0.02)
+    assert c.spheres["matte"].angle == pytest.approx(expected[2], rel=0.05)
+
+
+def test_the_mirror_is_the_area_weighted_difference_of_the_maps():
+    truth, guess = rooms()
+    _, angles = reference.pixels(64)
+    pair = [env.radiance.reshape(-1, 3).astype(float) for env in (truth, guess)]
+    square = (angles @ (pair[1] - pair[0]) ** 2).mean() / (4 * np.pi)
+    c = el.compare(truth, guess)
+    assert c.spheres["mirror"].rmse == pytest.approx(np.sqrt(square), rel=1e-6)
+
+
+def test_errors_do_not_depend_on_the_order_but_for_their_scale():
+    truth, guess = rooms()
+    one, other = el.compare(truth, guess), el.compare(guess, truth)
+    for name in SPHERES:
+        assert one.spheres[name].rmse == pytest.approx(other.spheres[name].rmse, rel=1e-9)
+        assert one.spheres[name].angle == pytest.approx(other.spheres[name].angle, rel=1e-6)
+
+
+def test_a_turn_by_columns_changes_nothing():
+    truth, guess = rooms()
+    turned = [np.roll(env.radiance, 11, axis=1) for env in (truth, guess)]
+    one, other = el.compare(truth, guess), el.compare(*turned)
+    for name in SPHERES:
+        assert other.spheres[name].rmse == pytest.approx(one.spheres[name].rmse, rel=1e-9)
+        assert other.spheres[name].si_rmse == pytest.approx(one.spheres[name].si_rmse, rel=1e-9)
+    # Angles of the diffuse ball are integrated, those of the matte ball are a sampled mean.
+    assert other.spheres["mirror"].angle == pytest.approx(one.spheres["mirror"].angle, rel=1e-6)
+    assert other.spheres["diffuse"].angle == pytest.approx(one.spheres["diffuse"].angle, rel=2e-2)
+    assert other.spheres["matte"].angle == pytest.approx(one.spheres["matte"].angle, rel=0.1)
+
+
+def test_a_rig_has_the_errors_of_its_report():
+    truth, _ = rooms(128)
+    rig = el.fit(truth, lights=3)
+    c = el.compare(truth, rig)
+    assert c.probe_error == pytest.approx(rig.error, rel=0.02)
+    assert c.shadow_error == pytest.approx(rig.report.shadow_error, rel=0.05)
+
+
+def test_two_rigs_are_compared_without_pixels():
+    """A turn of a point by less than a pixel is an error of its own size."""
+    one = el.Rig([0, 0, 0], el.Lights([[0, 0, 1]], [[1, 1, 1]]), error=0.0)
+    angle = 0.004
+    turned = el.Lights([[np.sin(angle), 0, np.cos(angle)]], [[1, 1, 1]])
+    c = el.compare(one, el.Rig([0, 0, 0], turned, error=0.0))
+    # The irradiance of a point is a cosine in front of it, whose slope has the same mean square:
+    # mean of sin^2 cos^2(azimuth) over half a sphere, over that of cos^2.
+    # Degrees beyond 100 hold 0.5 % of the squared slope of the clamped cosine.
+    assert c.probe_error == pytest.approx(angle, rel=4e-3)
+
+
+def test_lights_of_a_file_are_those_of_the_object(tmp_path):
+    truth, _ = rooms(32)
+    rig = el.fit(truth, lights=2)
+    rig.save(tmp_path / "rig.json")
+    truth.save(tmp_path / "map.exr")
+    by_path = el.compare(tmp_path / "map.exr", tmp_path / "rig.json")
+    assert by_path == el.compare(truth, rig)
+    rig.lights.save(tmp_path / "lights.csv")
+    assert el.compare(truth, tmp_path / "lights.csv") == el.compare(truth, rig.lights)
+
+
+@settings(max_examples=cases(short=8, long=60), deadline=None)
+@given(st.integers(2, 40), st.integers(2, 40), st.integers(0, 99))
+def test_maps_of_any_sizes_are_compared_at_the_smaller_one(one, other, seed):
+    rng = np.random.default_rng(seed)
+    maps = [rng.random((height, 2 * height, 3)) ** 4 for height in (one, other)]
+    c = el.compare(*maps)
+    rows = min(one, other)
+    has_note = any(f"to {2 * rows}x{rows} pixels" in note for note in c.notes)
+    assert has_note == (one != other)
+    assert all(np.isfinite(each.rmse) for each in c.spheres.values())
+    # A convolution is a mean, so that errors fall with the width of the lobe.
+    errors = [c.spheres[name].rmse for name in SPHERES]
+    assert errors[0] <= errors[1] * 1.1 <= errors[2] * 1.3
+
+
+def test_a_border_sampled_map_is_compared_by_its_cells():
+    radiance = el.synthetic.hall(33).radiance
+    border = el.EnvMap(radiance, registration="border-sampled")
+    c = el.compare(el.EnvMap(border.cells()), border)
+    assert all(each.rmse == 0 for each in c.spheres.values())
+
+
+def test_unseen_pixels_are_filled_and_noted():
+    truth = el.EnvMap(even((1, 2, 3)))
+    seen = np.ones((16, 32))
+    seen[14:] = 0
+    c = el.compare(truth, el.EnvMap(truth.radiance, seen=seen))
+    assert all(each.relative < 1e-3 for each in c.spheres.values())
+    assert any("of the sphere is not seen and was filled" in note for note in c.notes)
+
+
+def test_the_harmonics_of_a_map_have_its_energy():
+    """The sums of squares of the coefficients, for pixels of 2.8 degrees."""
+    height = 64
+    directions, angles = reference.pixels(height)
+    smooth = (2 + directions[:, :1] + directions[:, 1:2] * directions[:, 2:]) * np.ones(3)
+    coefficients = harmonics.of_map(smooth.reshape(height, 2 * height, 3))
+    energy = harmonics.products(coefficients, coefficients)
+    assert energy.sum() == pytest.approx((angles @ smooth**2).sum(), rel=1e-3)
+    # Degrees 0, 1 and 2: 4 pi 2^2, 4 pi / 3 and 4 pi / 15 in each channel.
+    expected = 3 * 4 * np.pi * np.array([4, 1 / 3, 1 / 15])
+    np.testing.assert_allclose(energy[:3], expected, rtol=2e-3)
+
+
+def test_the_harmonics_of_a_disc_are_those_of_its_map():
+    lights = el.Lights([[0.48, 0.6, 0.64]], [[3, 2, 1]], [0.4])
+    drawn = harmonics.of_map(lights.to_map(256).radiance.astype(float))
+    exact = harmonics.of_discs(lights.direction, lights.irradiance, lights.angular_radius)
+    low = np.abs(drawn - exact)[:20, :20].max()
+    # Pixels of 0.7 degrees draw the rim.
+    assert low < 1e-3 * np.abs(exact).max()
+
+
+def test_the_lambertian_spectrum_is_that_of_a_clamped_cosine():
+    factors = spectra.lambertian()
+    cosines, weights = np.polynomial.legendre.leggauss(400)
+    # The integral over half of the interval, where the cosine is not clamped.
+    x, w = (1 + cosines) / 2, weights / 2
+    for degree in (0, 1, 2, 3, 4, 10, 40):
+        series = np.polynomial.legendre.Legendre.basis(degree)
+        assert factors[degree] == pytest.approx((2 * (w * x) @ series(x)) ** 2, abs=1e-12)
+
+
+def test_the_spectrum_of_shadows_sums_to_the_kernel_at_zero():
+    """K(0) = pi / 3; the degrees beyond 100 hold 0.4 % of it."""
+    degrees = np.arange(harmonics.DEGREE + 1)
+    total = ((2 * degrees + 1) * spectra.shadows()).sum() / (4 * np.pi)
+    assert total == pytest.approx(np.pi / 3, rel=5e-3)
+
+
+def test_lights_and_irradiance_vectors_are_those_of_their_own_functions():
+    truth, guess = rooms(32)
+    c = el.compare(truth, guess)
+    assert c.vector_angle == pytest.approx(el.vector_angle(truth, guess), rel=1e-6)
+    assert c.lights == el.compare_lights(el.detect(truth), el.detect(guess))
+    rig = el.fit(truth, lights=2)
+    assert el.compare(truth, rig).lights == el.compare_lights(el.detect(truth), rig.lights)
+    # A uniform map has no vector and no light.
+    assert el.compare(even((1, 1, 1)), even((1, 1, 1))).vector_angle is None
+
+
+def test_irradiance_vectors_of_rigs_need_no_pixels():
+    turn = 0.003
+    one = el.Lights([[0, 0, 1]], [[1, 1, 1]])
+    other = el.Lights([[0, np.sin(turn), np.cos(turn)]], [[1, 1, 1]])
+    assert el.compare(one, other).vector_angle == pytest.approx(np.degrees(turn), rel=1e-6)
+
+
+def test_black_pixels_have_no_angle():
+    truth = even((1, 2, 3))
+    truth[:8] = 0
+    c = el.compare(truth, even((1, 2, 3)))
+    assert c.spheres["mirror"].black == pytest.approx(0.5)
+    assert c.spheres["mirror"].angle == pytest.approx(0, abs=1e-6)
+    assert any("black pixels are left out" in note for note in c.notes)
+    assert el.compare(even((1, 1, 1)), even((0, 0, 0))).spheres["mirror"].angle is None
+
+
+def test_the_text_names_the_choices():
+    truth, guess = rooms(32)
+    c = el.compare(truth, guess.calibrated(ev100=10))
+    text = str(c)
+    assert "only angles and scale-invariant errors have a meaning" in text
+    assert "linear maps, not scaled" in text
+    assert all(name in text for name in SPHERES)
+    assert "<table" in c._repr_html_()
+    assert c.to_dict()["spheres"]["matte"]["rmse"] == c.spheres["matte"].rmse
+    assert pickle.loads(pickle.dumps(c)) == c
+
+
+@pytest.mark.parametrize(
+    ("truth", "guess", "message"),
+    [
+        (even((0, 0, 0)), even((1, 1, 1)), "truth must have light; it is black"),
+        (np.ones((4, 9, 3)), even((1, 1, 1)), "truth: "),
+        ("none.exr", even((1, 1, 1)), "truth: .*none.exr"),
+        (even((1, 1, 1)), "none.json", "guess: cannot read none.json"),
+    ],
+)
+def test_bad_lightings_are_refused_by_name(truth, guess, message):
+    with pytest.raises(el.EnvLightsError, match=message):
+        el.compare(truth, guess)
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("emlight", "never published"),
+        ("envmapnet", "blue channel alone"),
+        ("Gardner", "no code of its evaluation"),
+        ("lpips", "protocol must be 'exact' or 'stylelight' or 'diffusionlight'; got 'lpips'"),
+        (3, "protocol must be"),
+    ],
+)
+def test_protocols_that_cannot_be_reproduced_say_what_is_missing(name, message):
+    with pytest.raises(el.EnvLightsError, match=message):
+        el.compare(even((1, 1, 1)), even((1, 1, 1)), name)
+
+
+@pytest.mark.parametrize("roughness", [0.1, 1.1, -1, float("nan"), "rough"])
+def test_a_gloss_error_needs_a_roughness_within_its_degrees(roughness):
+    c = el.compare(even((1, 1, 1)), even((1, 1, 1)))
+    with pytest.raises(el.EnvLightsError, match="roughness must be"):
+        c.gloss_error(roughness)
+
+
+def test_materials_without_closed_form_are_refused():
+    with pytest.raises(el.EnvLightsError, match=r"only for specular=0\.04"):
+        spectra.of_material(Material(base=0.5, specular=0.1, roughness=0.5))

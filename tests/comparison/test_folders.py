@@ -1,0 +1,123 @@
+"""Comparison of folders, and the command `envlights compare`."""
+
+import csv
+import json
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import envlights as el
+from envlights.cli import main
+
+MAPS = [el.synthetic.plain(seed, 128).radiance[::4, ::4] for seed in range(3)]
+
+
+@pytest.fixture
+def folders(tmp_path):
+    """Two folders with a pair, a damaged guess, a name without counterpart and a name twice."""
+    for side, gain in (("truth", 1.0), ("guess", 2.0)):
+        (tmp_path / side).mkdir()
+        for i, radiance in enumerate(MAPS):
+            el.EnvMap(gain * radiance).save(tmp_path / side / f"map-{i}.exr")
+    (tmp_path / "guess" / "map-1.exr").write_bytes(b"no map")
+    el.EnvMap(MAPS[0]).save(tmp_path / "truth" / "alone.hdr")
+    el.EnvMap(MAPS[0]).save(tmp_path / "guess" / "map-2.hdr")
+    (tmp_path / "guess" / "notes.txt").write_text("no map")
+    return tmp_path / "truth", tmp_path / "guess"
+
+
+def test_a_bad_file_costs_its_row_and_says_why(folders):
+    table = el.compare_folders(*folders)
+    assert list(table.comparisons) == ["map-0"]
+    assert list(table.failures) == ["alone", "map-1", "map-2"]
+    assert table.failures["alone"] == "guess has no file of this name"
+    assert table.failures["map-1"].startswith("guess: ")
+    assert table.failures["map-2"] == "guess has 2 files of this name"
+    assert "failed: map-1: " in str(table)
+
+
+def test_each_row_is_the_comparison_of_its_files(folders):
+    (folders[1] / "map-2.hdr").unlink()
+    table = el.compare_folders(*folders)
+    assert len(table) == 2
+    for i in (0, 2):
+        expected = el.compare(MAPS[i], 2 * MAPS[i])
+        assert table.comparisons[f"map-{i}"] == expected
+    values = [each.spheres["matte"].rmse for each in table.comparisons.values()]
+    assert table.mean["matte_rmse"] == pytest.approx(np.mean(values))
+    assert table.median["matte_rmse"] == pytest.approx(np.median(values))
+    assert table.columns()["matte_rmse"].tolist() == values
+    assert "<table" in table._repr_html_()
+
+
+def test_rigs_are_compared_with_maps_of_the_same_name(folders):
+    el.fit(MAPS[1], lights=2).save(folders[1] / "map-1.json")
+    (folders[1] / "map-1.exr").unlink()
+    table = el.compare_folders(*folders)
+    assert table.comparisons["map-1"] == el.compare(MAPS[1], el.fit(MAPS[1], lights=2))
+
+
+def test_tables_are_lossless(folders, tmp_path):
+    table = el.compare_folders(*folders)
+    table.save(tmp_path / "table.csv")
+    lines = (tmp_path / "table.csv").read_text().splitlines()
+    (row,) = csv.DictReader(line for line in lines if not line.startswith("#"))
+    numbers = {name: values[0] for name, values in table.columns().items()}
+    for name, value in row.items():
+        assert name == "name" or float(value) == numbers[name]
+    assert sum(line.startswith("# failed: ") for line in lines) == 3
+    table.save(tmp_path / "table.json")
+    assert json.loads((tmp_path / "table.json").read_text()) == table.to_dict()
+    frame = table.to_frame()
+    assert frame["name"].tolist() == ["map-0"]
+    assert frame["matte_rmse"][0] == numbers["matte_rmse"]
+
+
+def test_folders_without_maps_are_refused(tmp_path):
+    with pytest.raises(el.MissingFileError, match="truth must be a folder; got"):
+        el.compare_folders(tmp_path / "none", tmp_path)
+    with pytest.raises(el.EnvLightsError, match="truth has no map"):
+        el.compare_folders(tmp_path, tmp_path)
+    with pytest.raises(el.EnvLightsError, match="the suffix must be one of"):
+        el.FolderComparison(el.Protocol(), {}, {}).save(tmp_path / "table.txt")
+
+
+def run(*arguments):
+    return CliRunner().invoke(main, ["compare", *map(str, arguments)])
+
+
+def test_the_command_prints_the_table_of_two_maps(folders, tmp_path):
+    files = [folder / "map-0.exr" for folder in folders]
+    done = run(*files, "-o", tmp_path / "table.csv")
+    assert done.exit_code == 0, done.output
+    assert str(el.compare(*files)) in done.output
+    assert "map-0," in (tmp_path / "table.csv").read_text()
+
+
+def test_the_command_prints_json_of_a_protocol(folders):
+    done = run(*folders, "--protocol", "stylelight", "--json")
+    assert done.exit_code == 0, done.output
+    content = json.loads(done.stdout)
+    assert content["protocol"] == "stylelight"
+    # Each map is scaled to its own median.
+    assert content["mean"]["matte_relative"] < 1e-5
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--protocol", "emlight"], "never published"),
+        (["-o", "table.txt"], "the suffix must be one of .csv, .json"),
+    ],
+)
+def test_the_command_refuses_in_a_sentence(folders, arguments, message):
+    done = run(*folders, *arguments)
+    assert done.exit_code == 2
+    assert message in done.output
+
+
+def test_a_file_and_a_folder_are_refused(folders):
+    done = run(folders[0] / "map-0.exr", folders[1])
+    assert done.exit_code == 2
+    assert "must both be files, or both be folders" in done.output
