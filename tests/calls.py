@@ -165,6 +165,20 @@ CALLS = {
     ),
     "fit to an error": (el.fit, {"env": IMAGE, "error": st.floats(0.01, 1)}),
     "fit to an error of shadows": (el.fit, {"env": IMAGE, "shadow_error": st.floats(0.1, 1)}),
+    "fit to an error of metal": (
+        el.fit,
+        {"env": IMAGE, "gloss_error": st.floats(0.1, 1), "roughness": st.floats(0.3, 1)},
+    ),
+    "error_curve": (
+        el.error_curve,
+        {
+            "env": IMAGE,
+            "lights": st.lists(st.integers(0, 2), min_size=1, max_size=2),
+            "roughness": st.floats(0.3, 1),
+            "sizes": FLAG,
+            "floor": FLAG,
+        },
+    ),
     "fit with fixed lights": (el.fit, {"env": IMAGE, "lights": LIGHTS, "fixed": FEW}),
     "fit_probe": (
         el.fit_probe,

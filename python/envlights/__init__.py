@@ -40,6 +40,7 @@ __all__ = [
     "DirectLight",
     "EnvLightsError",
     "EnvMap",
+    "ErrorCurve",
     "FilePairs",
     "FitReport",
     "Lights",
@@ -65,6 +66,7 @@ __all__ = [
     "detect_article",
     "detect_photograph",
     "detect_tree",
+    "error_curve",
     "fit",
     "fit_paper",
     "fit_probe",
@@ -86,6 +88,7 @@ _SUBPACKAGES = (
 )
 #: Names of `__all__` that come from one of them.
 _LATER = {
+    **dict.fromkeys(("ErrorCurve", "error_curve"), "fitting.error_curve"),
     **dict.fromkeys(("PaperFit", "fit_paper"), "fitting.madsen"),
     **dict.fromkeys(("BakedPairs", "DirectLight", "MitsubaScene", "Surface", "bake"), "scene"),
     **dict.fromkeys(("ShadowOverlay", "shadow_overlay"), "scene"),
@@ -108,6 +111,7 @@ if _typing.TYPE_CHECKING:
     from envlights import scene as scene
     from envlights import synthetic as synthetic
     from envlights import transfer as transfer
+    from envlights.fitting.error_curve import ErrorCurve, error_curve
     from envlights.fitting.madsen import PaperFit, fit_paper
     from envlights.scene import BakedPairs, DirectLight, MitsubaScene, ShadowOverlay, Surface
     from envlights.scene.bake import bake as bake

@@ -16,6 +16,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::expansion::visit_degrees;
 use super::sampling::gauss_legendre;
 use crate::interrupt;
 
@@ -106,35 +107,15 @@ impl Rings {
         let waves = self.waves(surface, incidence);
         let count = self.sines.len();
         let mut out = vec![0.0; self.degree + 1];
-        let mut sectoral = vec![(0.25 / PI).sqrt(); count];
         for m in 0..=self.degree {
             interrupt::check();
-            if m > 0 {
-                let factor = ((2 * m + 1) as f64 / (2 * m) as f64).sqrt();
-                sectoral.iter_mut().zip(&self.sines).for_each(|(value, sine)| *value *= factor * sine);
-            }
-            self.add_order(m, &sectoral, &waves[m * count..][..count], &mut out);
+            let wave = &waves[m * count..][..count];
+            visit_degrees(m, self.degree, &self.cosines, &self.sines, &mut |l, values| {
+                let coefficient: f64 = values.iter().zip(wave).map(|(value, wave)| value * wave).sum();
+                out[l] += coefficient * coefficient;
+            });
         }
         out
-    }
-
-    /// Add the squared coefficients of one order, by the recurrence of associated Legendre functions over the degree.
-    fn add_order(&self, m: usize, sectoral: &[f64], wave: &[f64], out: &mut [f64]) {
-        let copies = if m == 0 { 1.0 } else { 2.0 };
-        let factor = |l: usize| {
-            let (l, m) = (l as f64, m as f64);
-            ((l * l - m * m) / (4.0 * l * l - 1.0)).sqrt()
-        };
-        let (mut before, mut last) = (vec![0.0; sectoral.len()], sectoral.to_vec());
-        for l in m..=self.degree {
-            let coefficient: f64 = last.iter().zip(wave).map(|(value, wave)| value * wave).sum();
-            out[l] += copies * coefficient * coefficient;
-            let next = 1.0 / factor(l + 1);
-            let back = if l == m { 0.0 } else { factor(l) * next };
-            for ((before, last), x) in before.iter_mut().zip(&mut last).zip(&self.cosines) {
-                (*before, *last) = (*last, next * x * *last - back * *before);
-            }
-        }
     }
 
     /// Integrals of a lobe over each ring times `cos m phi`, order by order, times the weights of the rings.

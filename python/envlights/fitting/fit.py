@@ -43,6 +43,8 @@ def fit(
     *,
     error: float | None = None,
     shadow_error: float | None = None,
+    gloss_error: float | None = None,
+    roughness: float = 0.33,
     sizes: bool = True,
     objective: str = "mixed",
     ambient: str | None = None,
@@ -74,12 +76,17 @@ def fit(
         The map; `EnvMap` describes arrays.
     lights : int, optional
         Largest number of lights, 0 or more. There are fewer if more would not lower the error.
-        Default: 4, or the number in `fixed` or `start`, or 32 if `error` or `shadow_error` is set.
+        Default: 4, or the number in `fixed` or `start`, or 32 if an error is set.
     error : float, optional
         Largest accepted relative RMS error. The result has the fewest lights that reach it, which
         may be none. `report` holds the error for each number of lights.
     shadow_error : float, optional
-        Largest accepted error with shadows. With `error`, both must be reached.
+        Largest accepted error with shadows.
+    gloss_error : float, optional
+        Largest accepted error of images of shiny metal; see `FitReport.gloss_error`. All errors
+        that are set must be reached.
+    roughness : float
+        Roughness of that metal, from 0.3 to 1.
     sizes : bool
         True: lights are discs with an angular radius of at most 75 degrees, and over a `floor` of
         at most their elevation; a radius of 0 is a point. False: all lights are points.
@@ -126,8 +133,8 @@ def fit(
     Raises
     ------
     EnvLightsError
-        If `env` is not a map, `lights` is not a count or less than `fixed`, `error` or
-        `shadow_error` is not from 0 to 1, a `fixed` direction is not a unit vector, or `objective`,
+        If `env` is not a map, `lights` is not a count or less than `fixed`, an error is not from 0
+        to 1, `roughness` not from 0.3 to 1, a `fixed` direction is not a unit vector, or `objective`,
         `ambient` or `start` is unknown; with a `floor`, for "sh2" and for `fixed` or `start` lights
         below the horizon.
 
@@ -164,7 +171,14 @@ def fit(
     target = target_names(target)
     shows = shown_by(target)
     request = request_of(
-        lights, error, start, fixed, shadow_error=shadow_error, most_lights=shows.lights
+        lights,
+        error,
+        start,
+        fixed,
+        shadow_error=shadow_error,
+        gloss_error=gloss_error,
+        roughness=roughness,
+        most_lights=shows.lights,
     )
     of_discs = objective if flag("sizes", sizes) and shows.sizes == "spread" else None
     checked_unseen(unseen)
@@ -376,6 +390,8 @@ def _answer(
         request.lights,
         request.error,
         request.shadow_error,
+        request.gloss_error,
+        request.gloss_factors,
         sizes=objective,
         floor=reduction.cells.floor,
         error_floor=RENDERING_ERROR,
@@ -391,7 +407,7 @@ def _choose(answers: Mapping[str, FitAnswer], request: Request) -> str:
     reached = {
         name: answer.lights
         for name, answer in answers.items()
-        if request.is_reached(answer.error, answer.shadow_error)
+        if request.is_reached(answer)
     }
     if reached:
         return min(reached, key=lambda name: reached[name])

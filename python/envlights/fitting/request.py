@@ -9,12 +9,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native
 from envlights._check import amount, check_choice, count, reals
-from envlights._native import EnvLightsError
+from envlights._native import GLOSS_DEGREE, EnvLightsError, FitAnswer
 from envlights.detection.detect import detect
 from envlights.envmap import EnvMap
 from envlights.fitting.unseen_part import above_horizon
-from envlights.kernels import sphere
+from envlights.kernels import gloss, sphere
 from envlights.lights import Lights
+from envlights.report import SHOWN_ROUGHNESS, gloss_error_of
 from envlights.rig import Rig
 
 #: Names of starts for a map, and for a measured probe.
@@ -40,6 +41,10 @@ class Request(NamedTuple):
     """Largest accepted relative RMS error."""
     shadow_error: float | None
     """Largest accepted relative RMS error with shadows."""
+    gloss_error: float | None
+    """Largest accepted relative RMS error of metal of this `roughness`."""
+    roughness: float
+    """Roughness of the metal."""
     fixed: NDArray[np.float64]
     """Directions of lights that do not move, (k, 3)."""
     start_directions: NDArray[np.float64]
@@ -50,7 +55,15 @@ class Request(NamedTuple):
     @property
     def has_goal(self) -> bool:
         """True if an error was requested."""
-        return self.error is not None or self.shadow_error is not None
+        return any(most is not None for most in (self.error, self.shadow_error, self.gloss_error))
+
+    @property
+    def gloss_factors(self) -> list[float]:
+        """Factors of the metal by degree; none without a requested error."""
+        if self.gloss_error is None:
+            return []
+        factors: list[float] = gloss.factors(self.roughness, "metal", GLOSS_DEGREE).tolist()
+        return factors
 
     def first_directions(self, most: int) -> NDArray[np.float64]:
         """Start directions of free lights without a map, at most `most`."""
@@ -76,10 +89,20 @@ class Request(NamedTuple):
             return _native.even_sphere(2 * count)[:count]
         return self.first_directions(MOST_EVEN_STARTS)
 
-    def is_reached(self, error: float, shadow_error: float) -> bool:
-        """True if an error was requested and both errors are low enough."""
-        limits = ((self.error, error), (self.shadow_error, shadow_error))
+    def is_reached(self, answer: FitAnswer) -> bool:
+        """True if an error was requested and all requested errors are low enough."""
+        limits = (
+            (self.error, answer.error),
+            (self.shadow_error, answer.shadow_error),
+            (self.gloss_error, self._gloss_error_of(answer)),
+        )
         return self.has_goal and all(most is None or value <= most for most, value in limits)
+
+    def _gloss_error_of(self, answer: FitAnswer) -> float:
+        """Error of the requested metal; 0 without a requested error."""
+        if self.gloss_error is None:
+            return 0.0
+        return gloss_error_of(answer.bands, self.roughness) or 0.0
 
     def check_above_horizon(self) -> None:
         """Refuse lights that a floor would hide."""
@@ -99,6 +122,8 @@ def request_of(
     fixed: ArrayLike | Lights | None,
     starts: tuple[str, ...] = STARTS,
     shadow_error: float | None = None,
+    gloss_error: float | None = None,
+    roughness: float = SHOWN_ROUGHNESS,
     most_lights: int | None = None,
 ) -> Request:
     """Check the arguments of a fit; `starts` are the allowed names for `start`.
@@ -110,10 +135,12 @@ def request_of(
         start_directions = (start.lights if isinstance(start, Rig) else start).direction
         start = "greedy"
     check_choice("start", start, starts)
-    for name, value in (("error", error), ("shadow_error", shadow_error)):
+    goals = {"error": error, "shadow_error": shadow_error, "gloss_error": gloss_error}
+    for name, value in goals.items():
         if value is not None:
             amount(name, value, most=1.0)
-    has_goal = error is not None or shadow_error is not None
+    roughness = gloss.checked_roughness(roughness)
+    has_goal = any(value is not None for value in goals.values())
     placed = len(fixed_directions) + len(start_directions)
     most = _most_lights(lights, has_goal, len(fixed_directions), placed)
     if most_lights is not None and most > most_lights:
@@ -122,7 +149,16 @@ def request_of(
                 f"the target shows at most {most_lights} lights; got {max(most, placed)}"
             )
         most = most_lights
-    return Request(most, error, shadow_error, fixed_directions, start_directions, start)
+    return Request(
+        most,
+        error,
+        shadow_error,
+        gloss_error,
+        roughness,
+        fixed_directions,
+        start_directions,
+        start,
+    )
 
 
 def _fixed(fixed: ArrayLike | Lights | None) -> NDArray[np.float64]:

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _native
 from envlights._check import amount, check_choice, count
+from envlights._native import EnvLightsError
 
 #: Roughness from which the quadrature is accurate.
 LEAST_ROUGHNESS = 0.2
 #: Materials of the ball.
 MATERIALS = ("metal", "plastic")
+#: Roughness up from which the bands of a fit hold all that matters; below, a point has more than 5 %
+#: of its energy in degrees that they lack.
+LEAST_FITTED_ROUGHNESS = 0.3
 #: Highest degree; the lobe of the smoothest surface has nothing beyond.
 _MOST_DEGREES = 500
 
@@ -71,3 +77,22 @@ def spectrum(
     roughness = amount("roughness", roughness, LEAST_ROUGHNESS, 1.0)
     degree, base = count("degree", degree, most=_MOST_DEGREES), amount("base", base, most=1.0)
     return _native.gloss_spectrum(roughness, degree, base if material == "plastic" else None)
+
+
+def checked_roughness(roughness: object) -> float:
+    """`roughness` of a shiny object whose error a fit can state, or a refusal."""
+    value = amount("roughness", roughness, most=1.0)
+    if value < LEAST_FITTED_ROUGHNESS:
+        raise EnvLightsError(
+            f"roughness must be from {LEAST_FITTED_ROUGHNESS:g} to 1; got {value:g}, and smoother"
+            " surfaces show finer patterns of the map than a fit resolves"
+        )
+    return value
+
+
+@lru_cache(maxsize=64)
+def factors(roughness: float, material: str, degree: int) -> NDArray[np.float64]:
+    """Read-only `spectrum`, computed once; a few hundredths of a second each."""
+    out = spectrum(roughness, degree, material)
+    out.flags.writeable = False
+    return out
