@@ -18,7 +18,7 @@ ROUGHNESS = (0.33, 0.5)
 GOALS = (0.2, 0.1, 0.05)
 
 
-def needed(env, goal):
+def fewest_lights(env, goal):
     """Fewest lights for an error, or a remark."""
     rig = el.fit(env, gloss_error=goal)
     missed = rig.report.stop_reason is el.StopReason.ERROR_NOT_REACHED
@@ -35,7 +35,9 @@ def table(paths):
         reports = [el.fit(env, lights).report for lights in LIGHTS]
         errors = [report.gloss_error(each) for each in ROUGHNESS for report in reports]
         figures.append(errors)
-        cells = [f"{100 * error:.1f} %" for error in errors] + [needed(env, goal) for goal in GOALS]
+        cells = [f"{100 * error:.1f} %" for error in errors] + [
+            fewest_lights(env, goal) for goal in GOALS
+        ]
         print(f"| {path.stem} | {' | '.join(cells)} |", flush=True)
     for name, values in (
         ("geometric mean", np.exp(np.log(figures).mean(axis=0))),

@@ -54,6 +54,7 @@ def balls(maps: list[np.ndarray]) -> list[np.ndarray]:
 
 
 def main() -> None:
+    """Draw and save the row of balls."""
     env = el.EnvMap(el.synthetic.hall(256).radiance)
     rigs = [el.fit(env, lights) for lights in LIGHTS]
     images = balls([*(rig.to_map(env.height).radiance for rig in rigs), env.radiance])

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 import envlights as el
 from envlights import export, io, kernels, synthetic
+from tests.call_gloss import GLOSS_CALLS
 from tests.call_solids import SOLID_CALLS
 from tests.call_values import (
     AMBIENT,
@@ -165,20 +166,6 @@ CALLS = {
     ),
     "fit to an error": (el.fit, {"env": IMAGE, "error": st.floats(0.01, 1)}),
     "fit to an error of shadows": (el.fit, {"env": IMAGE, "shadow_error": st.floats(0.1, 1)}),
-    "fit to an error of metal": (
-        el.fit,
-        {"env": IMAGE, "gloss_error": st.floats(0.1, 1), "roughness": st.floats(0.3, 1)},
-    ),
-    "error_curve": (
-        el.error_curve,
-        {
-            "env": IMAGE,
-            "lights": st.lists(st.integers(0, 2), min_size=1, max_size=2),
-            "roughness": st.floats(0.3, 1),
-            "sizes": FLAG,
-            "floor": FLAG,
-        },
-    ),
     "fit with fixed lights": (el.fit, {"env": IMAGE, "lights": LIGHTS, "fixed": FEW}),
     "fit_probe": (
         el.fit_probe,
@@ -279,6 +266,7 @@ CALLS = {
         {"rig": RIGS, "path": st.just("no-folder/rig.json"), **ENGINE},
     ),
     **SOLID_CALLS,
+    **GLOSS_CALLS,
     **dict(call for target in export.TARGETS for call in exports_of(target)),
     "kernels.blur": (kernels.blur, {"image": GREY, "sigma": SMALL, "wrap": FLAG}),
     "kernels.bresenham_line": (
@@ -293,15 +281,6 @@ CALLS = {
     "kernels.face_radiance": (
         kernels.face_radiance,
         {"radiance": IMAGE, "faces": st.sampled_from([20, 80, 320]), "border_sampled": FLAG},
-    ),
-    "kernels.gloss.spectrum": (
-        kernels.gloss.spectrum,
-        {
-            "roughness": st.floats(0.2, 1),
-            "degree": st.integers(0, 40),
-            "material": st.sampled_from(["metal", "plastic"]),
-            "base": SHARE,
-        },
     ),
     "kernels.halton": (kernels.halton, {"n": COUNT, "bases": st.sampled_from([(2, 3), (2,), [5]])}),
     "kernels.hammersley": (kernels.hammersley, {"n": COUNT}),

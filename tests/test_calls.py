@@ -37,6 +37,7 @@ LEFT_OUT = {
     "MissingFileError": "is a refusal",
     "FilePairs": "comes from read_pairs",
     "FitReport": "comes from fit",
+    "ErrorCurve": "comes from error_curve",
     "Limit": "comes from limit",
     "MitsubaScene": "is Mitsuba's answer to a scene",
     "PaperFit": "comes from fit_paper",

@@ -246,7 +246,7 @@ class FitReport(Result):
         >>> report.gloss_error(0.5) < report.gloss_error(0.33)
         True
         """
-        return gloss_error_of(self.gloss_bands, gloss.checked_roughness(roughness), material)
+        return gloss.error(self.gloss_bands, gloss.checked_roughness(roughness), material)
 
     def in_short(self) -> str:
         """Number of lights, error, and reason why the solver stopped."""
@@ -350,19 +350,6 @@ class FitReport(Result):
                 f"standard error of the directions: {_degrees(self.direction_errors)}",
             )
         return ()
-
-
-def gloss_error_of(
-    bands: Sequence[Sequence[float]], roughness: float, material: str = "metal"
-) -> float | None:
-    """Error from the energies of a map and of a difference by degree; None without any."""
-    energies, differences = bands
-    check_choice("material", material, gloss.MATERIALS)
-    if not len(energies):
-        return None
-    factors = gloss.factors(roughness, material, len(energies) - 1)
-    whole, difference = float(factors @ energies), float(factors @ differences)
-    return float(np.sqrt(difference / whole)) if whole > 0 else float(np.sqrt(difference))
 
 
 def _bands(values: Sequence[Sequence[float]]) -> tuple[tuple[float, ...], tuple[float, ...]]:

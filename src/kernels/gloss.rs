@@ -22,7 +22,7 @@ use crate::interrupt;
 
 /// Light that a surface reflects.
 #[derive(Clone, Copy, Debug)]
-pub struct Surface {
+pub struct GlossySurface {
     /// Width of the distribution of microfacet slopes: the square of the roughness.
     pub alpha: f64,
     /// Reflectance of the microfacets at normal incidence. It rises to 1 at grazing incidence (Schlick 1994).
@@ -31,7 +31,7 @@ pub struct Surface {
     pub base: f64,
 }
 
-impl Surface {
+impl GlossySurface {
     /// Metal whose microfacets reflect everything.
     pub fn metal(roughness: f64) -> Self {
         Self { alpha: roughness * roughness, specular: 1.0, base: 0.0 }
@@ -64,11 +64,11 @@ impl Surface {
 }
 
 /// lambda of a surface, for the degrees from 0 to `degree`.
-pub fn spectrum(surface: &Surface, degree: usize) -> Vec<f64> {
+pub fn spectrum(surface: &GlossySurface, degree: usize) -> Vec<f64> {
     /// Gauss nodes in u.
     const INCIDENCES: usize = 24;
     let (nodes, weights) = gauss_legendre(INCIDENCES);
-    let rings = Rings::new(degree);
+    let rings = LobeRings::new(degree);
     let at = |node: &f64| rings.powers(surface, (0.5 * (1.0 + node)).sqrt().asin());
     let powers: Vec<Vec<f64>> = nodes.par_iter().map(at).collect();
     let mean =
@@ -77,7 +77,7 @@ pub fn spectrum(surface: &Surface, degree: usize) -> Vec<f64> {
 }
 
 /// Circles around the mirror direction on which a lobe is integrated.
-struct Rings {
+struct LobeRings {
     degree: usize,
     sines: Vec<f64>,
     cosines: Vec<f64>,
@@ -87,8 +87,8 @@ struct Rings {
     points: usize,
 }
 
-impl Rings {
-    /// Rings that are dense near the mirror direction: `theta = pi t^2` with Gauss's nodes t.
+impl LobeRings {
+    /// LobeRings that are dense near the mirror direction: `theta = pi t^2` with Gauss's nodes t.
     fn new(degree: usize) -> Self {
         let count = 128 + degree;
         let points = 64 + degree / 2;
@@ -103,7 +103,7 @@ impl Rings {
     }
 
     /// Sum of the squared coefficients of each degree of the lobe at an incidence.
-    fn powers(&self, surface: &Surface, incidence: f64) -> Vec<f64> {
+    fn powers(&self, surface: &GlossySurface, incidence: f64) -> Vec<f64> {
         let waves = self.waves(surface, incidence);
         let count = self.sines.len();
         let mut out = vec![0.0; self.degree + 1];
@@ -119,7 +119,7 @@ impl Rings {
     }
 
     /// Integrals of a lobe over each ring times `cos m phi`, order by order, times the weights of the rings.
-    fn waves(&self, surface: &Surface, incidence: f64) -> Vec<f64> {
+    fn waves(&self, surface: &GlossySurface, incidence: f64) -> Vec<f64> {
         let count = self.sines.len();
         let normal = DVec3::new(incidence.sin(), incidence.cos(), 0.0);
         let view = DVec3::new((2.0 * incidence).sin(), (2.0 * incidence).cos(), 0.0);
@@ -148,7 +148,7 @@ mod tests {
     #[test]
     fn a_mirror_passes_every_degree() {
         let off = |alpha: f64| {
-            let surface = Surface { alpha, ..Surface::metal(1.0) };
+            let surface = GlossySurface { alpha, ..GlossySurface::metal(1.0) };
             spectrum(&surface, 24).into_iter().map(|factor| (factor - 1.0).abs()).fold(0.0, f64::max)
         };
         assert!(off(1e-3) < 0.01 && off(1e-4) < 3e-4, "{} {}", off(1e-3), off(1e-4));
@@ -157,7 +157,7 @@ mod tests {
     /// The spectrum is a polynomial of second degree in the base, whose last coefficient is that of the base alone.
     #[test]
     fn a_white_base_has_the_spectrum_of_the_probe() {
-        let [none, half, whole] = [0.0, 0.5, 1.0].map(|base| spectrum(&Surface::plastic(0.4, base), 4));
+        let [none, half, whole] = [0.0, 0.5, 1.0].map(|base| spectrum(&GlossySurface::plastic(0.4, base), 4));
         for (l, factor) in [(0, 1.0), (1, 2.0 / 3.0), (2, 0.25), (3, 0.0), (4, 1.0 / 24.0)] {
             let white = 2.0 * (whole[l] - 2.0 * half[l] + none[l]);
             assert!((white - factor * factor).abs() < 2e-4, "{l}: {white}");
@@ -168,7 +168,7 @@ mod tests {
     #[test]
     fn rougher_metal_passes_less_of_every_degree() {
         let [fine, middle, rough] =
-            [0.2, 0.33, 0.5].map(|roughness| spectrum(&Surface::metal(roughness), 40));
+            [0.2, 0.33, 0.5].map(|roughness| spectrum(&GlossySurface::metal(roughness), 40));
         for l in 0..=40 {
             assert!(1.0 > fine[l] && fine[l] > middle[l] && middle[l] > rough[l], "{l}");
         }
@@ -176,7 +176,7 @@ mod tests {
 
     #[test]
     fn a_spectrum_does_not_depend_on_its_length() {
-        let [short, long] = [8, 100].map(|degree| spectrum(&Surface::metal(0.2), degree));
+        let [short, long] = [8, 100].map(|degree| spectrum(&GlossySurface::metal(0.2), degree));
         for (one, other) in short.iter().zip(&long) {
             assert!((one - other).abs() < 1e-3, "{one} {other}");
         }

@@ -5,8 +5,10 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from scipy.special import sph_harm_y
 
 import envlights as el
+from envlights.kernels.gloss import spectrum
 from tests.conftest import real_maps
 from tests.reference.ggx import gloss_error
 
@@ -31,13 +33,12 @@ def test_the_gloss_error_is_that_of_direct_sums(hall, roughness):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("roughness", [0.3, 0.5])
-def test_the_gloss_error_is_that_of_many_direct_sums(roughness):
+def test_the_gloss_error_is_that_of_many_direct_sums():
     """At 1e5 pixels and sides of the ball."""
-    env = el.EnvMap(el.synthetic.hall(128).radiance)
+    env = el.EnvMap(el.synthetic.hall(64).radiance)
     rig = el.fit(env, 4)
-    expected = gloss_error(env, rig, roughness, 100_000)
-    assert rig.report.gloss_error(roughness) == pytest.approx(expected, rel=0.01)
+    expected = gloss_error(env, rig, 0.4, 100_000)
+    assert rig.report.gloss_error(0.4) == pytest.approx(expected, rel=0.01)
 
 
 def test_one_disc_against_another_is_their_direct_integral():
@@ -48,16 +49,39 @@ def test_one_disc_against_another_is_their_direct_integral():
     assert rig.report.gloss_error(0.4) == pytest.approx(expected, rel=0.02)
 
 
-@pytest.mark.parametrize("floor", [False, True])
-@pytest.mark.parametrize("ambient", ["none", "constant", "sh2"])
-def test_every_ambient_term_counts(hall, ambient, floor):
-    if floor and ambient == "sh2":
-        pytest.skip("harmonics cannot be fitted over a floor")
+def energies(radiance, degree=24):
+    """Energy of a map in each degree, by SciPy's harmonics at the centres of its pixels."""
+    height, width, _ = radiance.shape
+    theta = np.pi * (np.arange(height) + 0.5) / height
+    power = radiance * el.kernels.pixel_solid_angles(height, width)[..., None]
+    waves = np.fft.rfft(power, axis=1)[:, : degree + 1]
+    return [
+        sum(
+            (2 if m else 1)
+            * (abs(sph_harm_y(degree, m, theta, 0.0).conj() @ waves[:, m]) ** 2).sum()
+            for m in range(degree + 1)
+        )
+        for degree in range(degree + 1)
+    ]
+
+
+@pytest.mark.parametrize(
+    ("ambient", "floor"),
+    [("none", False), ("constant", False), ("sh2", False), ("none", True), ("constant", True)],
+)
+def test_the_energies_are_those_of_the_drawn_rig(hall, ambient, floor):
     rig = el.fit(hall, 2, ambient=ambient, floor=floor)
-    upper = np.where(np.arange(hall.height)[:, None, None] < hall.height // 2, hall.radiance, 0)
-    env = el.EnvMap(upper) if floor else hall
-    expected = gloss_error(env, rig, 0.5, 2000)
-    assert rig.report.gloss_error(0.5) == pytest.approx(expected, rel=0.03)
+    above = np.arange(256)[:, None, None] < 128
+    truth = hall.radiance.repeat(2, axis=0).repeat(2, axis=1)
+    truth, seen = (
+        np.where(above | (not floor), each, 0) for each in (truth, rig.to_map(256).radiance)
+    )
+    whole, off = np.array(energies(truth)), np.array(energies(seen - truth))
+    # Beyond degree 24, metal of roughness 0.5 keeps less than 1e-4 of the energy.
+    for roughness in (0.5, 1.0):
+        factors = spectrum(roughness, 24)
+        expected = np.sqrt(factors @ off / (factors @ whole))
+        assert rig.report.gloss_error(roughness) == pytest.approx(expected, rel=0.005)
 
 
 def test_a_rolled_map_has_the_same_error(hall):
@@ -68,9 +92,9 @@ def test_a_rolled_map_has_the_same_error(hall):
 
 
 def test_a_map_that_the_rig_explains_has_no_error():
-    assert el.fit(np.ones((32, 64, 3))).report.gloss_error() < 1e-7
+    assert el.fit(np.ones((32, 64, 3))).report.gloss_error() < 1e-6
     assert el.fit(np.zeros((32, 64, 3))).report.gloss_error() == 0
-    assert el.fit(sun((0.6, 0.8, 0), 10.0), 1).report.gloss_error() < 0.01
+    assert el.fit(sun((0.6, 0.8, 0), 10.0), 1).report.gloss_error() < 0.02
 
 
 def test_rougher_objects_and_more_lights_have_less_error(hall):
@@ -135,7 +159,7 @@ def check_fewest(env, most, **options):
 
 
 def test_the_fewest_lights_reach_the_gloss_error(hall):
-    counts = [len(check_fewest(hall, most).lights) for most in (0.3, 0.15)]
+    counts = [len(check_fewest(hall, most).lights) for most in (0.7, 0.1)]
     assert counts[0] < counts[1]
     assert len(check_fewest(sun((0.6, 0.8, 0), 10.0), 0.05).lights) == 1
 

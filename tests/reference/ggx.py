@@ -28,13 +28,13 @@ def ggx(normal, view, light, alpha):
 
     cosine, towards = np.maximum(normal @ light.T, 0), (normal * view).sum(axis=1)[:, None]
     # |l + v|² = 2 (1 + l.v), and n.(l + v) is the sum of both cosines.
-    half = (cosine + towards) ** 2 / (2 * (1 + view @ light.T) + 1e-12)
+    half = np.minimum((cosine + towards) ** 2 / (2 * (1 + view @ light.T) + 1e-6), 1)
     facets = square / (np.pi * (half * (square - 1) + 1) ** 2)
     return np.where(cosine > 0, facets * masking(cosine) * masking(towards) / (4 * towards), 0)
 
 
 def pixels_of_ball(radiances, roughness, count, block=200):
-    """Images under several maps of one size, (maps, count, 3), at evenly spread pixels and sides."""
+    """Images under several maps of one size, (maps, count, 3), at pixels and sides of `turns`."""
     height, width, _ = np.shape(radiances[0])
     light = kernels.pixel_directions(height, width).reshape(-1, 3).astype(np.float32)
     solid_angles = kernels.pixel_solid_angles(height, width)[..., None]

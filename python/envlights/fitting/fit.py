@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from time import perf_counter
 
 import numpy as np
@@ -33,8 +33,6 @@ OBJECTIVES = ("mixed", "shadows", "probe")
 #: Relative RMS error of the reduced map's irradiance: 3e-5 to 1.4e-4 on 14 real maps. Lights that
 #: lower the error further would only fit the error of the reduction.
 RENDERING_ERROR = 1e-4
-#: Relative difference below which two errors are equal, so that the simpler ambient term wins.
-SAME_ERROR = 1e-3
 
 
 def fit(
@@ -134,9 +132,9 @@ def fit(
     ------
     EnvLightsError
         If `env` is not a map, `lights` is not a count or less than `fixed`, an error is not from 0
-        to 1, `roughness` not from 0.3 to 1, a `fixed` direction is not a unit vector, or `objective`,
-        `ambient` or `start` is unknown; with a `floor`, for "sh2" and for `fixed` or `start` lights
-        below the horizon.
+        to 1, `roughness` is not from 0.3 to 1, a `fixed` direction is not a unit vector, or
+        `objective`, `ambient` or `start` is unknown; with a `floor`, for "sh2" and for `fixed` or
+        `start` lights below the horizon.
 
     See Also
     --------
@@ -208,7 +206,7 @@ def fit(
     else:
         _, (reduction, answers) = apply_to_map(env, answers_under)
     clock.lap("fit")
-    chosen = _choose(answers, request) if ambient == AUTO else ambient
+    chosen = request.best_of(answers, RENDERING_ERROR) if ambient == AUTO else ambient
     answer = answers[chosen]
     rig = rig_of(
         answer,
@@ -397,20 +395,3 @@ def _answer(
         error_floor=RENDERING_ERROR,
     )
     return _native.fit_reduced(reduction.cells, options)
-
-
-def _choose(answers: Mapping[str, FitAnswer], request: Request) -> str:
-    """Select the ambient term with the fewest lights that reach the request, or the least error.
-
-    `answers` hold the simplest first, which wins if several are equal.
-    """
-    reached = {
-        name: answer.lights
-        for name, answer in answers.items()
-        if request.is_reached(answer)
-    }
-    if reached:
-        return min(reached, key=lambda name: reached[name])
-    least = min(answer.error for answer in answers.values())
-    enough = max(least * (1 + SAME_ERROR), RENDERING_ERROR)
-    return next(name for name, answer in answers.items() if answer.error <= enough)

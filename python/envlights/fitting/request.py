@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -15,7 +16,7 @@ from envlights.envmap import EnvMap
 from envlights.fitting.unseen_part import above_horizon
 from envlights.kernels import gloss, sphere
 from envlights.lights import Lights
-from envlights.report import SHOWN_ROUGHNESS, gloss_error_of
+from envlights.report import SHOWN_ROUGHNESS
 from envlights.rig import Rig
 
 #: Names of starts for a map, and for a measured probe.
@@ -28,6 +29,9 @@ MOST_LIGHTS = 32
 
 #: Limit on even starts, because the kernel refuses more lights than that under a map.
 MOST_EVEN_STARTS = 10240
+
+#: Relative difference below which two errors are equal, so that the simpler ambient term wins.
+SAME_ERROR = 1e-3
 
 _NO_DIRECTIONS = np.zeros((0, 3))
 
@@ -102,7 +106,20 @@ class Request(NamedTuple):
         """Error of the requested metal; 0 without a requested error."""
         if self.gloss_error is None:
             return 0.0
-        return gloss_error_of(answer.bands, self.roughness) or 0.0
+        return gloss.error(answer.bands, self.roughness) or 0.0
+
+    def best_of(self, answers: Mapping[str, FitAnswer], accuracy: float) -> str:
+        """Name of the ambient term with the fewest lights that suffice, or with the least error.
+
+        `answers` hold the simplest first, which wins if several are equal. Errors below the
+        `accuracy` are equal.
+        """
+        reached = {name: one.lights for name, one in answers.items() if self.is_reached(one)}
+        if reached:
+            return min(reached, key=lambda name: reached[name])
+        least = min(answer.error for answer in answers.values())
+        enough = max(least * (1 + SAME_ERROR), accuracy)
+        return next(name for name, answer in answers.items() if answer.error <= enough)
 
     def check_above_horizon(self) -> None:
         """Refuse lights that a floor would hide."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -15,8 +16,7 @@ from envlights._native import EnvLightsError
 LEAST_ROUGHNESS = 0.2
 #: Materials of the ball.
 MATERIALS = ("metal", "plastic")
-#: Roughness up from which the bands of a fit hold all that matters; below, a point has more than 5 %
-#: of its energy in degrees that they lack.
+#: Least roughness of a surface whose error a fit states.
 LEAST_FITTED_ROUGHNESS = 0.3
 #: Highest degree; the lobe of the smoothest surface has nothing beyond.
 _MOST_DEGREES = 500
@@ -96,3 +96,16 @@ def factors(roughness: float, material: str, degree: int) -> NDArray[np.float64]
     out = spectrum(roughness, degree, material)
     out.flags.writeable = False
     return out
+
+
+def error(
+    bands: Sequence[Sequence[float]], roughness: float, material: str = "metal"
+) -> float | None:
+    """Relative RMS error from the energies of a map and of a difference by degree; None without."""
+    check_choice("material", material, MATERIALS)
+    energies, differences = bands
+    if not len(energies):
+        return None
+    by_degree = factors(roughness, material, len(energies) - 1)
+    whole, difference = float(by_degree @ energies), float(by_degree @ differences)
+    return float(np.sqrt(difference / whole)) if whole > 0 else float(np.sqrt(difference))

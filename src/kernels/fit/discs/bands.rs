@@ -20,9 +20,9 @@ pub const BAND_DEGREE: usize = 96;
 /// Energy in each degree, summed over channels: the squared coefficients of orthonormal harmonics.
 #[derive(Clone, Debug, Default)]
 pub struct Bands {
-    /// Of the map.
+    /// Energy of the map.
     pub map: Vec<f64>,
-    /// Difference of the rig from the map.
+    /// Energy of the difference of the rig from the map.
     pub difference: Vec<f64>,
 }
 

@@ -53,14 +53,6 @@ impl Kernel {
         // Divide each kernel by its factor of degree 0, its integral over the sphere.
         let mixed =
             |k: usize| PROBE_SHARE * probe[k] / probe[0] + (1.0 - PROBE_SHARE) * shadows[k] / shadows[0];
-        let gloss_share: f64 =
-            std::env::var("GLOSS_SHARE").ok().and_then(|text| text.parse().ok()).unwrap_or(0.0); // EXPERIMENT
-        let gloss = if gloss_share > 0.0 {
-            crate::kernels::gloss::spectrum(&crate::kernels::gloss::Surface::metal(0.33), DEGREES - 1)
-        } else {
-            vec![0.0; DEGREES]
-        };
-        let mixed = |k: usize| mixed(k) + gloss_share * gloss[k] / gloss[0].max(1e-9);
         let (whole, cone) = match comparison {
             Comparison::Probe => (*probe, 0.0),
             Comparison::Shadows => (*shadows, 1.0 / 3.0),
