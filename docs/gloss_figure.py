@@ -17,7 +17,7 @@ HERE = Path(__file__).parent
 ROUGHNESS = 0.33
 LIGHTS = (4, 8, 16)
 #: Columns and rows of a ball.
-BALL = 150
+BALL = 120
 #: Direction towards the viewer, on the horizon.
 VIEW = np.array([0.0, 0.0, -1.0])
 
@@ -55,7 +55,7 @@ def balls(maps: list[np.ndarray]) -> list[np.ndarray]:
 
 def main() -> None:
     """Draw and save the row of balls."""
-    env = el.EnvMap(el.synthetic.hall(256).radiance)
+    env = el.EnvMap(el.synthetic.hall(96).radiance)
     rigs = [el.fit(env, lights) for lights in LIGHTS]
     images = balls([*(rig.to_map(env.height).radiance for rig in rigs), env.radiance])
     white = np.nanpercentile(images[-1], 97)

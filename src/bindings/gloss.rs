@@ -14,7 +14,8 @@ pub fn gloss_spectrum(
     degree: usize,
     base: Option<f64>,
 ) -> PyResult<Bound<'_, PyArray1<f64>>> {
-    let surface = base.map_or_else(|| GlossySurface::metal(roughness), |base| GlossySurface::plastic(roughness, base));
+    let surface =
+        base.map_or_else(|| GlossySurface::metal(roughness), |base| GlossySurface::plastic(roughness, base));
     let out = interruptible(py, || Ok(gloss::spectrum(&surface, degree)))?;
     Ok(out.into_pyarray(py))
 }
