@@ -10,14 +10,13 @@ import numpy as np
 
 import envlights as el
 from envlights import kernels
-from envlights._srgb import encode_srgb
 from envlights.io.image_output import write_png
 
 HERE = Path(__file__).parent
 ROUGHNESS = 0.33
 LIGHTS = (4, 8, 16)
 #: Columns and rows of a ball.
-BALL = 120
+BALL = 90
 #: Direction towards the viewer, on the horizon.
 VIEW = np.array([0.0, 0.0, -1.0])
 
@@ -61,8 +60,8 @@ def main() -> None:
     white = np.nanpercentile(images[-1], 97)
     picture = np.concatenate(images, axis=1)
     shown = np.where(np.isnan(picture), 0.2, picture / white)
-    codes = np.round(255 * encode_srgb(np.clip(shown, 0, 1))).astype(np.uint8)
-    write_png(HERE / "gloss.png", codes)
+    linear = np.clip(shown, 0, 1).astype(np.float32)
+    write_png(HERE / "gloss.png", linear)
     for lights, rig, image in zip(LIGHTS, rigs, images, strict=False):
         ball = ~np.isnan(image)
         off = np.linalg.norm((image - images[-1])[ball]) / np.linalg.norm(images[-1][ball])

@@ -58,6 +58,7 @@ LEFT_OUT = {
     "export.TARGETS": "is a table",
     "export.Target": "is a row of it",
     "kernels.WORKING_COLUMNS": "is a number",
+    "kernels.gloss": "holds functions, which are called by their own names",
     "threads": "changes the threads of the process",
 }
 
