@@ -88,7 +88,7 @@ struct LobeRings {
 }
 
 impl LobeRings {
-    /// LobeRings that are dense near the mirror direction: `theta = pi t^2` with Gauss's nodes t.
+    /// Rings that are dense near the mirror direction: `theta = pi t^2` with Gauss's nodes t.
     fn new(degree: usize) -> Self {
         let count = 128 + degree;
         let points = 64 + degree / 2;
