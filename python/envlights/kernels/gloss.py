@@ -12,7 +12,7 @@ from envlights import _native
 from envlights._check import amount, check_choice, count
 from envlights._native import EnvLightsError
 
-#: Roughness from which the quadrature is accurate.
+#: Least roughness of the quadrature.
 LEAST_ROUGHNESS = 0.2
 #: Materials of the ball.
 MATERIALS = ("metal", "plastic")
@@ -52,7 +52,7 @@ def spectrum(
     Returns
     -------
     ndarray, shape (degree + 1,)
-        :math:`\lambda_0` to :math:`\lambda_{degree}`. They are accurate to 0.001.
+        :math:`\lambda_0` to :math:`\lambda_{degree}`, within 1 % of :math:`\lambda_0` of sampling.
 
     Raises
     ------
