@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 import envlights as el
 from envlights import export, io, kernels, synthetic
 from tests.call_comparisons import COMPARISON_CALLS
+from tests.call_gloss import GLOSS_CALLS
 from tests.call_solids import SOLID_CALLS
 from tests.call_values import (
     AMBIENT,
@@ -267,6 +268,7 @@ CALLS = {
         {"rig": RIGS, "path": st.just("no-folder/rig.json"), **ENGINE},
     ),
     **SOLID_CALLS,
+    **GLOSS_CALLS,
     **dict(call for target in export.TARGETS for call in exports_of(target)),
     "kernels.blur": (kernels.blur, {"image": GREY, "sigma": SMALL, "wrap": FLAG}),
     "kernels.bresenham_line": (

@@ -38,6 +38,7 @@ LEFT_OUT = {
     "MissingFileError": "is a refusal",
     "FilePairs": "comes from read_pairs",
     "FitReport": "comes from fit",
+    "ErrorCurve": "comes from error_curve",
     "FolderComparison": "comes from compare_folders",
     "ImageErrors": "comes from image_errors",
     "LightSetDifference": "comes from compare_lights",
@@ -61,7 +62,7 @@ LEFT_OUT = {
     "export.TARGETS": "is a table",
     "export.Target": "is a row of it",
     "kernels.WORKING_COLUMNS": "is a number",
-    "kernels.gloss": "is a module, whose function is in the table",
+    "kernels.gloss": "holds functions, which are called by their own names",
     "threads": "changes the threads of the process",
 }
 

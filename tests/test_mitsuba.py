@@ -190,3 +190,41 @@ def emitters_of(rig):
 
 def rgb(values):
     return {"type": "rgb", "value": values.tolist()}
+
+
+def metal_ball(radiance, roughness, view, seed):
+    """Image of a ball of rough metal without Fresnel's colours, under a map, from one side."""
+    world = mi.Bitmap(radiance.astype(np.float32))
+    origin = [5 * component for component in view]
+    up = [0, 1, 0] if abs(view[1]) < 0.9 else [1, 0, 0]
+    eye = mi.ScalarTransform4f().look_at(origin=origin, target=[0, 0, 0], up=up)
+    film = {"type": "hdrfilm", "width": SIZE, "height": SIZE, "rfilter": {"type": "box"}}
+    metal = {"type": "roughconductor", "material": "none", "distribution": "ggx"}
+    scene = {
+        "type": "scene",
+        "integrator": {"type": "direct", "emitter_samples": 1, "bsdf_samples": 1},
+        "sensor": {"type": "orthographic", "to_world": eye, "film": film},
+        "ball": {"type": "sphere", "bsdf": {**metal, "alpha": roughness**2}},
+        "world": {"type": "envmap", "bitmap": world},
+    }
+    image = np.array(mi.render(mi.load_dict(scene), spp=24, seed=seed))[..., :3]
+    at = (2 * np.arange(SIZE) + 1) / SIZE - 1
+    return image[np.hypot(*np.meshgrid(at, at)) < 1]
+
+
+def test_the_gloss_error_is_that_of_rendered_metal():
+    """A pixel's difference in two renders has independent noise, so their product has none."""
+    env = el.EnvMap(el.synthetic.hall(64).radiance)
+    rig = el.fit(env, 2)
+    # Mitsuba interpolates pixels, and its rows lie on the poles: squares of 4 pixels hide both.
+    whole, seen = env.radiance.repeat(4, axis=0).repeat(4, axis=1), rig.to_map(256).radiance
+    squares = np.zeros(2)
+    for side, view in enumerate(kernels.icosphere(20)[0]):
+        truth, light = (
+            [metal_ball(radiance, 0.4, view, 4 * side + k + first) for k in (0, 1)]
+            for first, radiance in ((0, whole), (2, seen))
+        )
+        off = [one - other for one, other in zip(light, truth, strict=True)]
+        squares += (off[0] * off[1]).sum(), (truth[0] * truth[1]).sum()
+    expected = np.sqrt(squares[0] / squares[1])
+    assert rig.report.gloss_error(0.4) == pytest.approx(expected, rel=0.05)

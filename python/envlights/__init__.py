@@ -41,6 +41,7 @@ __all__ = [
     "DirectLight",
     "EnvLightsError",
     "EnvMap",
+    "ErrorCurve",
     "FilePairs",
     "FitReport",
     "FolderComparison",
@@ -73,6 +74,7 @@ __all__ = [
     "detect_article",
     "detect_photograph",
     "detect_tree",
+    "error_curve",
     "fit",
     "fit_paper",
     "fit_probe",
@@ -96,6 +98,7 @@ _SUBPACKAGES = (
 )
 #: Names of `__all__` that come from one of them.
 _LATER = {
+    **dict.fromkeys(("ErrorCurve", "error_curve"), "fitting.error_curve"),
     **dict.fromkeys(("PaperFit", "fit_paper"), "fitting.madsen"),
     **dict.fromkeys(("BakedPairs", "DirectLight", "MitsubaScene", "Surface", "bake"), "scene"),
     **dict.fromkeys(("ShadowOverlay", "shadow_overlay"), "scene"),
@@ -133,6 +136,7 @@ if _typing.TYPE_CHECKING:
     from envlights.comparison.light_sets import compare_lights
     from envlights.comparison.protocol import Protocol
     from envlights.comparison.vector_angle import vector_angle as vector_angle
+    from envlights.fitting.error_curve import ErrorCurve, error_curve
     from envlights.fitting.madsen import PaperFit, fit_paper
     from envlights.scene import BakedPairs, DirectLight, MitsubaScene, ShadowOverlay, Surface
     from envlights.scene.bake import bake as bake

@@ -15,6 +15,7 @@ from envlights.occluders import Stage
 __all__ = [
     "BASIS_SHARE",
     "BASIS_TILE",
+    "GLOSS_DEGREE",
     "LEAST_WHITE",
     "LUMINANCE",
     "ClippedDetection",
@@ -108,6 +109,7 @@ _Coefficients = tuple[float, float, list[float]]
 _LightPixels = tuple[_Indices, _Indices, _Reals, int, float, _Image]
 
 LEAST_WHITE: float
+GLOSS_DEGREE: int
 LUMINANCE: list[float]
 BASIS_SHARE: int
 BASIS_TILE: int
@@ -178,6 +180,7 @@ class FitAnswer:
     lights: int
     angular_radii: list[float]
     shadow_error: float
+    bands: list[list[float]]
     points_error: float
     fitted_points_error: float
     channels: int

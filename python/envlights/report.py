@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import enum
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -11,9 +11,11 @@ import numpy as np
 
 from envlights import _html
 from envlights._check import amount, check_choice, count
+from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights._tables import Table
 from envlights._times import time_lines, times_of
+from envlights.kernels import gloss
 
 
 class StopReason(enum.Enum):
@@ -32,6 +34,10 @@ class StopReason(enum.Enum):
         """True if more steps would change nothing."""
         successes = (StopReason.CONVERGED, StopReason.EXACT, StopReason.NOTHING_TO_FIT)
         return self in successes
+
+
+#: Roughness of the metal in the text of a report: the matte silver of published comparisons.
+SHOWN_ROUGHNESS = 0.33
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -79,6 +85,11 @@ class FitReport(Result):
 
     It is the error of the irradiance at every normal with everything behind a plane hidden,
     integrated over all planes. Each pixel of the map is a square of one radiance."""
+
+    gloss_bands: tuple[tuple[float, ...], tuple[float, ...]] = ((), ())
+    """Energy of the map in each degree of spherical harmonics, and of its difference from the rig.
+
+    All channels are summed. Both are empty if there was no map; see `gloss_error`."""
 
     points_error: float | None = None
     """Relative RMS error of the rig in a target that shows its lights as points."""
@@ -148,6 +159,8 @@ class FitReport(Result):
             "channel_errors": list(self.channel_errors),
             "max_error": self.max_error,
             "shadow_error": self.shadow_error,
+            "gloss_error": self.gloss_error(),
+            "gloss_bands": [list(band) for band in self.gloss_bands],
             "points_error": self.points_error,
             "fitted_points_error": self.fitted_points_error,
             "target": list(self.target),
@@ -183,6 +196,7 @@ class FitReport(Result):
             channel_errors=tuple(amount("channel_errors", e) for e in data["channel_errors"]),
             max_error=amount("max_error", data["max_error"]),
             shadow_error=_optional("shadow_error", data.get("shadow_error")),
+            gloss_bands=_bands(data.get("gloss_bands", ((), ()))),
             points_error=_optional("points_error", data.get("points_error")),
             fitted_points_error=_optional("fitted_points_error", data.get("fitted_points_error")),
             target=tuple(str(name) for name in data.get("target", ())),
@@ -198,6 +212,41 @@ class FitReport(Result):
             unseen_spread=amount("unseen_spread", data.get("unseen_spread", 0.0)),
             skipped=tuple(str(note) for note in data["skipped"]),
         )
+
+    def gloss_error(
+        self, roughness: float = SHOWN_ROUGHNESS, material: str = "metal"
+    ) -> float | None:
+        r"""Relative RMS error of images of a shiny ball under the rig, from all sides.
+
+        With the energies :math:`D_l` and :math:`L_l` in `gloss_bands` and the factors
+        :math:`\lambda_l` of `kernels.gloss.spectrum`, it is
+        :math:`\sqrt{\sum_l \lambda_l D_l / \sum_l \lambda_l L_l}`.
+
+        Parameters
+        ----------
+        roughness : float
+            Roughness of the ball, from 0.3 to 1.
+        material : {"metal", "plastic"}
+            Metal, or a coat over a base of reflectance 0.5.
+
+        Returns
+        -------
+        float or None
+            None if there was no map.
+
+        Raises
+        ------
+        EnvLightsError
+            If the roughness is out of range or `material` is unknown.
+
+        Examples
+        --------
+        >>> import envlights as el
+        >>> report = el.fit(el.synthetic.hall(64).radiance, lights=4).report
+        >>> report.gloss_error(0.5) < report.gloss_error(0.33)
+        True
+        """
+        return gloss.error(self.gloss_bands, gloss.checked_roughness(roughness), material)
 
     def in_short(self) -> str:
         """Number of lights, error, and reason why the solver stopped."""
@@ -238,6 +287,7 @@ class FitReport(Result):
             f"errors measured at {self.measured_on}" if self.measured_on else "",
             *self._by_channel(),
             f"error {self.with_shadows()}" if self.with_shadows() else "",
+            f"error {self.with_gloss()}" if self.with_gloss() else "",
             *self._accuracy(),
             f"{self.steps} steps of the solver" if self.steps else "",
             self.stop_reason.value if self.errors else "",
@@ -248,6 +298,11 @@ class FitReport(Result):
     def with_shadows(self) -> str:
         """Error with shadows in words; empty if it was not measured."""
         return "" if self.shadow_error is None else f"with shadows {_percent(self.shadow_error)}"
+
+    def with_gloss(self) -> str:
+        """Error of rough metal in words; empty if it was not measured."""
+        error = self.gloss_error()
+        return "" if error is None else f"on metal of roughness 0.33 {_percent(error)}"
 
     def _by_number(self) -> str:
         """Error of each number of lights, and of the last number with sizes."""
@@ -295,6 +350,14 @@ class FitReport(Result):
                 f"standard error of the directions: {_degrees(self.direction_errors)}",
             )
         return ()
+
+
+def _bands(values: Sequence[Sequence[float]]) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Energies by degree of a file, or a refusal."""
+    rows = [tuple(amount("gloss_bands", value) for value in row) for row in values]
+    if len(rows) != 2 or len(rows[0]) != len(rows[1]):
+        raise EnvLightsError("gloss_bands must be two lists of the same length")
+    return rows[0], rows[1]
 
 
 def _percent(share: float) -> str:

@@ -276,10 +276,10 @@ def parts_line(rig: Rig) -> str:
 
 
 def error_line(rig: Rig) -> str:
-    """Error without and with shadows."""
+    """Error of shading, with shadows, and of rough metal."""
     floor = " over a floor" if rig.floor else ""
-    shadows = rig.report.with_shadows()
-    return f"relative RMS error {100 * rig.error:.3g} %{floor}{', ' if shadows else ''}{shadows}"
+    more = filter(None, (rig.report.with_shadows(), rig.report.with_gloss()))
+    return ", ".join([f"relative RMS error {100 * rig.error:.3g} %{floor}", *more])
 
 
 def _ambient(values: ArrayLike) -> NDArray[np.float64]:

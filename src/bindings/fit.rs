@@ -58,6 +58,12 @@ impl FitAnswer {
         self.result.shadow_error
     }
 
+    /// Energy of the map in each degree of spherical harmonics, and of its difference from the rig; empty without a map.
+    #[getter]
+    fn bands(&self) -> [Vec<f64>; 2] {
+        [self.result.bands.map.clone(), self.result.bands.difference.clone()]
+    }
+
     /// Relative RMS error of the rig in a program that shows its lights as points.
     #[getter]
     fn points_error(&self) -> f64 {
@@ -157,6 +163,8 @@ pub struct Options<'py> {
     lights: usize,
     error: Option<f64>,
     shadow_error: Option<f64>,
+    gloss_error: Option<f64>,
+    gloss_factors: Vec<f64>,
     sizes: Option<String>,
     max_steps: usize,
     floor: bool,
@@ -174,6 +182,8 @@ impl Options<'_> {
             lights: self.lights,
             error: self.error,
             shadow_error: self.shadow_error,
+            gloss_error: self.gloss_error,
+            gloss_factors: self.gloss_factors.clone(),
             sizes: self.sizes.as_deref().map(comparison),
             max_steps: self.max_steps,
             has_floor: self.floor,

@@ -4,7 +4,7 @@ use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 
 use super::pool::interruptible;
-use crate::kernels::gloss::{self, Surface};
+use crate::kernels::gloss::{self, GlossySurface};
 
 /// See `envlights.kernels.gloss.spectrum`; without a base, of metal.
 #[pyfunction]
@@ -14,7 +14,8 @@ pub fn gloss_spectrum(
     degree: usize,
     base: Option<f64>,
 ) -> PyResult<Bound<'_, PyArray1<f64>>> {
-    let surface = base.map_or_else(|| Surface::metal(roughness), |base| Surface::plastic(roughness, base));
+    let surface =
+        base.map_or_else(|| GlossySurface::metal(roughness), |base| GlossySurface::plastic(roughness, base));
     let out = interruptible(py, || Ok(gloss::spectrum(&surface, degree)))?;
     Ok(out.into_pyarray(py))
 }

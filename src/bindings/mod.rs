@@ -40,6 +40,8 @@ mod _native {
     #[pymodule_export]
     const LUMINANCE: [f64; 3] = crate::kernels::image::LUMINANCE;
     #[pymodule_export]
+    const GLOSS_DEGREE: usize = crate::kernels::fit::BAND_DEGREE;
+    #[pymodule_export]
     const LEAST_WHITE: f64 = crate::kernels::detect::clipping::LEAST_WHITE;
     #[pymodule_export]
     const BASIS_SHARE: usize = crate::kernels::transfer::SHARE;

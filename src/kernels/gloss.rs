@@ -16,12 +16,13 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::expansion::visit_degrees;
 use super::sampling::gauss_legendre;
 use crate::interrupt;
 
 /// Light that a surface reflects.
 #[derive(Clone, Copy, Debug)]
-pub struct Surface {
+pub struct GlossySurface {
     /// Width of the distribution of microfacet slopes: the square of the roughness.
     pub alpha: f64,
     /// Reflectance of the microfacets at normal incidence. It rises to 1 at grazing incidence (Schlick 1994).
@@ -30,7 +31,7 @@ pub struct Surface {
     pub base: f64,
 }
 
-impl Surface {
+impl GlossySurface {
     /// Metal whose microfacets reflect everything.
     pub fn metal(roughness: f64) -> Self {
         Self { alpha: roughness * roughness, specular: 1.0, base: 0.0 }
@@ -63,11 +64,11 @@ impl Surface {
 }
 
 /// lambda of a surface, for the degrees from 0 to `degree`.
-pub fn spectrum(surface: &Surface, degree: usize) -> Vec<f64> {
+pub fn spectrum(surface: &GlossySurface, degree: usize) -> Vec<f64> {
     /// Gauss nodes in u.
     const INCIDENCES: usize = 24;
     let (nodes, weights) = gauss_legendre(INCIDENCES);
-    let rings = Rings::new(degree);
+    let rings = LobeRings::new(degree);
     let at = |node: &f64| rings.powers(surface, (0.5 * (1.0 + node)).sqrt().asin());
     let powers: Vec<Vec<f64>> = nodes.par_iter().map(at).collect();
     let mean =
@@ -76,7 +77,7 @@ pub fn spectrum(surface: &Surface, degree: usize) -> Vec<f64> {
 }
 
 /// Circles around the mirror direction on which a lobe is integrated.
-struct Rings {
+struct LobeRings {
     degree: usize,
     sines: Vec<f64>,
     cosines: Vec<f64>,
@@ -86,7 +87,7 @@ struct Rings {
     points: usize,
 }
 
-impl Rings {
+impl LobeRings {
     /// Rings that are dense near the mirror direction: `theta = pi t^2` with Gauss's nodes t.
     fn new(degree: usize) -> Self {
         let count = 128 + degree;
@@ -102,43 +103,23 @@ impl Rings {
     }
 
     /// Sum of the squared coefficients of each degree of the lobe at an incidence.
-    fn powers(&self, surface: &Surface, incidence: f64) -> Vec<f64> {
+    fn powers(&self, surface: &GlossySurface, incidence: f64) -> Vec<f64> {
         let waves = self.waves(surface, incidence);
         let count = self.sines.len();
         let mut out = vec![0.0; self.degree + 1];
-        let mut sectoral = vec![(0.25 / PI).sqrt(); count];
         for m in 0..=self.degree {
             interrupt::check();
-            if m > 0 {
-                let factor = ((2 * m + 1) as f64 / (2 * m) as f64).sqrt();
-                sectoral.iter_mut().zip(&self.sines).for_each(|(value, sine)| *value *= factor * sine);
-            }
-            self.add_order(m, &sectoral, &waves[m * count..][..count], &mut out);
+            let wave = &waves[m * count..][..count];
+            visit_degrees(m, self.degree, &self.cosines, &self.sines, &mut |l, values| {
+                let coefficient: f64 = values.iter().zip(wave).map(|(value, wave)| value * wave).sum();
+                out[l] += coefficient * coefficient;
+            });
         }
         out
     }
 
-    /// Add the squared coefficients of one order, by the recurrence of associated Legendre functions over the degree.
-    fn add_order(&self, m: usize, sectoral: &[f64], wave: &[f64], out: &mut [f64]) {
-        let copies = if m == 0 { 1.0 } else { 2.0 };
-        let factor = |l: usize| {
-            let (l, m) = (l as f64, m as f64);
-            ((l * l - m * m) / (4.0 * l * l - 1.0)).sqrt()
-        };
-        let (mut before, mut last) = (vec![0.0; sectoral.len()], sectoral.to_vec());
-        for l in m..=self.degree {
-            let coefficient: f64 = last.iter().zip(wave).map(|(value, wave)| value * wave).sum();
-            out[l] += copies * coefficient * coefficient;
-            let next = 1.0 / factor(l + 1);
-            let back = if l == m { 0.0 } else { factor(l) * next };
-            for ((before, last), x) in before.iter_mut().zip(&mut last).zip(&self.cosines) {
-                (*before, *last) = (*last, next * x * *last - back * *before);
-            }
-        }
-    }
-
     /// Integrals of a lobe over each ring times `cos m phi`, order by order, times the weights of the rings.
-    fn waves(&self, surface: &Surface, incidence: f64) -> Vec<f64> {
+    fn waves(&self, surface: &GlossySurface, incidence: f64) -> Vec<f64> {
         let count = self.sines.len();
         let normal = DVec3::new(incidence.sin(), incidence.cos(), 0.0);
         let view = DVec3::new((2.0 * incidence).sin(), (2.0 * incidence).cos(), 0.0);
@@ -167,7 +148,7 @@ mod tests {
     #[test]
     fn a_mirror_passes_every_degree() {
         let off = |alpha: f64| {
-            let surface = Surface { alpha, ..Surface::metal(1.0) };
+            let surface = GlossySurface { alpha, ..GlossySurface::metal(1.0) };
             spectrum(&surface, 24).into_iter().map(|factor| (factor - 1.0).abs()).fold(0.0, f64::max)
         };
         assert!(off(1e-3) < 0.01 && off(1e-4) < 3e-4, "{} {}", off(1e-3), off(1e-4));
@@ -176,7 +157,7 @@ mod tests {
     /// The spectrum is a polynomial of second degree in the base, whose last coefficient is that of the base alone.
     #[test]
     fn a_white_base_has_the_spectrum_of_the_probe() {
-        let [none, half, whole] = [0.0, 0.5, 1.0].map(|base| spectrum(&Surface::plastic(0.4, base), 4));
+        let [none, half, whole] = [0.0, 0.5, 1.0].map(|base| spectrum(&GlossySurface::plastic(0.4, base), 4));
         for (l, factor) in [(0, 1.0), (1, 2.0 / 3.0), (2, 0.25), (3, 0.0), (4, 1.0 / 24.0)] {
             let white = 2.0 * (whole[l] - 2.0 * half[l] + none[l]);
             assert!((white - factor * factor).abs() < 2e-4, "{l}: {white}");
@@ -187,7 +168,7 @@ mod tests {
     #[test]
     fn rougher_metal_passes_less_of_every_degree() {
         let [fine, middle, rough] =
-            [0.2, 0.33, 0.5].map(|roughness| spectrum(&Surface::metal(roughness), 40));
+            [0.2, 0.33, 0.5].map(|roughness| spectrum(&GlossySurface::metal(roughness), 40));
         for l in 0..=40 {
             assert!(1.0 > fine[l] && fine[l] > middle[l] && middle[l] > rough[l], "{l}");
         }
@@ -195,7 +176,7 @@ mod tests {
 
     #[test]
     fn a_spectrum_does_not_depend_on_its_length() {
-        let [short, long] = [8, 100].map(|degree| spectrum(&Surface::metal(0.2), degree));
+        let [short, long] = [8, 100].map(|degree| spectrum(&GlossySurface::metal(0.2), degree));
         for (one, other) in short.iter().zip(&long) {
             assert!((one - other).abs() < 1e-3, "{one} {other}");
         }

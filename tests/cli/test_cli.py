@@ -343,3 +343,11 @@ def test_detect_takes_a_sampling_of_the_article(hall):
     refused = run("detect", hall, "--sampling", "halton")
     assert refused.exit_code == 2
     assert "--sampling is an option of --method article" in refused.stderr
+
+
+def test_fit_reaches_an_error_on_metal(tmp_path):
+    el.EnvMap(el.synthetic.hall(32).radiance).save(tmp_path / "hall.exr")
+    options = ["--gloss-error", "0.5", "--roughness", "0.5", "-o", str(tmp_path / "rig.json")]
+    done = CliRunner().invoke(main, ["fit", str(tmp_path / "hall.exr"), *options])
+    assert done.exit_code == 0, done.output
+    assert el.Rig.load(tmp_path / "rig.json").report.gloss_error(0.5) <= 0.5

@@ -10,7 +10,7 @@ from envlights.kernels.gloss import spectrum
 PROBE = np.array([1, 2 / 3, 1 / 4, 0, -1 / 24])
 
 
-def sampled(roughness, incidence, count):
+def samples_of_lobe(roughness, incidence, count):
     """Directions that sample GGX about the normal +z, and weights of its lobe times the cosine."""
     u, v = kernels.hammersley(count).T + np.array([[0.5 / count], [0.0]])
     square = roughness**4
@@ -34,7 +34,7 @@ def by_definition(roughness, degree, nodes=10, count=1500):
     at, shares = np.polynomial.legendre.leggauss(nodes)
     out = np.zeros(degree + 1)
     for u, share in zip((at + 1) / 2, shares / 2, strict=True):
-        light, weights = sampled(roughness, np.arcsin(np.sqrt(u)), count)
+        light, weights = samples_of_lobe(roughness, np.arcsin(np.sqrt(u)), count)
         cosines = np.clip(light @ light.T, -1, 1)
         values = np.polynomial.legendre.legvander(cosines.ravel(), degree)
         out += share * np.outer(weights, weights).ravel() @ values

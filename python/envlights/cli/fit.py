@@ -41,6 +41,18 @@ from envlights.rig import Rig
     help="Largest error with shadows, such as 0.05; the fewest lights that reach it are used.",
 )
 @click.option(
+    "--gloss-error",
+    type=float,
+    help="Largest error on shiny metal, such as 0.1; the fewest lights that reach it are used.",
+)
+@click.option(
+    "--roughness",
+    type=float,
+    default=default_of(fit, "roughness"),
+    help="Roughness of that metal, from 0.3 to 1.",
+    show_default=True,
+)
+@click.option(
     "--sizes/--points",
     default=default_of(fit, "sizes"),
     help="Lights with a size, for soft shadows, or points.",
@@ -73,6 +85,8 @@ def command(
     lights: int | None,
     error: float | None,
     shadow_error: float | None,
+    gloss_error: float | None,
+    roughness: float,
     sizes: bool,
     ambient: str | None,
     targets: Sequence[str],
@@ -94,6 +108,8 @@ def command(
         lights,
         error=error,
         shadow_error=shadow_error,
+        gloss_error=gloss_error,
+        roughness=roughness,
         sizes=sizes,
         ambient=ambient,
         floor=floor,

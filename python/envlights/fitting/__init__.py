@@ -7,6 +7,7 @@
 | rig and report from the kernel's result                             | `result.py`  |
 | sentences of the report                                             | `wording.py` |
 | `fit` and `fit_probe`: check, call the kernel, report               | `fit.py`     |
+| errors by number of lights                                          | `error_curve.py` |
 | the fit of Madsen et al. (2003), for comparison                     | `madsen.py`  |
 
 `src/kernels/fit/` holds the search. The report belongs to the rig and has its own module,

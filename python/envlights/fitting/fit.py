@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from time import perf_counter
 
 import numpy as np
@@ -33,8 +33,6 @@ OBJECTIVES = ("mixed", "shadows", "probe")
 #: Relative RMS error of the reduced map's irradiance: 3e-5 to 1.4e-4 on 14 real maps. Lights that
 #: lower the error further would only fit the error of the reduction.
 RENDERING_ERROR = 1e-4
-#: Relative difference below which two errors are equal, so that the simpler ambient term wins.
-SAME_ERROR = 1e-3
 
 
 def fit(
@@ -43,6 +41,8 @@ def fit(
     *,
     error: float | None = None,
     shadow_error: float | None = None,
+    gloss_error: float | None = None,
+    roughness: float = 0.33,
     sizes: bool = True,
     objective: str = "mixed",
     ambient: str | None = None,
@@ -74,12 +74,17 @@ def fit(
         The map; `EnvMap` describes arrays.
     lights : int, optional
         Largest number of lights, 0 or more. There are fewer if more would not lower the error.
-        Default: 4, or the number in `fixed` or `start`, or 32 if `error` or `shadow_error` is set.
+        Default: 4, or the number in `fixed` or `start`, or 32 if an error is set.
     error : float, optional
         Largest accepted relative RMS error. The result has the fewest lights that reach it, which
         may be none. `report` holds the error for each number of lights.
     shadow_error : float, optional
-        Largest accepted error with shadows. With `error`, both must be reached.
+        Largest accepted error with shadows.
+    gloss_error : float, optional
+        Largest accepted error of images of shiny metal; see `FitReport.gloss_error`. All errors
+        that are set must be reached.
+    roughness : float
+        Roughness of that metal, from 0.3 to 1.
     sizes : bool
         True: lights are discs with an angular radius of at most 75 degrees, and over a `floor` of
         at most their elevation; a radius of 0 is a point. False: all lights are points.
@@ -126,10 +131,10 @@ def fit(
     Raises
     ------
     EnvLightsError
-        If `env` is not a map, `lights` is not a count or less than `fixed`, `error` or
-        `shadow_error` is not from 0 to 1, a `fixed` direction is not a unit vector, or `objective`,
-        `ambient` or `start` is unknown; with a `floor`, for "sh2" and for `fixed` or `start` lights
-        below the horizon.
+        If `env` is not a map, `lights` is not a count or less than `fixed`, an error is not from 0
+        to 1, `roughness` is not from 0.3 to 1, a `fixed` direction is not a unit vector, or
+        `objective`, `ambient` or `start` is unknown; with a `floor`, for "sh2" and for `fixed` or
+        `start` lights below the horizon.
 
     See Also
     --------
@@ -164,7 +169,14 @@ def fit(
     target = target_names(target)
     shows = shown_by(target)
     request = request_of(
-        lights, error, start, fixed, shadow_error=shadow_error, most_lights=shows.lights
+        lights,
+        error,
+        start,
+        fixed,
+        shadow_error=shadow_error,
+        gloss_error=gloss_error,
+        roughness=roughness,
+        most_lights=shows.lights,
     )
     of_discs = objective if flag("sizes", sizes) and shows.sizes == "spread" else None
     checked_unseen(unseen)
@@ -194,7 +206,7 @@ def fit(
     else:
         _, (reduction, answers) = apply_to_map(env, answers_under)
     clock.lap("fit")
-    chosen = _choose(answers, request) if ambient == AUTO else ambient
+    chosen = request.best_of(answers, RENDERING_ERROR) if ambient == AUTO else ambient
     answer = answers[chosen]
     rig = rig_of(
         answer,
@@ -376,25 +388,10 @@ def _answer(
         request.lights,
         request.error,
         request.shadow_error,
+        request.gloss_error,
+        request.gloss_factors,
         sizes=objective,
         floor=reduction.cells.floor,
         error_floor=RENDERING_ERROR,
     )
     return _native.fit_reduced(reduction.cells, options)
-
-
-def _choose(answers: Mapping[str, FitAnswer], request: Request) -> str:
-    """Select the ambient term with the fewest lights that reach the request, or the least error.
-
-    `answers` hold the simplest first, which wins if several are equal.
-    """
-    reached = {
-        name: answer.lights
-        for name, answer in answers.items()
-        if request.is_reached(answer.error, answer.shadow_error)
-    }
-    if reached:
-        return min(reached, key=lambda name: reached[name])
-    least = min(answer.error for answer in answers.values())
-    enough = max(least * (1 + SAME_ERROR), RENDERING_ERROR)
-    return next(name for name, answer in answers.items() if answer.error <= enough)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -26,6 +27,10 @@ class FitOptions(NamedTuple):
     """Relative RMS error that is good enough."""
     shadow_error: float | None = None
     """Relative RMS error with shadows that is good enough."""
+    gloss_error: float | None = None
+    """Relative RMS error of a shiny object that is good enough."""
+    gloss_factors: Sequence[float] = ()
+    """Factors of that object by degree."""
     sizes: str | None = None
     """Comparison that gives the lights their sizes; points if absent."""
     max_steps: int = MAX_STEPS

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -9,12 +10,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native
 from envlights._check import amount, check_choice, count, reals
-from envlights._native import EnvLightsError
+from envlights._native import GLOSS_DEGREE, EnvLightsError, FitAnswer
 from envlights.detection.detect import detect
 from envlights.envmap import EnvMap
 from envlights.fitting.unseen_part import above_horizon
-from envlights.kernels import sphere
+from envlights.kernels import gloss, sphere
 from envlights.lights import Lights
+from envlights.report import SHOWN_ROUGHNESS
 from envlights.rig import Rig
 
 #: Names of starts for a map, and for a measured probe.
@@ -28,6 +30,9 @@ MOST_LIGHTS = 32
 #: Limit on even starts, because the kernel refuses more lights than that under a map.
 MOST_EVEN_STARTS = 10240
 
+#: Relative difference below which two errors are equal, so that the simpler ambient term wins.
+SAME_ERROR = 1e-3
+
 _NO_DIRECTIONS = np.zeros((0, 3))
 
 
@@ -40,6 +45,10 @@ class Request(NamedTuple):
     """Largest accepted relative RMS error."""
     shadow_error: float | None
     """Largest accepted relative RMS error with shadows."""
+    gloss_error: float | None
+    """Largest accepted relative RMS error of metal of this `roughness`."""
+    roughness: float
+    """Roughness of the metal."""
     fixed: NDArray[np.float64]
     """Directions of lights that do not move, (k, 3)."""
     start_directions: NDArray[np.float64]
@@ -50,7 +59,15 @@ class Request(NamedTuple):
     @property
     def has_goal(self) -> bool:
         """True if an error was requested."""
-        return self.error is not None or self.shadow_error is not None
+        return any(most is not None for most in (self.error, self.shadow_error, self.gloss_error))
+
+    @property
+    def gloss_factors(self) -> list[float]:
+        """Factors of the metal by degree; none without a requested error."""
+        if self.gloss_error is None:
+            return []
+        factors: list[float] = gloss.factors(self.roughness, "metal", GLOSS_DEGREE).tolist()
+        return factors
 
     def first_directions(self, most: int) -> NDArray[np.float64]:
         """Start directions of free lights without a map, at most `most`."""
@@ -76,10 +93,33 @@ class Request(NamedTuple):
             return _native.even_sphere(2 * count)[:count]
         return self.first_directions(MOST_EVEN_STARTS)
 
-    def is_reached(self, error: float, shadow_error: float) -> bool:
-        """True if an error was requested and both errors are low enough."""
-        limits = ((self.error, error), (self.shadow_error, shadow_error))
+    def is_reached(self, answer: FitAnswer) -> bool:
+        """True if an error was requested and all requested errors are low enough."""
+        limits = (
+            (self.error, answer.error),
+            (self.shadow_error, answer.shadow_error),
+            (self.gloss_error, self._gloss_error_of(answer)),
+        )
         return self.has_goal and all(most is None or value <= most for most, value in limits)
+
+    def _gloss_error_of(self, answer: FitAnswer) -> float:
+        """Error of the requested metal; 0 without a requested error."""
+        if self.gloss_error is None:
+            return 0.0
+        return gloss.error(answer.bands, self.roughness) or 0.0
+
+    def best_of(self, answers: Mapping[str, FitAnswer], accuracy: float) -> str:
+        """Name of the ambient term with the fewest lights that suffice, or with the least error.
+
+        `answers` hold the simplest first, which wins if several are equal. Errors below the
+        `accuracy` are equal.
+        """
+        reached = {name: one.lights for name, one in answers.items() if self.is_reached(one)}
+        if reached:
+            return min(reached, key=lambda name: reached[name])
+        least = min(answer.error for answer in answers.values())
+        enough = max(least * (1 + SAME_ERROR), accuracy)
+        return next(name for name, answer in answers.items() if answer.error <= enough)
 
     def check_above_horizon(self) -> None:
         """Refuse lights that a floor would hide."""
@@ -99,6 +139,8 @@ def request_of(
     fixed: ArrayLike | Lights | None,
     starts: tuple[str, ...] = STARTS,
     shadow_error: float | None = None,
+    gloss_error: float | None = None,
+    roughness: float = SHOWN_ROUGHNESS,
     most_lights: int | None = None,
 ) -> Request:
     """Check the arguments of a fit; `starts` are the allowed names for `start`.
@@ -110,10 +152,12 @@ def request_of(
         start_directions = (start.lights if isinstance(start, Rig) else start).direction
         start = "greedy"
     check_choice("start", start, starts)
-    for name, value in (("error", error), ("shadow_error", shadow_error)):
+    goals = {"error": error, "shadow_error": shadow_error, "gloss_error": gloss_error}
+    for name, value in goals.items():
         if value is not None:
             amount(name, value, most=1.0)
-    has_goal = error is not None or shadow_error is not None
+    roughness = gloss.checked_roughness(roughness)
+    has_goal = any(value is not None for value in goals.values())
     placed = len(fixed_directions) + len(start_directions)
     most = _most_lights(lights, has_goal, len(fixed_directions), placed)
     if most_lights is not None and most > most_lights:
@@ -122,7 +166,16 @@ def request_of(
                 f"the target shows at most {most_lights} lights; got {max(most, placed)}"
             )
         most = most_lights
-    return Request(most, error, shadow_error, fixed_directions, start_directions, start)
+    return Request(
+        most,
+        error,
+        shadow_error,
+        gloss_error,
+        roughness,
+        fixed_directions,
+        start_directions,
+        start,
+    )
 
 
 def _fixed(fixed: ArrayLike | Lights | None) -> NDArray[np.float64]:

@@ -39,6 +39,7 @@ def rig_of(
         stop_reason=_stop_reason(answer, request),
         channel_errors=tuple(answer.channel_errors),
         max_error=answer.max_error,
+        gloss_bands=(tuple(answer.bands[0]), tuple(answer.bands[1])),
         points_error=answer.points_error,
         fitted_points_error=answer.fitted_points_error,
         condition=answer.condition,
@@ -77,6 +78,6 @@ def _stop_reason(answer: FitAnswer, request: Request) -> StopReason:
     """Reason why the fit stopped, with the requested errors taken into account."""
     if answer.error == 0 and not answer.ambient.any() and not answer.irradiance.any():
         return StopReason.NOTHING_TO_FIT
-    if request.has_goal and not request.is_reached(answer.error, answer.shadow_error):
+    if request.has_goal and not request.is_reached(answer):
         return StopReason.ERROR_NOT_REACHED
     return StopReason[answer.stop]

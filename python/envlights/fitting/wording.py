@@ -34,7 +34,7 @@ def fewer_lights(answer: FitAnswer, request: Request, rendering_error: float) ->
     used, most = answer.lights, request.lights
     if used >= most:
         return ""
-    if request.is_reached(answer.error, answer.shadow_error):
+    if request.is_reached(answer):
         why = "the requested error is reached"
     elif answer.error <= rendering_error:
         why = f"the error is already {_below(rendering_error)}"

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _native
 from envlights._check import amount, check_choice, count
+from envlights._native import EnvLightsError
 
-#: Roughness from which the quadrature is accurate.
+#: Least roughness of the quadrature.
 LEAST_ROUGHNESS = 0.2
 #: Materials of the ball.
 MATERIALS = ("metal", "plastic")
+#: Least roughness of a surface whose error a fit states.
+LEAST_FITTED_ROUGHNESS = 0.3
 #: Highest degree; the lobe of the smoothest surface has nothing beyond.
 _MOST_DEGREES = 500
 
@@ -46,7 +52,7 @@ def spectrum(
     Returns
     -------
     ndarray, shape (degree + 1,)
-        :math:`\lambda_0` to :math:`\lambda_{degree}`. They are accurate to 0.001.
+        :math:`\lambda_0` to :math:`\lambda_{degree}`, within 1 % of :math:`\lambda_0` of sampling.
 
     Raises
     ------
@@ -71,3 +77,35 @@ def spectrum(
     roughness = amount("roughness", roughness, LEAST_ROUGHNESS, 1.0)
     degree, base = count("degree", degree, most=_MOST_DEGREES), amount("base", base, most=1.0)
     return _native.gloss_spectrum(roughness, degree, base if material == "plastic" else None)
+
+
+def checked_roughness(roughness: object) -> float:
+    """`roughness` of a shiny object whose error a fit can state, or a refusal."""
+    value = amount("roughness", roughness, most=1.0)
+    if value < LEAST_FITTED_ROUGHNESS:
+        raise EnvLightsError(
+            f"roughness must be from {LEAST_FITTED_ROUGHNESS:g} to 1; got {value:g}, and smoother"
+            " surfaces show finer patterns of the map than a fit resolves"
+        )
+    return value
+
+
+@lru_cache(maxsize=64)
+def factors(roughness: float, material: str, degree: int) -> NDArray[np.float64]:
+    """Read-only `spectrum`, computed once; a few hundredths of a second each."""
+    out = spectrum(roughness, degree, material)
+    out.flags.writeable = False
+    return out
+
+
+def error(
+    bands: Sequence[Sequence[float]], roughness: float, material: str = "metal"
+) -> float | None:
+    """Relative RMS error from the energies of a map and of a difference by degree; None without."""
+    check_choice("material", material, MATERIALS)
+    energies, differences = bands
+    if not len(energies):
+        return None
+    by_degree = factors(roughness, material, len(energies) - 1)
+    whole, difference = float(by_degree @ energies), float(by_degree @ differences)
+    return float(np.sqrt(difference / whole)) if whole > 0 else float(np.sqrt(difference))

@@ -73,6 +73,34 @@ impl<T: Number> AssociatedLegendre<T> {
     }
 }
 
+/// Call `visit` with each degree from the order `m` to `degree`, and with `P_lm` at all heights.
+///
+/// For more degrees than [`DEGREE`]; by the recurrence of [`AssociatedLegendre`].
+pub fn visit_degrees(
+    m: usize,
+    degree: usize,
+    heights: &[f64],
+    sines: &[f64],
+    visit: &mut dyn FnMut(usize, &[f64]),
+) {
+    let factor = |l: usize| {
+        let (l, m) = (l as f64, m as f64);
+        ((l * l - m * m) / (4.0 * l * l - 1.0)).sqrt()
+    };
+    let first = if m == 0 { 0.25 / PI } else { 0.5 / PI };
+    let sectoral: f64 = (1..=m).map(|k| (2 * k + 1) as f64 / (2 * k) as f64).product::<f64>() * first;
+    let mut last: Vec<f64> = sines.iter().map(|sine| sectoral.sqrt() * sine.powi(m as i32)).collect();
+    let mut before = vec![0.0; last.len()];
+    for l in m..=degree {
+        visit(l, &last);
+        let next = 1.0 / factor(l + 1);
+        let back = if l == m { 0.0 } else { factor(l) * next };
+        for ((before, last), x) in before.iter_mut().zip(&mut last).zip(heights) {
+            (*before, *last) = (*last, next * x * *last - back * *before);
+        }
+    }
+}
+
 /// `d_k` of a disc, and its derivatives by A = sin^2(a/2).
 pub type DiscFactors<T = f64> = [[T; 3]; DEGREES];
 

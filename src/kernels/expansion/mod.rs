@@ -28,7 +28,7 @@ pub use addition::Cap;
 pub use bright_parts::{PointLight, bright_cells, sources_of};
 pub use legendre::{
     AssociatedLegendre, DEGREE, DEGREES, DiscFactors, disc_factors, disc_series, legendre_derivatives,
-    legendre_values,
+    legendre_values, visit_degrees,
 };
 pub use spherical_harmonics::{Harmonics, Rgb2};
 pub use synthesis::DiscSum;

@@ -18,6 +18,8 @@ pub struct Trial {
     pub others: Vec<State>,
     pub error: f64,
     pub shadow_error: f64,
+    /// Error of a shiny object, if one is requested.
+    pub gloss_error: f64,
 }
 
 impl FitOptions {
@@ -26,11 +28,18 @@ impl FitOptions {
         self.has_goal()
             && self.error.is_none_or(|most| trial.error <= most)
             && self.shadow_error.is_none_or(|most| trial.shadow_error <= most)
+            && self.gloss_error.is_none_or(|most| trial.gloss_error <= most)
     }
 
     /// The error by which numbers of lights are compared.
     fn comparison_error(&self, trial: &Trial) -> f64 {
-        if self.shadow_error.is_some() { trial.shadow_error } else { trial.error }
+        if self.gloss_error.is_some() {
+            trial.gloss_error
+        } else if self.shadow_error.is_some() {
+            trial.shadow_error
+        } else {
+            trial.error
+        }
     }
 }
 

@@ -44,7 +44,7 @@ mod uncertainty;
 mod variable_projection;
 
 pub use ambient::Ambient;
-pub use discs::Comparison;
+pub use discs::{BAND_DEGREE, Bands, Comparison};
 pub use objective::{Objective, PointObjective};
 pub use options::FitOptions;
 pub use problem::Problem;
@@ -110,7 +110,7 @@ fn points_by_count(sphere: &Sphere, options: &FitOptions) -> Result<Vec<Trial>> 
     }
     let trial = |state: State| {
         let error = relative_error(state.cost, energy);
-        Trial { state, others: Vec::new(), error, shadow_error: 0.0 }
+        Trial { state, others: Vec::new(), error, shadow_error: 0.0, gloss_error: 0.0 }
     };
     search_path(&Problem::new(sphere, options), options, &trial)
 }
@@ -168,6 +168,8 @@ mod tests {
             lights,
             error: None,
             shadow_error: None,
+            gloss_error: None,
+            gloss_factors: Vec::new(),
             sizes: None,
             max_steps: 100,
             is_plain: false,

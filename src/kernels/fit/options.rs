@@ -21,6 +21,10 @@ pub struct FitOptions {
     pub error: Option<f64>,
     /// Relative RMS error with shadows that ends the search.
     pub shadow_error: Option<f64>,
+    /// Relative RMS error of a shiny object that ends the search.
+    pub gloss_error: Option<f64>,
+    /// Factors of the kernel of that object, by degree.
+    pub gloss_factors: Vec<f64>,
     /// Comparison that gives the lights their sizes; points if absent.
     pub sizes: Option<Comparison>,
     /// Greatest number of steps of one descent.
@@ -36,7 +40,7 @@ pub struct FitOptions {
 impl FitOptions {
     /// True if the caller named an error that is good enough.
     pub fn has_goal(&self) -> bool {
-        self.error.is_some() || self.shadow_error.is_some()
+        self.error.is_some() || self.shadow_error.is_some() || self.gloss_error.is_some()
     }
 }
 

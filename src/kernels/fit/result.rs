@@ -2,7 +2,7 @@
 
 use std::iter::once;
 
-use super::discs::{self, Sized, Sizes};
+use super::discs::{self, Bands, Sized, Sizes};
 use super::light_count::{self, Trial};
 use super::options::FitOptions;
 use super::problem::Problem;
@@ -22,6 +22,8 @@ pub struct FitResult {
     pub probe_error: Judged,
     /// Relative RMS error of the irradiance with shadows, under a map: `discs/`.
     pub shadow_error: f64,
+    /// Energies by degree under a map, for the errors of shiny objects.
+    pub bands: Bands,
     /// Relative RMS error of the rig in a program that shows its lights as points.
     pub points_error: f64,
     /// Relative RMS error of as many lights, fitted as points.
@@ -58,7 +60,7 @@ impl Evaluator<'_> {
             return self.sized(problem, state, &[]).0;
         }
         let error = self.samples.error(&state.rig(problem.objective.reference()));
-        Trial { state, others: Vec::new(), error, shadow_error: 0.0 }
+        Trial { state, others: Vec::new(), error, shadow_error: 0.0, gloss_error: 0.0 }
     }
 
     /// A set with its errors, and the rig with sizes if the options ask for them.
@@ -79,7 +81,14 @@ impl Evaluator<'_> {
         };
         let shadow_error =
             self.sizes.as_ref().map_or(0.0, |sizes| sizes.shadow_error(reference, &sized.rig, &sized.radii));
-        (Trial { state, others: Vec::new(), error: probe_error.error, shadow_error }, sized, probe_error)
+        let gloss_error = match (&self.sizes, self.options.gloss_error) {
+            (Some(sizes), Some(_)) => {
+                sizes.bands(&sized.rig, &sized.radii).error(&self.options.gloss_factors)
+            }
+            _ => 0.0,
+        };
+        let error = probe_error.error;
+        (Trial { state, others: Vec::new(), error, shadow_error, gloss_error }, sized, probe_error)
     }
 
     /// The best of the sets in `path`, with its sizes and errors.
@@ -97,7 +106,9 @@ impl Evaluator<'_> {
         let cost = probe_error.error.powi(2) * problem.objective.reference().energy;
         let of_points = || self.sizes.as_ref().map(|_| tolerances(&problem.descent(), &trial.state, cost));
         let tolerances = sized.tolerances.or_else(of_points).unwrap_or_default();
+        let bands = self.sizes.as_ref().map(|sizes| sizes.bands(&sized.rig, &sized.radii));
         FitResult {
+            bands: bands.unwrap_or_default(),
             points_error: self.samples.error(&sized.rig),
             fitted_points_error: self.samples.error(&trial.state.rig(problem.objective.reference())),
             rig: sized.rig,

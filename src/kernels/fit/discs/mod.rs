@@ -14,8 +14,10 @@
 //! | radii to start from                                   | `start.rs`      |
 //! | the objective of a descent                            | `shadows.rs`    |
 //! | escape from a local minimum                           | `exchange.rs`   |
+//! | energy of the difference in each degree               | `bands.rs`      |
 //! | the error at normals                                  | `evaluate.rs`   |
 
+mod bands;
 mod chord;
 mod evaluate;
 mod exchange;
@@ -28,6 +30,7 @@ mod start;
 pub mod target;
 mod zonal;
 
+pub use bands::{BAND_DEGREE, Bands};
 pub use evaluate::evaluate;
 pub use zonal::Comparison;
 
@@ -35,6 +38,7 @@ use glam::DVec3;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
+use self::bands::MapBands;
 use self::exchange::exchange;
 pub use self::light_disc::Disc;
 use self::shadows::LEAST_RADIUS;
@@ -79,6 +83,7 @@ impl Sized {
 pub struct Sizes<'a> {
     map: &'a WorkingMap,
     shadows: Target,
+    bands: MapBands,
     /// Another kernel to fit by.
     other: Option<Target>,
 }
@@ -89,15 +94,13 @@ impl<'a> Sizes<'a> {
         let picture = Picture::new(map, expansion);
         let target = |comparison| Target::new(&picture, comparison, options.ambient, options.has_floor);
         let other = options.sizes.filter(|&comparison| comparison != Comparison::Shadows).map(target);
-        Self { map, shadows: target(Comparison::Shadows), other }
+        Self { map, shadows: target(Comparison::Shadows), bands: MapBands::new(&picture), other }
     }
 
     /// Relative RMS error of the irradiance behind every plane, under a rig whose lights have these radii. A pixel of
     /// the map is the square that it is.
     pub fn shadow_error(&self, reference: &Reference, rig: &Rig, radii: &[f64]) -> f64 {
-        let lights = rig.directions.iter().zip(radii);
-        let discs: Vec<Disc> =
-            lights.map(|(&direction, radius)| Disc::new(direction, radius.max(LEAST_RADIUS))).collect();
+        let discs = discs_of(rig, radii);
         let (gram, rhs) = self.shadows.products(&discs);
         let flux =
             rig.irradiance.iter().zip(&discs).map(|(&irradiance, disc)| irradiance / (1.0 - disc.share));
@@ -111,6 +114,11 @@ impl<'a> Sizes<'a> {
         let left: f64 = (0..3).filter(counted).map(left).sum();
         let energy: f64 = (0..3).filter(counted).map(|c| self.shadows.energy[c]).sum();
         relative_error(left.max(0.0), energy)
+    }
+
+    /// Energies of the map and of its difference from a rig whose lights have these radii.
+    pub fn bands(&self, rig: &Rig, radii: &[f64]) -> Bands {
+        self.bands.compare(rig, &discs_of(rig, radii))
     }
 
     /// The best rig near those without sizes in `rigs`, whose first `fixed` lights keep their directions.
@@ -135,6 +143,12 @@ impl<'a> Sizes<'a> {
         let (rig, radii) = rig_of(reference, &state, self.map);
         Sized { rig, radii, tolerances, steps, stop }
     }
+}
+
+/// The lights of a rig as discs.
+fn discs_of(rig: &Rig, radii: &[f64]) -> Vec<Disc> {
+    let lights = rig.directions.iter().zip(radii);
+    lights.map(|(&direction, radius)| Disc::new(direction, radius.max(LEAST_RADIUS))).collect()
 }
 
 /// The rig of a state.

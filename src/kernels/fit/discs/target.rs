@@ -47,6 +47,21 @@ impl Picture {
         let distances = distances(&patches);
         Self { rest, patches, bright, fine: expansion.fine, distances }
     }
+
+    /// Direction, A and flux of each bright part.
+    pub fn discs(&self) -> impl Iterator<Item = (DVec3, f64, [f64; 3])> {
+        self.patches.iter().map(Patch::disc)
+    }
+
+    /// The harmonics of the other cells.
+    pub fn rest(&self) -> &Harmonics {
+        &self.rest
+    }
+
+    /// Integral of the squared radiance that these harmonics leave out, by channel.
+    pub fn fine(&self) -> &[f64; 3] {
+        &self.fine
+    }
 }
 
 /// The map under one kernel, and the ambient term that may explain it.

@@ -1,0 +1,169 @@
+"""Errors of fits with several numbers of lights."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from envlights import _html
+from envlights._check import counts
+from envlights._native import EnvLightsError
+from envlights._result import Result
+from envlights._tables import Table, frame_of
+from envlights._unseen import Unseen
+from envlights.envmap import AnyMap, as_envmap
+from envlights.fitting.fit import fit
+from envlights.kernels import gloss
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ErrorCurve(Result):
+    """Errors of a map's fits, one for each number of lights."""
+
+    lights: tuple[int, ...]
+    """Largest number of lights of each fit."""
+
+    used: tuple[int, ...]
+    """Lights that each fit has; fewer if more would not lower the error."""
+
+    probe: tuple[float, ...]
+    """Relative RMS error of shading; `Rig.error`."""
+
+    shadows: tuple[float, ...]
+    """Relative RMS error with shadows; `FitReport.shadow_error`."""
+
+    gloss: tuple[float, ...]
+    """Relative RMS error on metal of this `roughness`; `FitReport.gloss_error`."""
+
+    roughness: float
+    """Roughness of the metal."""
+
+    seconds: tuple[float, ...] = field(compare=False)
+    """Wall time of each fit."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """All fields except the times as plain numbers and lists."""
+        return {
+            "lights": list(self.lights),
+            "used": list(self.used),
+            "probe": list(self.probe),
+            "shadows": list(self.shadows),
+            "gloss": list(self.gloss),
+            "roughness": self.roughness,
+        }
+
+    def to_frame(self) -> pd.DataFrame:
+        """Data frame with a row for each number of lights; needs pandas."""
+        names = ("lights", "used", "probe", "shadows", "gloss", "seconds")
+        return frame_of({name: np.array(getattr(self, name)) for name in names})
+
+    def in_short(self) -> str:
+        """Range of the numbers of lights, and all errors at its end."""
+        if not self.lights:
+            return "no fit"
+        each = ", ".join(
+            f"{name} {_percent(values[-1])}"
+            for name, values in (
+                ("probe", self.probe),
+                ("shadows", self.shadows),
+                ("gloss", self.gloss),
+            )
+        )
+        return f"{self.lights[0]} to {self.lights[-1]} lights; at the end {each}"
+
+    def __str__(self) -> str:
+        return f"{self._table()}\ngloss: metal of roughness {self.roughness:g}"
+
+    def _html_parts(self) -> tuple[str, ...]:
+        return self._table().html(), _html.lines(f"gloss: metal of roughness {self.roughness:g}")
+
+    def _table(self) -> Table:
+        names = ["lights", "used", "probe", "shadows", "gloss", "seconds"]
+        columns = (self.lights, self.used, self.probe, self.shadows, self.gloss, self.seconds)
+        rows = [
+            [str(lights), str(used), *map(_percent, errors), f"{seconds:.2f}"]
+            for lights, used, *errors, seconds in zip(*columns, strict=True)
+        ]
+        return Table(names, rows)
+
+
+def error_curve(
+    env: AnyMap,
+    lights: Iterable[int] = range(9),
+    *,
+    roughness: float = 0.33,
+    sizes: bool = True,
+    objective: str = "mixed",
+    ambient: str | None = None,
+    floor: bool = False,
+    unseen: Unseen = None,
+) -> ErrorCurve:
+    """Fit a map with several numbers of lights, and compare the errors.
+
+    Each fit is a full search of its own, so that each row is the best rig of `fit` with that many
+    lights. To get the fewest lights for an error, call `fit` with that error instead.
+
+    Parameters
+    ----------
+    env : EnvMap, path-like or array_like, shape (height, 2 * height, 3)
+        The map; it is read once.
+    lights : iterable of int
+        Largest numbers of lights.
+    roughness : float
+        Roughness of the metal, from 0.3 to 1.
+    sizes, objective, ambient, floor, unseen
+        As for `fit`.
+
+    Returns
+    -------
+    ErrorCurve
+        A row for each of `lights`, in their order.
+
+    Raises
+    ------
+    EnvLightsError
+        If `lights` are not whole numbers from 0 on, `roughness` is not from 0.3 to 1, or `fit`
+        refuses an argument.
+
+    See Also
+    --------
+    fit : one rig.
+
+    Examples
+    --------
+    >>> import envlights as el
+    >>> curve = el.error_curve(el.synthetic.hall(64).radiance, lights=[1, 4])
+    >>> curve.used
+    (1, 4)
+    >>> curve.gloss[1] < curve.gloss[0]
+    True
+    """
+    roughness, numbers = gloss.checked_roughness(roughness), counts("lights", lights)
+    if not numbers:
+        raise EnvLightsError("lights must hold at least one number; got none")
+    world, rigs, seconds = as_envmap(env), [], []
+    for number in numbers:
+        start = perf_counter()
+        options = {"objective": objective, "ambient": ambient, "floor": floor, "unseen": unseen}
+        rigs.append(fit(world, number, sizes=sizes, **options))  # type: ignore[arg-type]
+        seconds.append(perf_counter() - start)
+    return ErrorCurve(
+        tuple(numbers),
+        tuple(len(rig.lights) for rig in rigs),
+        tuple(rig.error for rig in rigs),
+        tuple(rig.report.shadow_error or 0.0 for rig in rigs),
+        tuple(rig.report.gloss_error(roughness) or 0.0 for rig in rigs),
+        roughness,
+        tuple(seconds),
+    )
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.3g} %"
