@@ -175,6 +175,7 @@ class FitAnswer:
     points: int
     lights: int
     angular_radii: list[float]
+    at_bound: list[int]
     shadow_error: float
     points_error: float
     fitted_points_error: float

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -47,6 +48,9 @@ from envlights.rig import Rig
     show_default=True,
 )
 @click.option(
+    "--max-radius", type=float, help="Largest angular radius of a light in degrees, such as 20."
+)
+@click.option(
     "--ambient",
     type=click.Choice([*AMBIENTS, AUTO]),
     help="Light from all directions; sh2: smooth, 9 spherical harmonics; auto: the best of them."
@@ -74,6 +78,7 @@ def command(
     error: float | None,
     shadow_error: float | None,
     sizes: bool,
+    max_radius: float | None,
     ambient: str | None,
     targets: Sequence[str],
     floor: bool,
@@ -95,6 +100,7 @@ def command(
         error=error,
         shadow_error=shadow_error,
         sizes=sizes,
+        max_radius=None if max_radius is None else math.radians(max_radius),
         ambient=ambient,
         floor=floor,
         unseen=choice,

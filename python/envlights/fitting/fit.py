@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native
 from envlights._capabilities import Capabilities
-from envlights._check import check_choice, flag, reals
+from envlights._check import amount, check_choice, flag, reals
 from envlights._native import EnvLightsError, FitAnswer
 from envlights._targets import shown_by, target_names
 from envlights._unseen import Unseen, checked_unseen
@@ -44,6 +44,7 @@ def fit(
     error: float | None = None,
     shadow_error: float | None = None,
     sizes: bool = True,
+    max_radius: float | None = None,
     objective: str = "mixed",
     ambient: str | None = None,
     start: str | Rig | Lights = "greedy",
@@ -81,8 +82,13 @@ def fit(
     shadow_error : float, optional
         Largest accepted error with shadows. With `error`, both must be reached.
     sizes : bool
-        True: lights are discs with an angular radius of at most 75 degrees, and over a `floor` of
-        at most their elevation; a radius of 0 is a point. False: all lights are points.
+        True: lights are discs with an angular radius of at most `max_radius` or 75 degrees, and
+        over a `floor` of at most their elevation; a radius of 0 is a point. False: all lights are
+        points.
+    max_radius : float, optional
+        Largest angular radius of a light, in radians, above 0 and at most pi / 2. The fit minimises
+        its error within that bound, so light that is spread wider goes into the ambient term or
+        several lights. `report.at_max_radius` names the lights at the bound.
     objective : {"mixed", "shadows", "probe"}
         Error that the discs minimise: with shadows, without ("probe"), or a mean of both, which is
         nearly as good as either.
@@ -127,7 +133,8 @@ def fit(
     ------
     EnvLightsError
         If `env` is not a map, `lights` is not a count or less than `fixed`, `error` or
-        `shadow_error` is not from 0 to 1, a `fixed` direction is not a unit vector, or `objective`,
+        `shadow_error` is not from 0 to 1, `max_radius` is out of range or set without `sizes`, a
+        `fixed` direction is not a unit vector, or `objective`,
         `ambient` or `start` is unknown; with a `floor`, for "sh2" and for `fixed` or `start` lights
         below the horizon.
 
@@ -166,7 +173,8 @@ def fit(
     request = request_of(
         lights, error, start, fixed, shadow_error=shadow_error, most_lights=shows.lights
     )
-    of_discs = objective if flag("sizes", sizes) and shows.sizes == "spread" else None
+    _check_radius(max_radius, flag("sizes", sizes))
+    of_discs = objective if sizes and shows.sizes == "spread" else None
     checked_unseen(unseen)
     ambient = _ambient_for(ambient, bool(target), shows)
     if flag("floor", floor):
@@ -182,7 +190,9 @@ def fit(
     def answers_for(
         reduction: Reduction, first: NDArray[np.float64]
     ) -> tuple[Reduction, dict[str, FitAnswer]]:
-        answers = {name: _answer(reduction, request, first, name, of_discs) for name in names}
+        answers = {
+            name: _answer(reduction, request, first, name, of_discs, max_radius) for name in names
+        }
         return reduction, answers
 
     of_file = None
@@ -209,6 +219,7 @@ def fit(
         measured_on=wording.measured_on(answer.evaluation_normals, floor),
         shadow_error=answer.shadow_error,
         target=target,
+        has_max_radius=max_radius is not None,
         ambient=chosen,
         ambients={name: (one.lights, one.error) for name, one in answers.items()}
         if ambient == AUTO
@@ -347,6 +358,22 @@ def _ambient_names(floor: bool, shows: Capabilities) -> tuple[str, ...]:
     return tuple(name for name in shows.ambients() if not (floor and name == "sh2"))
 
 
+def _check_radius(max_radius: float | None, sizes: bool) -> None:
+    """Refuse a largest radius that no disc can have, or one of points."""
+    if max_radius is None:
+        return
+    amount("max_radius", max_radius, most=np.pi / 2)
+    if max_radius == 0:
+        raise EnvLightsError(
+            "max_radius must be above 0 radians; got 0. Use sizes=False for points"
+        )
+    if not sizes:
+        raise EnvLightsError(
+            f"max_radius must not be set for points; got {max_radius:.3g} radians and sizes=False."
+            " Leave out one of them"
+        )
+
+
 def _check_over_floor(ambient: str, request: Request, shows: Capabilities) -> None:
     """Refuse arguments that a floor makes impossible."""
     if not shows.floor:
@@ -367,6 +394,7 @@ def _answer(
     first: NDArray[np.float64],
     ambient: str,
     objective: str | None,
+    max_radius: float | None,
 ) -> FitAnswer:
     """Best rig with one kind of `ambient` term; points without an `objective`."""
     options = FitOptions(
@@ -377,6 +405,7 @@ def _answer(
         request.error,
         request.shadow_error,
         sizes=objective,
+        max_radius=max_radius,
         floor=reduction.cells.floor,
         error_floor=RENDERING_ERROR,
     )

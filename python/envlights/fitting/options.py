@@ -28,6 +28,8 @@ class FitOptions(NamedTuple):
     """Relative RMS error with shadows that is good enough."""
     sizes: str | None = None
     """Comparison that gives the lights their sizes; points if absent."""
+    max_radius: float | None = None
+    """Greatest angular radius of a light in radians; 75 degrees if absent."""
     max_steps: int = MAX_STEPS
     """Greatest number of steps of one descent."""
     floor: bool = False

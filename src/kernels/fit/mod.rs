@@ -169,6 +169,7 @@ mod tests {
             error: None,
             shadow_error: None,
             sizes: None,
+            max_radius: None,
             max_steps: 100,
             is_plain: false,
         }
