@@ -31,7 +31,7 @@ pub fn exchange(shadows: &Shadows<'_>, descent: &Descent<'_>, best: State, [roug
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Comparison, Disc};
+    use super::super::Comparison;
     use super::*;
     use crate::kernels::fit::variable_projection::tests::{target, world};
     use crate::kernels::fit::{Ambient, Sphere};

@@ -37,7 +37,7 @@ pub fn forward_selection(
 }
 
 /// The state with the disc, of those in a few directions, that lowers the cost most.
-pub pub fn with_another(shadows: &Shadows<'_>, state: &State) -> Option<State> {
+pub fn with_another(shadows: &Shadows<'_>, state: &State) -> Option<State> {
     /// Directions that are tried, some 22 degrees apart.
     const DIRECTIONS: usize = 80;
     let candidates: Vec<Disc> = to_vectors(even_sphere(DIRECTIONS).view())
