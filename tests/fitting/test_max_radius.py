@@ -84,5 +84,5 @@ def test_the_command_takes_degrees(tmp_path):
     run = CliRunner().invoke(main, ["fit", str(path), "--max-radius", "20", "--json"])
     assert run.exit_code == 0, run.output
     rig = el.fit(path, max_radius=np.deg2rad(20))
-    radii = [light["angular_radius"] for light in json.loads(run.stdout)["lights"]]
+    radii = json.loads(run.stdout)["lights"]["angular_radius"]
     np.testing.assert_allclose(radii, rig.lights.angular_radius)

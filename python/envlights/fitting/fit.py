@@ -3,22 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from time import perf_counter
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native
 from envlights._capabilities import Capabilities
-from envlights._check import amount, check_choice, flag, reals
+from envlights._check import check_choice, flag, reals
 from envlights._native import EnvLightsError, FitAnswer
 from envlights._targets import shown_by, target_names
 from envlights._unseen import Unseen, checked_unseen
 from envlights.envmap import AnyMap, EnvMap, apply_to_map
 from envlights.fitting import wording
+from envlights.fitting.clock import Clock
 from envlights.fitting.options import FitOptions
 from envlights.fitting.reduction import Reduction, is_file, reduction_of, reduction_of_file
-from envlights.fitting.request import STARTS_WITHOUT_MAP, Request, request_of
+from envlights.fitting.request import STARTS_WITHOUT_MAP, Request, check_radius, request_of
 from envlights.fitting.result import rig_of
 from envlights.lights import Lights
 from envlights.rig import Rig
@@ -173,14 +173,14 @@ def fit(
     request = request_of(
         lights, error, start, fixed, shadow_error=shadow_error, most_lights=shows.lights
     )
-    _check_radius(max_radius, flag("sizes", sizes))
+    check_radius(max_radius, flag("sizes", sizes))
     of_discs = objective if sizes and shows.sizes == "spread" else None
     checked_unseen(unseen)
     ambient = _ambient_for(ambient, bool(target), shows)
     if flag("floor", floor):
         _check_over_floor(ambient, request, shows)
     names = _ambient_names(floor, shows) if ambient == AUTO else (ambient,)
-    clock = _Clock()
+    clock = Clock()
 
     def answers_under(world: EnvMap) -> tuple[Reduction, dict[str, FitAnswer]]:
         first = request.first_directions_under(world, floor)
@@ -308,7 +308,7 @@ def fit_probe(
     # Scale irradiance to about 1, because the kernel sums its fourth powers, which could overflow.
     brightest = float(np.abs(irradiance).max(initial=0.0))
     scale = brightest if 0 < brightest < np.inf else 1.0
-    clock = _Clock()
+    clock = Clock()
     first = request.first_directions(len(normals))
     directions = np.concatenate([request.fixed, first])
     options = FitOptions(AMBIENTS[ambient], directions, len(request.fixed), request.lights)
@@ -329,20 +329,6 @@ def fit_probe(
     return rig
 
 
-class _Clock:
-    """Wall time of each stage."""
-
-    def __init__(self) -> None:
-        self.laps: dict[str, float] = {}
-        self._last = perf_counter()
-
-    def lap(self, stage: str) -> None:
-        """Store the time since the last lap under `stage`."""
-        now = perf_counter()
-        self.laps[stage] = now - self._last
-        self._last = now
-
-
 def _ambient_for(ambient: str | None, has_target: bool, shows: Capabilities) -> str:
     """Checked name of an ambient term, or the default for a target."""
     if ambient is None:
@@ -356,22 +342,6 @@ def _ambient_for(ambient: str | None, has_target: bool, shows: Capabilities) -> 
 def _ambient_names(floor: bool, shows: Capabilities) -> tuple[str, ...]:
     """Ambient terms that "auto" compares, the simplest first."""
     return tuple(name for name in shows.ambients() if not (floor and name == "sh2"))
-
-
-def _check_radius(max_radius: float | None, sizes: bool) -> None:
-    """Refuse a largest radius that no disc can have, or one of points."""
-    if max_radius is None:
-        return
-    amount("max_radius", max_radius, most=np.pi / 2)
-    if max_radius == 0:
-        raise EnvLightsError(
-            "max_radius must be above 0 radians; got 0. Use sizes=False for points"
-        )
-    if not sizes:
-        raise EnvLightsError(
-            f"max_radius must not be set for points; got {max_radius:.3g} radians and sizes=False."
-            " Leave out one of them"
-        )
 
 
 def _check_over_floor(ambient: str, request: Request, shows: Capabilities) -> None:
