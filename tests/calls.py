@@ -167,6 +167,7 @@ CALLS = {
     ),
     "fit to an error": (el.fit, {"env": IMAGE, "error": st.floats(0.01, 1)}),
     "fit to an error of shadows": (el.fit, {"env": IMAGE, "shadow_error": st.floats(0.1, 1)}),
+    "fit with a largest radius": (el.fit, {"env": IMAGE, "max_radius": st.floats(0.01, 1.5)}),
     "fit with fixed lights": (el.fit, {"env": IMAGE, "lights": LIGHTS, "fixed": FEW}),
     "fit_probe": (
         el.fit_probe,

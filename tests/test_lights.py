@@ -305,3 +305,10 @@ def test_rows_of_several_lengths_take_no_lights():
     lights = el.Lights(np.eye(3), np.eye(3))
     with pytest.raises(el.EnvLightsError, match="an index of lights must be a number"):
         lights[[[0, 1], [2]]]
+
+
+def test_irradiance_beyond_single_precision_is_refused():
+    with pytest.raises(el.EnvLightsError, match=r"at most 3\.4e\+38"):
+        el.Lights([[0, 1, 0]], [[1e308, 1, 1]])
+    with pytest.raises(el.EnvLightsError, match="ambient"):
+        el.Rig([1e308, 1, 1], el.Lights([[0, 1, 0]], [[1, 1, 1]]), error=0.0)

@@ -179,6 +179,7 @@ class FitAnswer:
     points: int
     lights: int
     angular_radii: list[float]
+    at_bound: list[int]
     shadow_error: float
     bands: list[list[float]]
     points_error: float

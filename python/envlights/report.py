@@ -128,6 +128,11 @@ class FitReport(Result):
 
     ``rig.lights.irradiance[list(rig.report.fixed)]`` has the order of the argument."""
 
+    at_max_radius: tuple[int, ...] = ()
+    """Row of each light in `Rig.lights` that the `max_radius` of the fit keeps from being wider.
+
+    Its radius may be smaller by the blur of a pixel. Empty without a `max_radius`."""
+
     fewer_lights: str = ""
     """Reason why there are fewer lights than allowed; empty if there are not."""
 
@@ -169,6 +174,7 @@ class FitReport(Result):
             "direction_errors": [_finite(error) for error in self.direction_errors],
             "irradiance_errors": [[_finite(e) for e in rgb] for rgb in self.irradiance_errors],
             "fixed": list(self.fixed),
+            "at_max_radius": list(self.at_max_radius),
             "fewer_lights": self.fewer_lights,
             "seen_share": self.seen_share,
             "unseen_spread": self.unseen_spread,
@@ -207,6 +213,9 @@ class FitReport(Result):
             direction_errors=tuple(_number(error) for error in data["direction_errors"]),
             irradiance_errors=tuple(_rgb(rgb) for rgb in data["irradiance_errors"]),
             fixed=tuple(count("fixed", row) for row in data.get("fixed", ())),
+            at_max_radius=tuple(
+                count("at_max_radius", row) for row in data.get("at_max_radius", ())
+            ),
             fewer_lights=str(data.get("fewer_lights", "")),
             seen_share=amount("seen_share", data.get("seen_share", 1.0), most=1.0),
             unseen_spread=amount("unseen_spread", data.get("unseen_spread", 0.0)),
@@ -279,7 +288,8 @@ class FitReport(Result):
         # A rig shows the stop reason of its fit itself.
         unfitted = "" if self.errors else self.stop_reason.value
         made_for = f"fitted for {', '.join(self.target)}" if self.target else ""
-        return [*self._choice(), made_for, self._unseen(), self.fewer_lights, unfitted]
+        lines = [made_for, self._radius_bound(), self._unseen(), self.fewer_lights, unfitted]
+        return [*self._choice(), *lines]
 
     def _details(self) -> list[str]:
         """Lines for developers."""
@@ -313,6 +323,12 @@ class FitReport(Result):
             return f"error by number of lights: {curve}"
         sized = _percent(self.sized_error)
         return f"error by number of lights, as points: {curve}; with sizes: {sized}"
+
+    def _radius_bound(self) -> str:
+        """Lights at the largest radius, counted from 1 like the rows of a rig; empty if none is."""
+        numbers = ", ".join(str(row + 1) for row in self.at_max_radius)
+        plural = "" if len(self.at_max_radius) == 1 else "s"
+        return f"largest radius reached by light{plural} {numbers}" if numbers else ""
 
     def _unseen(self) -> str:
         """Seen share, and what the unseen part may change; empty if all is seen."""

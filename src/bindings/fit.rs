@@ -52,6 +52,12 @@ impl FitAnswer {
         self.result.radii.clone()
     }
 
+    /// Lights whose radius is at the greatest one of the options.
+    #[getter]
+    fn at_bound(&self) -> Vec<usize> {
+        self.result.at_bound.clone()
+    }
+
     /// Relative RMS error of the irradiance where things stand in the way, under a map.
     #[getter]
     fn shadow_error(&self) -> f64 {
@@ -166,6 +172,7 @@ pub struct Options<'py> {
     gloss_error: Option<f64>,
     gloss_factors: Vec<f64>,
     sizes: Option<String>,
+    max_radius: Option<f64>,
     max_steps: usize,
     floor: bool,
     error_floor: f64,
@@ -185,6 +192,7 @@ impl Options<'_> {
             gloss_error: self.gloss_error,
             gloss_factors: self.gloss_factors.clone(),
             sizes: self.sizes.as_deref().map(comparison),
+            max_radius: self.max_radius,
             max_steps: self.max_steps,
             has_floor: self.floor,
             error_floor: self.error_floor,

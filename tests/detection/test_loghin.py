@@ -240,3 +240,13 @@ def test_lights_have_no_more_than_all_flux_of_the_map():
     radiance = np.full((48, 96, 3), 0.2, np.float32)
     radiance[0, 0] = radiance[-1, -1] = 1e4
     assert 0.5 < el.detect(radiance, method="article").flux_share.sum() <= 1 + 1e-12
+
+
+def test_lights_at_the_poles_hold_no_more_than_the_flux():
+    """A bright pixel at a pole once held 994 times the flux of the map."""
+    radiance = np.full((48, 96, 3), 0.2, np.float32)
+    radiance[0, 0] = radiance[-1, -1] = 1e4
+    found = el.detect(radiance, method="article")
+    assert len(found)
+    assert (found.flux_share <= 1).all()
+    assert found.flux_share.sum() <= 1 + 1e-6

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -59,6 +60,9 @@ from envlights.rig import Rig
     show_default=True,
 )
 @click.option(
+    "--max-radius", type=float, help="Largest angular radius of a light in degrees, such as 20."
+)
+@click.option(
     "--ambient",
     type=click.Choice([*AMBIENTS, AUTO]),
     help="Light from all directions; sh2: smooth, 9 spherical harmonics; auto: the best of them."
@@ -88,6 +92,7 @@ def command(
     gloss_error: float | None,
     roughness: float,
     sizes: bool,
+    max_radius: float | None,
     ambient: str | None,
     targets: Sequence[str],
     floor: bool,
@@ -111,6 +116,7 @@ def command(
         gloss_error=gloss_error,
         roughness=roughness,
         sizes=sizes,
+        max_radius=None if max_radius is None else math.radians(max_radius),
         ambient=ambient,
         floor=floor,
         unseen=choice,

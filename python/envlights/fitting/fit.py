@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from time import perf_counter
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,9 +15,10 @@ from envlights._targets import shown_by, target_names
 from envlights._unseen import Unseen, checked_unseen
 from envlights.envmap import AnyMap, EnvMap, apply_to_map
 from envlights.fitting import wording
+from envlights.fitting.clock import Clock
 from envlights.fitting.options import FitOptions
 from envlights.fitting.reduction import Reduction, is_file, reduction_of, reduction_of_file
-from envlights.fitting.request import STARTS_WITHOUT_MAP, Request, request_of
+from envlights.fitting.request import STARTS_WITHOUT_MAP, Request, check_radius, request_of
 from envlights.fitting.result import rig_of
 from envlights.lights import Lights
 from envlights.rig import Rig
@@ -44,6 +44,7 @@ def fit(
     gloss_error: float | None = None,
     roughness: float = 0.33,
     sizes: bool = True,
+    max_radius: float | None = None,
     objective: str = "mixed",
     ambient: str | None = None,
     start: str | Rig | Lights = "greedy",
@@ -86,8 +87,13 @@ def fit(
     roughness : float
         Roughness of that metal, from 0.3 to 1.
     sizes : bool
-        True: lights are discs with an angular radius of at most 75 degrees, and over a `floor` of
-        at most their elevation; a radius of 0 is a point. False: all lights are points.
+        True: lights are discs with an angular radius of at most `max_radius` or 75 degrees, and
+        over a `floor` of at most their elevation; a radius of 0 is a point. False: all lights are
+        points.
+    max_radius : float, optional
+        Largest angular radius of a light, in radians, above 0 and at most pi / 2. The fit minimises
+        its error within that bound, so light that is spread wider goes into the ambient term or
+        several lights. `report.at_max_radius` names the lights at the bound.
     objective : {"mixed", "shadows", "probe"}
         Error that the discs minimise: with shadows, without ("probe"), or a mean of both, which is
         nearly as good as either.
@@ -132,9 +138,9 @@ def fit(
     ------
     EnvLightsError
         If `env` is not a map, `lights` is not a count or less than `fixed`, an error is not from 0
-        to 1, `roughness` is not from 0.3 to 1, a `fixed` direction is not a unit vector, or
-        `objective`, `ambient` or `start` is unknown; with a `floor`, for "sh2" and for `fixed` or
-        `start` lights below the horizon.
+        to 1, `roughness` is not from 0.3 to 1, `max_radius` is out of range or set without `sizes`,
+        a `fixed` direction is not a unit vector, or `objective`, `ambient` or `start` is unknown;
+        with a `floor`, for "sh2" and for `fixed` or `start` lights below the horizon.
 
     See Also
     --------
@@ -178,13 +184,14 @@ def fit(
         roughness=roughness,
         most_lights=shows.lights,
     )
-    of_discs = objective if flag("sizes", sizes) and shows.sizes == "spread" else None
+    check_radius(max_radius, flag("sizes", sizes))
+    of_discs = objective if sizes and shows.sizes == "spread" else None
     checked_unseen(unseen)
     ambient = _ambient_for(ambient, bool(target), shows)
     if flag("floor", floor):
         _check_over_floor(ambient, request, shows)
     names = _ambient_names(floor, shows) if ambient == AUTO else (ambient,)
-    clock = _Clock()
+    clock = Clock()
 
     def answers_under(world: EnvMap) -> tuple[Reduction, dict[str, FitAnswer]]:
         first = request.first_directions_under(world, floor)
@@ -194,7 +201,9 @@ def fit(
     def answers_for(
         reduction: Reduction, first: NDArray[np.float64]
     ) -> tuple[Reduction, dict[str, FitAnswer]]:
-        answers = {name: _answer(reduction, request, first, name, of_discs) for name in names}
+        answers = {
+            name: _answer(reduction, request, first, name, of_discs, max_radius) for name in names
+        }
         return reduction, answers
 
     of_file = None
@@ -221,6 +230,7 @@ def fit(
         measured_on=wording.measured_on(answer.evaluation_normals, floor),
         shadow_error=answer.shadow_error,
         target=target,
+        has_max_radius=max_radius is not None,
         ambient=chosen,
         ambients={name: (one.lights, one.error) for name, one in answers.items()}
         if ambient == AUTO
@@ -309,7 +319,7 @@ def fit_probe(
     # Scale irradiance to about 1, because the kernel sums its fourth powers, which could overflow.
     brightest = float(np.abs(irradiance).max(initial=0.0))
     scale = brightest if 0 < brightest < np.inf else 1.0
-    clock = _Clock()
+    clock = Clock()
     first = request.first_directions(len(normals))
     directions = np.concatenate([request.fixed, first])
     options = FitOptions(AMBIENTS[ambient], directions, len(request.fixed), request.lights)
@@ -328,20 +338,6 @@ def fit_probe(
     )
     clock.lap("report")
     return rig
-
-
-class _Clock:
-    """Wall time of each stage."""
-
-    def __init__(self) -> None:
-        self.laps: dict[str, float] = {}
-        self._last = perf_counter()
-
-    def lap(self, stage: str) -> None:
-        """Store the time since the last lap under `stage`."""
-        now = perf_counter()
-        self.laps[stage] = now - self._last
-        self._last = now
 
 
 def _ambient_for(ambient: str | None, has_target: bool, shows: Capabilities) -> str:
@@ -379,6 +375,7 @@ def _answer(
     first: NDArray[np.float64],
     ambient: str,
     objective: str | None,
+    max_radius: float | None,
 ) -> FitAnswer:
     """Best rig with one kind of `ambient` term; points without an `objective`."""
     options = FitOptions(
@@ -391,6 +388,7 @@ def _answer(
         request.gloss_error,
         request.gloss_factors,
         sizes=objective,
+        max_radius=max_radius,
         floor=reduction.cells.floor,
         error_floor=RENDERING_ERROR,
     )

@@ -33,6 +33,8 @@ class FitOptions(NamedTuple):
     """Factors of that object by degree."""
     sizes: str | None = None
     """Comparison that gives the lights their sizes; points if absent."""
+    max_radius: float | None = None
+    """Greatest angular radius of a light in radians; 75 degrees if absent."""
     max_steps: int = MAX_STEPS
     """Greatest number of steps of one descent."""
     floor: bool = False

@@ -198,3 +198,19 @@ def _most_lights(lights: int | None, has_goal: bool, fixed: int, placed: int) ->
     if has_goal:
         return max(MOST_LIGHTS, fixed)
     return placed or LIGHTS
+
+
+def check_radius(max_radius: float | None, sizes: bool) -> None:
+    """Refuse a largest radius that no disc can have, or one of points."""
+    if max_radius is None:
+        return
+    amount("max_radius", max_radius, most=np.pi / 2)
+    if max_radius == 0:
+        raise EnvLightsError(
+            "max_radius must be above 0 radians; got 0. Use sizes=False for points"
+        )
+    if not sizes:
+        raise EnvLightsError(
+            f"max_radius must not be set for points; got {max_radius:.3g} radians and sizes=False."
+            " Leave out one of them"
+        )

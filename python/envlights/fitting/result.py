@@ -23,6 +23,7 @@ def rig_of(
     notes: tuple[str, ...] = (),
     units: str = OWN_SCALE,
     floor: bool = False,
+    has_max_radius: bool = False,
     **report_fields: Any,
 ) -> Rig:
     """Build the rig of an `answer` whose irradiance is in units of `scale`.
@@ -46,6 +47,7 @@ def rig_of(
         direction_errors=_reorder(answer.direction_errors, order),
         irradiance_errors=_reorder_rgb(answer.irradiance_errors, order, scale),
         direction_tolerances=_reorder(answer.tolerances, order),
+        at_max_radius=_rows(answer.at_bound, order) if has_max_radius else (),
         fixed=tuple(order.argsort()[: len(request.fixed)].tolist()) if len(request.fixed) else (),
         **report_fields,
     )
@@ -58,6 +60,11 @@ def rig_of(
         notes,
         floor,
     )
+
+
+def _rows(lights: list[int], order: NDArray[np.intp]) -> tuple[int, ...]:
+    """Rows of these lights of the answer in the `order` of the lights."""
+    return tuple(sorted(order.argsort()[lights].tolist()))
 
 
 def _reorder(values: list[float], order: NDArray[np.intp]) -> tuple[float, ...]:

@@ -171,6 +171,7 @@ mod tests {
             gloss_error: None,
             gloss_factors: Vec::new(),
             sizes: None,
+            max_radius: None,
             max_steps: 100,
             is_plain: false,
         }

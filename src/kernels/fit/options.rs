@@ -27,6 +27,8 @@ pub struct FitOptions {
     pub gloss_factors: Vec<f64>,
     /// Comparison that gives the lights their sizes; points if absent.
     pub sizes: Option<Comparison>,
+    /// Greatest angular radius of a light, in radians.
+    pub max_radius: Option<f64>,
     /// Greatest number of steps of one descent.
     pub max_steps: usize,
     /// True if a floor hides the light from below the horizon.

@@ -18,6 +18,8 @@ pub struct FitResult {
     pub rig: Rig,
     /// Angular radius of each light, in radians: 0 for a point.
     pub radii: Vec<f64>,
+    /// Lights whose radius is at the greatest one of the options.
+    pub at_bound: Vec<usize>,
     /// Error of the rig.
     pub probe_error: Judged,
     /// Relative RMS error of the irradiance with shadows, under a map: `discs/`.
@@ -71,7 +73,9 @@ impl Evaluator<'_> {
             (Some(sizes), Some(_)) => {
                 let rigs: Vec<Rig> =
                     once(rig).chain(others.iter().map(|other| other.rig(reference))).collect();
-                sizes.fit(reference, &rigs, problem.fixed, problem.max_steps)
+                // Lights that were given a start stay near it.
+                let can_select = problem.start.len() == problem.fixed && !problem.is_plain;
+                sizes.fit(reference, &rigs, problem.fixed, problem.max_steps, can_select)
             }
             _ => Sized::points(rig),
         };
@@ -113,6 +117,7 @@ impl Evaluator<'_> {
             fitted_points_error: self.samples.error(&trial.state.rig(problem.objective.reference())),
             rig: sized.rig,
             radii: sized.radii,
+            at_bound: sized.at_bound,
             probe_error,
             shadow_error: trial.shadow_error,
             evaluation_normals: self.samples.normals.len(),

@@ -4,13 +4,11 @@
 //! A descent moves lights, but takes none from a broad disc that two of them share to a lamp that has none. Beside harmonics
 //! the error of a sized fit with 4 lights is up to 1.5 times as large without this, on real maps.
 
-use super::light_disc::Disc;
+use super::forward_selection::with_another;
 use super::shadows::Shadows;
 use crate::kernels::fit::damped_newton::Descent;
 use crate::kernels::fit::objective::Objective;
 use crate::kernels::fit::state::State;
-use crate::kernels::sampling::even_sphere;
-use crate::kernels::sphere::to_vectors;
 
 /// A lower state than `best`, if an exchange of one light leads to one, after descents to these tolerances.
 pub fn exchange(shadows: &Shadows<'_>, descent: &Descent<'_>, best: State, [rough, fine]: [f64; 2]) -> State {
@@ -29,21 +27,6 @@ pub fn exchange(shadows: &Shadows<'_>, descent: &Descent<'_>, best: State, [roug
     let fewer = (descent.fixed..more.lights()).map(without).min_by(|a, b| a.cost.total_cmp(&b.cost));
     let Some(next) = fewer.map(|state| descent.run(state, fine)) else { return best };
     if next.cost < best.cost { next } else { best }
-}
-
-/// The state with the disc, of those in a few directions, that lowers the cost most.
-fn with_another(shadows: &Shadows<'_>, state: &State) -> Option<State> {
-    /// Its radius: between a sun's and a window's, from where a few steps lead to both.
-    const RADIUS: f64 = 0.2;
-    /// Directions that are tried, some 22 degrees apart.
-    const DIRECTIONS: usize = 80;
-    let candidates: Vec<Disc> = to_vectors(even_sphere(DIRECTIONS).view())
-        .into_iter()
-        .map(|direction| shadows.disc(direction, RADIUS))
-        .collect();
-    let decreases = shadows.decreases(&candidates, state);
-    let best = candidates.into_iter().zip(decreases).max_by(|(_, a), (_, b)| a.total_cmp(b));
-    best.map(|(best, _)| shadows.state(state.moments.discs.iter().copied().chain([best]).collect()))
 }
 
 #[cfg(test)]

@@ -15,7 +15,7 @@ use crate::kernels::fit::objective::{
 use crate::kernels::fit::state::State;
 use crate::kernels::sphere::exponential_map;
 
-/// The greatest radius, in radians: 75 degrees.
+/// The greatest radius without another bound, in radians: 75 degrees.
 pub const GREATEST_RADIUS: f64 = 75.0 / 180.0 * std::f64::consts::PI;
 /// The least radius: 0.003 degrees. A smaller one changes no shadow visibly.
 pub const LEAST_RADIUS: f64 = 5e-5;
@@ -27,6 +27,8 @@ const NOISE: f64 = 1e-7;
 pub struct Shadows<'a> {
     target: &'a Target,
     reference: Reference,
+    /// The greatest radius of any light, in radians.
+    greatest_radius: f64,
 }
 
 impl<'a> Shadows<'a> {
@@ -35,7 +37,18 @@ impl<'a> Shadows<'a> {
         let energy: f64 = (0..reference.channels.len())
             .map(|c| reference.copies(c) * target.energy[reference.channels[c]])
             .sum();
-        Self { target, reference: Reference { energy: (1.0 + NOISE) * energy, ..reference.clone() } }
+        let reference = Reference { energy: (1.0 + NOISE) * energy, ..reference.clone() };
+        Self { target, reference, greatest_radius: GREATEST_RADIUS }
+    }
+
+    /// This objective for lights of at most this radius.
+    pub fn up_to(self, greatest_radius: f64) -> Self {
+        Self { greatest_radius, ..self }
+    }
+
+    /// True if the bound of all radii holds the radius of a disc.
+    pub fn is_at_bound(&self, disc: &Disc) -> bool {
+        disc.radius >= self.greatest_radius.max(LEAST_RADIUS)
     }
 
     /// The best fluxes of `discs`.
@@ -56,8 +69,8 @@ impl<'a> Shadows<'a> {
     /// The greatest radius of a light in a direction: over a floor, the whole disc is above the horizon.
     fn greatest_radius(&self, direction: DVec3) -> f64 {
         let elevation = direction.y.clamp(0.0, 1.0).asin();
-        let most = if self.reference.has_floor { GREATEST_RADIUS.min(elevation) } else { GREATEST_RADIUS };
-        most.max(LEAST_RADIUS)
+        let most = self.greatest_radius;
+        (if self.reference.has_floor { most.min(elevation) } else { most }).max(LEAST_RADIUS)
     }
 
     fn moments(&self, discs: Vec<Disc>) -> Moments {
@@ -115,7 +128,7 @@ impl Objective for Shadows<'_> {
             let slope = gradient[3 * light + 2];
             let is_least = disc.radius <= LEAST_RADIUS && slope >= 0.0;
             let is_greatest = disc.radius >= self.greatest_radius(disc.direction) && slope <= 0.0;
-            if is_greatest && disc.radius < GREATEST_RADIUS && light >= fixed {
+            if is_greatest && !self.is_at_bound(disc) && light >= fixed {
                 // The first tangent points to growing polar angles.
                 return Some(Constraint {
                     light,
