@@ -56,6 +56,7 @@ __all__ = [
     "ShadowOverlay",
     "Split",
     "StopReason",
+    "SunAt",
     "Surface",
     "TransferModel",
     "TransferReport",
@@ -91,6 +92,7 @@ _LATER = {
     **dict.fromkeys(("ShadowOverlay", "shadow_overlay"), "scene"),
     **dict.fromkeys(("View", "view"), "viewer.page"),
     "Model": "viewer.model",
+    "SunAt": "sun.almanac",
     **dict.fromkeys(("FilePairs", "TransferModel", "TransferReport", "read_pairs"), "transfer"),
 }
 
@@ -112,6 +114,7 @@ if _typing.TYPE_CHECKING:
     from envlights.scene import BakedPairs, DirectLight, MitsubaScene, ShadowOverlay, Surface
     from envlights.scene.bake import bake as bake
     from envlights.scene.floor_shadow import shadow_overlay as shadow_overlay
+    from envlights.sun.almanac import SunAt
     from envlights.transfer import FilePairs, TransferModel, TransferReport, read_pairs
     from envlights.viewer.model import Model
     from envlights.viewer.page import View, view
