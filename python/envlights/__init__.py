@@ -56,6 +56,7 @@ __all__ = [
     "ShadowOverlay",
     "Split",
     "StopReason",
+    "Sun",
     "SunAt",
     "Surface",
     "TransferModel",
@@ -66,6 +67,7 @@ __all__ = [
     "detect_article",
     "detect_photograph",
     "detect_tree",
+    "find_sun",
     "fit",
     "fit_paper",
     "fit_probe",
@@ -83,7 +85,7 @@ __all__ = [
 #: envlights` does not wait for it; so is what reads the version.
 _SUBPACKAGES = (
     *("cli", "detection", "export", "fitting", "io", "plot", "scene"),
-    *("synthetic", "transfer"),
+    *("sun", "synthetic", "transfer"),
 )
 #: Names of `__all__` that come from one of them.
 _LATER = {
@@ -92,7 +94,7 @@ _LATER = {
     **dict.fromkeys(("ShadowOverlay", "shadow_overlay"), "scene"),
     **dict.fromkeys(("View", "view"), "viewer.page"),
     "Model": "viewer.model",
-    "SunAt": "sun.almanac",
+    **dict.fromkeys(("Sun", "SunAt", "find_sun"), "sun"),
     **dict.fromkeys(("FilePairs", "TransferModel", "TransferReport", "read_pairs"), "transfer"),
 }
 
@@ -108,13 +110,14 @@ if _typing.TYPE_CHECKING:
     from envlights import io as io
     from envlights import plot as plot
     from envlights import scene as scene
+    from envlights import sun as sun
     from envlights import synthetic as synthetic
     from envlights import transfer as transfer
     from envlights.fitting.madsen import PaperFit, fit_paper
     from envlights.scene import BakedPairs, DirectLight, MitsubaScene, ShadowOverlay, Surface
     from envlights.scene.bake import bake as bake
     from envlights.scene.floor_shadow import shadow_overlay as shadow_overlay
-    from envlights.sun.almanac import SunAt
+    from envlights.sun import Sun, SunAt, find_sun
     from envlights.transfer import FilePairs, TransferModel, TransferReport, read_pairs
     from envlights.viewer.model import Model
     from envlights.viewer.page import View, view
