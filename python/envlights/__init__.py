@@ -10,7 +10,7 @@
 import typing as _typing
 from importlib import import_module as _import_module
 
-from envlights import _targets, kernels
+from envlights import _map_repair, _targets, kernels
 from envlights._native import EnvLightsError
 from envlights._threads import threads
 from envlights.detection.component_tree import detect_tree
@@ -58,6 +58,7 @@ __all__ = [
     "StopReason",
     "Sun",
     "SunAt",
+    "SunSplit",
     "Surface",
     "TransferModel",
     "TransferReport",
@@ -79,6 +80,7 @@ __all__ = [
     "synthetic",
     "threads",
     "view",
+    "with_sun",
 ]
 
 #: Attributes, too. What a fit does not need is imported when it is first used, so that `import
@@ -94,12 +96,14 @@ _LATER = {
     **dict.fromkeys(("ShadowOverlay", "shadow_overlay"), "scene"),
     **dict.fromkeys(("View", "view"), "viewer.page"),
     "Model": "viewer.model",
-    **dict.fromkeys(("Sun", "SunAt", "find_sun"), "sun"),
+    **dict.fromkeys(("Sun", "SunAt", "SunSplit", "find_sun", "with_sun"), "sun"),
     **dict.fromkeys(("FilePairs", "TransferModel", "TransferReport", "read_pairs"), "transfer"),
 }
 
 # The first `save` loads the exporters, which register themselves.
 _targets.register_later(lambda: _import_module(f"{__name__}.export"))
+# So does the first repair with a sun.
+_map_repair.register_later(lambda: _import_module(f"{__name__}.sun").repair_with_sun)
 
 if _typing.TYPE_CHECKING:
     __version__: str
@@ -117,7 +121,7 @@ if _typing.TYPE_CHECKING:
     from envlights.scene import BakedPairs, DirectLight, MitsubaScene, ShadowOverlay, Surface
     from envlights.scene.bake import bake as bake
     from envlights.scene.floor_shadow import shadow_overlay as shadow_overlay
-    from envlights.sun import Sun, SunAt, find_sun
+    from envlights.sun import Sun, SunAt, SunSplit, find_sun, with_sun
     from envlights.transfer import FilePairs, TransferModel, TransferReport, read_pairs
     from envlights.viewer.model import Model
     from envlights.viewer.page import View, view
