@@ -22,11 +22,17 @@ from envlights.cli.outputs import (
     verbose_option,
 )
 from envlights.detection.split import Split, split
+from envlights.cli.sun_input import reading_options, sun_options
 from envlights.envmap import EnvMap
 from envlights.excess import Limit, limit
 from envlights.export.targets import SUFFIXES
 from envlights.io.files import PICTURES
 from envlights.io.image_output import MAP_SUFFIXES
+from envlights.sun.choice import AnySun
+from envlights.sun.parts import SunSplit, with_sun
+
+
+_Parts = Split | Limit | SunSplit
 
 
 @click.command("split")
@@ -51,6 +57,8 @@ from envlights.io.image_output import MAP_SUFFIXES
     help="Remove only the radiance above this value, such as 65504 for half floats: one light for"
     " each region.",
 )
+@sun_options
+@reading_options
 @layout_option("the map without the lights")
 @output_option(
     "File to write: the map without the lights (.exr, .hdr), a scene of the lights with that map"
@@ -64,6 +72,9 @@ def command(
     lights: int | None,
     share: float | None,
     maximum: float | None,
+    sun: AnySun | None,
+    irradiance: float | None,
+    ratio: float | None,
     layout: str,
     outputs: Sequence[str],
     verbose: bool,
@@ -73,7 +84,8 @@ def command(
     for output in outputs:
         check_output(output, (*SUFFIXES, *MAP_SUFFIXES, *PICTURES), {"the map": map_file.path})
     env = map_file.open()
-    parts = _parts(env, lights, share, maximum)
+    readings = {"irradiance": irradiance, "ratio": ratio}
+    parts = _parts(env, lights, share, maximum, sun, readings)
     written = _write(env, parts, map_file.path, outputs, layout)
     removed = parts.lights
     text = removed.verbose() if verbose else str(removed)
@@ -82,18 +94,32 @@ def command(
 
 
 def _parts(
-    env: EnvMap, lights: int | None, share: float | None, maximum: float | None
-) -> Split | Limit:
-    """Lights and rest, of detection or above a maximum."""
+    env: EnvMap,
+    lights: int | None,
+    share: float | None,
+    maximum: float | None,
+    sun: AnySun | None,
+    readings: dict[str, float | None],
+) -> _Parts:
+    """Lights and rest, of detection, above a maximum, or of the sun."""
+    has_choice = lights is not None or share is not None
+    if sun is not None:
+        if has_choice or maximum is not None:
+            raise EnvLightsError(
+                "a sun is one light; leave out --lights, --share and --limit, or --sun"
+            )
+        return with_sun(env, sun, **readings)
+    if any(reading is not None for reading in readings.values()):
+        raise EnvLightsError("--irradiance and --ratio are readings of a sun; add --sun")
     if maximum is None:
         return split(env, lights, share=share)
-    if lights is not None or share is not None:
+    if has_choice:
         raise EnvLightsError("--limit takes all radiance above it; leave out --lights and --share")
     return limit(env, maximum)
 
 
 def _write(
-    env: EnvMap, parts: Split | Limit, source: str, outputs: Sequence[str], layout: str
+    env: EnvMap, parts: _Parts, source: str, outputs: Sequence[str], layout: str
 ) -> list[str]:
     """Write all outputs; paths of all files, with the maps that scenes bring."""
     pictures = [output for output in outputs if Path(output).suffix.lower() in PICTURES]
@@ -112,14 +138,15 @@ def _write(
     return [*written, *pictures]
 
 
-def _draw(env: EnvMap, parts: Split | Limit, output: str) -> None:
+def _draw(env: EnvMap, parts: _Parts, output: str) -> None:
     if isinstance(parts, Limit):
         raise EnvLightsError(
             f"cannot write {output}: pictures show lights of a split without --limit"
         )
     from envlights import plot
 
-    plot.save(plot.split_picture(env, parts), output)
+    draw = plot.sun_parts_picture if isinstance(parts, SunSplit) else plot.split_picture
+    plot.save(draw(env, parts), output)
 
 
 def _is_map(output: str) -> bool:

@@ -13,7 +13,7 @@
 
 from envlights.sun.almanac import SunAt as SunAt
 from envlights.sun.find import find_sun as find_sun
-from envlights.sun.result import Sun as Sun
-from envlights.sun.repair import repair_with_sun as repair_with_sun
 from envlights.sun.parts import SunSplit as SunSplit
 from envlights.sun.parts import with_sun as with_sun
+from envlights.sun.repair import repair_with_sun as repair_with_sun
+from envlights.sun.result import Sun as Sun

@@ -148,13 +148,13 @@ def parts_of(
     rest = env.with_radiance(sun.sky(env.radiance), env.notes, keeps_white=False)
     lights, measured = sun.lights, ""
     if irradiance is not None or ratio is not None:
-        lights, measured = _measured(sun, rest, irradiance, ratio, unseen)
+        lights, measured = _of_reading(sun, rest, irradiance, ratio, unseen)
     note = wording.of_sun(sun, measured)
     notes = (*env.notes, f"as a light of its own: {note}")
     return SunSplit(replace(lights, notes=(note,)), rest.with_radiance(rest.radiance, notes))
 
 
-def _measured(
+def _of_reading(
     sun: Sun, rest: EnvMap, irradiance: float | None, ratio: float | None, unseen: Unseen
 ) -> tuple[Lights, str]:
     """Sun with the irradiance of a reading, and the reading in words."""
