@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import click
@@ -21,16 +23,16 @@ from envlights.cli.outputs import (
     say_written,
     verbose_option,
 )
-from envlights.detection.split import Split, split
 from envlights.cli.sun_input import reading_options, sun_options
+from envlights.detection.split import Split, split
 from envlights.envmap import EnvMap
 from envlights.excess import Limit, limit
 from envlights.export.targets import SUFFIXES
 from envlights.io.files import PICTURES
 from envlights.io.image_output import MAP_SUFFIXES
-from envlights.sun.choice import AnySun
+from envlights.sun.choice import AnySun, sun_of
 from envlights.sun.parts import SunSplit, with_sun
-
+from envlights.sun.result import Sun
 
 _Parts = Split | Limit | SunSplit
 
@@ -84,9 +86,11 @@ def command(
     for output in outputs:
         check_output(output, (*SUFFIXES, *MAP_SUFFIXES, *PICTURES), {"the map": map_file.path})
     env = map_file.open()
+    found = None if sun is None else sun_of(env, sun)
     readings = {"irradiance": irradiance, "ratio": ratio}
-    parts = _parts(env, lights, share, maximum, sun, readings)
-    written = _write(env, parts, map_file.path, outputs, layout)
+    parts = _parts(env, lights, share, maximum, found, readings)
+    draw = partial(_draw, env, parts, found)
+    written = _write(parts, map_file.path, outputs, layout, draw)
     removed = parts.lights
     text = removed.verbose() if verbose else str(removed)
     click.echo(json.dumps(removed.to_dict(), indent=2) if as_json else text)
@@ -98,7 +102,7 @@ def _parts(
     lights: int | None,
     share: float | None,
     maximum: float | None,
-    sun: AnySun | None,
+    sun: Sun | None,
     readings: dict[str, float | None],
 ) -> _Parts:
     """Lights and rest, of detection, above a maximum, or of the sun."""
@@ -119,7 +123,7 @@ def _parts(
 
 
 def _write(
-    env: EnvMap, parts: _Parts, source: str, outputs: Sequence[str], layout: str
+    parts: _Parts, source: str, outputs: Sequence[str], layout: str, draw: Callable[[str], None]
 ) -> list[str]:
     """Write all outputs; paths of all files, with the maps that scenes bring."""
     pictures = [output for output in outputs if Path(output).suffix.lower() in PICTURES]
@@ -134,19 +138,23 @@ def _write(
     for output in maps:
         written += write_map(parts.rest, output, layout)
     for output in pictures:
-        _draw(env, parts, output)
+        draw(output)
     return [*written, *pictures]
 
 
-def _draw(env: EnvMap, parts: _Parts, output: str) -> None:
+def _draw(env: EnvMap, parts: _Parts, sun: Sun | None, output: str) -> None:
     if isinstance(parts, Limit):
         raise EnvLightsError(
             f"cannot write {output}: pictures show lights of a split without --limit"
         )
     from envlights import plot
 
-    draw = plot.sun_parts_picture if isinstance(parts, SunSplit) else plot.split_picture
-    plot.save(draw(env, parts), output)
+    if isinstance(parts, Split):
+        plot.save(plot.split_picture(env, parts), output)
+    elif sun is not None:
+        if len(parts.lights):  # a reading replaces the estimate
+            sun = replace(sun, irradiance=parts.lights.irradiance[0])
+        plot.save(plot.sun(env, sun), output)
 
 
 def _is_map(output: str) -> bool:
