@@ -41,6 +41,8 @@ from tests.call_values import (
     SHARE,
     SIZE,
     SMALL,
+    SUNS,
+    TIMES,
     TURN,
     UNITS,
     UNKNOWNS,
@@ -129,6 +131,29 @@ CALLS = {
         },
     ),
     "limit": (el.limit, {"env": IMAGE, "maximum": SMALL}),
+    "SunAt": (
+        el.SunAt,
+        {
+            "time": TIMES,
+            "latitude": SMALL,
+            "longitude": SMALL,
+            "north": st.one_of(st.none(), SMALL),
+        },
+    ),
+    "find_sun": (el.find_sun, {"env": IMAGE, "direction": st.one_of(st.none(), AXIS_OF_SURFACE)}),
+    "with_sun": (
+        el.with_sun,
+        {"env": IMAGE, "sun": SUNS, "irradiance": st.one_of(st.none(), st.floats(0, 1e6))},
+    ),
+    "with_sun by a ratio": (el.with_sun, {"env": IMAGE, "sun": SUNS, "ratio": SMALL}),
+    "EnvMap.repaired with a sun": (
+        lambda env, **options: el.EnvMap(env, white=0.9).repaired(**options),
+        {"env": IMAGE, "sun": SUNS, "irradiance": st.one_of(st.none(), SMALL)},
+    ),
+    "fit with a sun": (
+        el.fit,
+        {"env": IMAGE, "lights": st.integers(1, 3), "sun": SUNS, "floor": FLAG, "sizes": FLAG},
+    ),
     "detect_article": (
         el.detect_article,
         {
