@@ -19,7 +19,7 @@ def parts():
     return el.with_sun(env, sun_of(plateau))
 
 
-def saved(parts, folder, suffix):
+def text_of(parts, folder, suffix):
     """Text of the saved scene."""
     path = folder / f"sun{suffix}"
     assert path in parts.save(path)
@@ -28,7 +28,7 @@ def saved(parts, folder, suffix):
 
 @pytest.mark.parametrize("suffix", [s for s in SUFFIXES if s != ".usdc"])
 def test_every_file_calls_the_guess_a_guess(parts, tmp_path, suffix):
-    assert GUESS in saved(parts, tmp_path, suffix)
+    assert GUESS in text_of(parts, tmp_path, suffix)
 
 
 def test_the_map_beside_it_does_so_too(parts, tmp_path):
@@ -51,18 +51,18 @@ def test_the_map_beside_it_does_so_too(parts, tmp_path):
     ],
 )
 def test_the_size_is_that_of_the_sun(parts, tmp_path, suffix, pattern, value):
-    found = re.search(pattern, saved(parts, tmp_path, suffix), re.DOTALL)
+    found = re.search(pattern, text_of(parts, tmp_path, suffix), re.DOTALL)
     assert float(found[1]) == pytest.approx(value, rel=1e-6)
 
 
 def test_pbrt_has_a_distant_light_and_the_sky_as_a_map(parts, tmp_path):
-    text = saved(parts, tmp_path, ".pbrt")
+    text = text_of(parts, tmp_path, ".pbrt")
     assert text.count('LightSource "distant"') == 1
     assert '"string filename" "sun.ambient.pbrt.exr"' in text
 
 
 def test_the_map_of_mitsuba_holds_the_sun(parts, tmp_path):
-    saved(parts, tmp_path, ".xml")
+    text_of(parts, tmp_path, ".xml")
     radiance = el.io.read_image(tmp_path / "sun.ambient.mitsuba.exr").pixels
     env = el.EnvMap(radiance[:-1] / 2 + radiance[1:] / 2)
     added = env.probe(TOWARDS) - parts.rest.probe(TOWARDS)
@@ -71,7 +71,7 @@ def test_the_map_of_mitsuba_holds_the_sun(parts, tmp_path):
 
 def test_json_keeps_the_notes_and_csv_the_lights(parts, tmp_path):
     for suffix in (".json", ".csv"):
-        saved(parts, tmp_path, suffix)
+        text_of(parts, tmp_path, suffix)
     assert el.Lights.load(tmp_path / "sun.json") == parts.lights
     again = el.Lights.load(tmp_path / "sun.csv")
     np.testing.assert_array_equal(again.irradiance, parts.lights.irradiance)

@@ -31,8 +31,8 @@ from envlights.export.targets import SUFFIXES
 from envlights.io.files import PICTURES
 from envlights.io.image_output import MAP_SUFFIXES
 from envlights.sun.choice import AnySun, sun_of
-from envlights.sun.parts import SunSplit, with_sun
 from envlights.sun.result import Sun
+from envlights.sun.sun_split import SunSplit, with_sun
 
 _Parts = Split | Limit | SunSplit
 

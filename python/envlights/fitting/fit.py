@@ -30,7 +30,7 @@ from envlights.fitting.sun_light import fit_with_sun
 from envlights.lights import Lights
 from envlights.rig import Rig
 from envlights.sun.choice import AnySun
-from envlights.sun.parts import with_sun
+from envlights.sun.sun_split import with_sun
 
 #: Errors that lights with sizes can minimise.
 OBJECTIVES = ("mixed", "shadows", "probe")

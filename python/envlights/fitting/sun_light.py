@@ -25,7 +25,7 @@ from envlights.kernels.sphere import pixel_directions, pixel_solid_angles
 from envlights.lights import Lights, brightest_first
 from envlights.report import FitReport
 from envlights.rig import Rig
-from envlights.sun.parts import SunSplit
+from envlights.sun.sun_split import SunSplit
 
 #: Columns of the sky for the ratios of RMS irradiance. The sky has no sun, so that 64 columns give
 #: them to 0.1 %.

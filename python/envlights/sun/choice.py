@@ -11,13 +11,15 @@ from numpy.typing import ArrayLike, NDArray
 from envlights._check import describe
 from envlights._native import EnvLightsError
 from envlights.envmap import EnvMap
-from envlights.light import elevations
+from envlights.light import elevations, place_of
 from envlights.sun.almanac import SunAt
 from envlights.sun.find import find_sun
 from envlights.sun.result import Sun
 
 #: Name for the sun that `find_sun` finds.
 AUTO = "auto"
+#: Cosine of the largest angle between a given direction and the sun of a map, of 5 degrees.
+_SAME = math.cos(math.radians(5))
 #: Argument `sun` of public functions.
 AnySun = str | ArrayLike | SunAt | Sun
 
@@ -31,10 +33,29 @@ def sun_of(env: EnvMap, sun: AnySun) -> Sun:
             raise _below_horizon(sun.elevation)
         if sun.direction is None:
             return find_sun(env, elevation=math.degrees(sun.elevation))
-        return find_sun(env, direction=sun.direction)
+        return _towards(env, sun.direction)
     if isinstance(sun, str) and sun == AUTO:
         return find_sun(env)
-    return find_sun(env, direction=_direction(sun))
+    return _towards(env, _direction(sun))
+
+
+def is_of_map(sun: Sun) -> bool:
+    """True for the sun of a map that shows its true radiance."""
+    return "map" in sun.evidence
+
+
+def _towards(env: EnvMap, direction: NDArray[np.float64]) -> Sun:
+    """Sun in a direction; that of the map itself if it holds one."""
+    if env.white is None:
+        own = find_sun(env)
+        if is_of_map(own) and own.direction is not None:
+            if own.direction @ direction < _SAME:
+                raise EnvLightsError(
+                    f"sun must be the one that the map holds, {own.in_short()}; got"
+                    f" {place_of(direction)}; `split` removes it"
+                )
+            return own
+    return find_sun(env, direction=direction)
 
 
 def _of_map(env: EnvMap, sun: Sun) -> Sun:

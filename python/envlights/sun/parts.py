@@ -1,174 +1,89 @@
-"""Sun of a map as a light of its own, and the sky without it."""
+"""Candidates for the sun: parts of the clipped core, or a single small spot in smooth sky."""
 
 from __future__ import annotations
 
-import os
-from dataclasses import replace
-from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from envlights._check import amount
-from envlights._links import save_parts
-from envlights._native import EnvLightsError
-from envlights._unseen import Unseen
-from envlights.envmap import AnyMap, EnvMap, as_envmap
-from envlights.kernels.image import LUMINANCE
-from envlights.lights import Lights
-from envlights.sun import wording
-from envlights.sun.choice import AUTO, AnySun, sun_of
-from envlights.sun.result import Sun
+from envlights._connected import connected_regions
+from envlights.kernels.image import uv_to_pixel
+from envlights.kernels.sphere import direction_to_uv
+from envlights.sun.sky_image import SkyImage
 
+#: Logarithm of the weight of a part at the zenith over that of one on the horizon; as in detection.
+_UPWARDS = 1.5
+#: Ratio of width to height from which a part at the horizon is a strip, its least width, and the
+#: elevation, in degrees, below which it must begin. A clear sky is white along the horizon.
+_STRIP, _STRIP_WIDTH, _STRIP_BELOW = 4.0, 10.0, 6.0
 
-class SunSplit(NamedTuple):
-    """Sun as a light, and the map without it."""
-
-    lights: Lights
-    """The sun as a disc; no light if there is none. `notes` say how sure it is."""
-
-    rest: EnvMap
-    """The map with the sky in place of the clipped part around the sun."""
-
-    def save(self, *paths: str | os.PathLike[str]) -> tuple[Path, ...]:
-        """Write the sun with the rest around it, for one program or several; see `Split.save`.
-
-        Parameters
-        ----------
-        *paths : path-like
-            Scenes (`el.export.TARGETS` lists the suffixes), and files of the rest (.exr, .hdr).
-
-        Returns
-        -------
-        tuple of Path
-            All written files.
-
-        Raises
-        ------
-        EnvLightsError
-            If there is no path, a suffix is unknown, two files have the same path, or one cannot be
-            written.
-        """
-        return save_parts(self.lights, self.rest, paths)
-
-    def __str__(self) -> str:
-        return f"{self.lights}\n\nthe map around it: {self.rest}"
-
-    def _repr_pretty_(self, printer: Any, _: bool) -> None:
-        printer.text(repr(self) if printer.indentation else str(self))
-
-    def _repr_html_(self) -> str:
-        return self.lights._repr_html_() + self.rest._repr_html_()
+Array = NDArray[np.float64]
 
 
-def with_sun(
-    env: AnyMap,
-    sun: AnySun = AUTO,
-    *,
-    irradiance: float | None = None,
-    ratio: float | None = None,
-    unseen: Unseen = None,
-) -> SunSplit:
-    r"""Sun of a clipped map as a light of 0.265 degrees in radius, and the sky without it.
+class Part(NamedTuple):
+    """Part of the core that may hold the sun."""
 
-    An 8-bit picture shows a sun as a white glow that is degrees wide and much too dark. Here the
-    sun is a light with the size of the sun, for sharp shadows, and the glow becomes sky. Nothing
-    is drawn into the map; `EnvMap.repaired` does that.
-
-    Parameters
-    ----------
-    env : EnvMap, path or array_like, shape (height, 2 * height, 3)
-        The map.
-    sun : "auto", array_like of shape (3,), SunAt or Sun
-        "auto": the sun of `find_sun`. A direction, of any length. A `SunAt` with `north` gives the
-        direction; one without it the elevation, and the picture the azimuth. A `Sun`, such as one
-        of `find_sun` that was changed by `dataclasses.replace`.
-    irradiance : float, optional
-        Measured luminance of the irradiance on an upward surface, sun and sky together, on the
-        scale of the map: lux, if its `units` are "cd/m2". It replaces the estimate.
-    ratio : float, optional
-        The same irradiance divided by that of the sky alone: two readings of a lux meter on the
-        ground, in the open and with the sun shaded. It replaces the estimate, too.
-    unseen : {"black", "harmonic", "ground"}, float or array_like, shape (3,), optional
-        Radiance where the map shows nothing, for these readings; see `EnvMap.filled`.
-
-    Returns
-    -------
-    lights : Lights
-        The sun; no light if the answer is "perhaps" or "no". Notes say what is a guess.
-    rest : EnvMap
-        The map with sky in place of the clipped part around the sun, without a `white`. It is the
-        map itself, with a note, if there is no sun.
-
-    Raises
-    ------
-    EnvLightsError
-        If `env` is not a map, `sun` is none of these or below the horizon, both readings are given,
-        or one is less than that of the sky alone.
-
-    See Also
-    --------
-    find_sun : the answer, the direction and the estimate of the irradiance.
-    split : lights that the map shows with their true radiance.
-
-    Notes
-    -----
-    With the irradiance S of the sky on an upward surface and the elevation h of the sun, a reading
-    E gives the sun an irradiance of :math:`(E - S) / \sin h` at normal incidence, and a ratio q
-    gives :math:`(q - 1) S / \sin h`, in the colour of the estimate.
-
-    Examples
-    --------
-    >>> import envlights as el
-    >>> env = el.EnvMap(np.full((64, 128, 3), 0.5))
-    >>> sun = el.Sun("sun", direction=[0.6, 0.8, 0], irradiance=[4, 3.8, 3.4])
-    >>> lights, rest = el.with_sun(env, sun)
-    >>> round(float(np.degrees(lights.angular_radius[0])), 3)
-    0.265
-    >>> el.with_sun(env, sun, ratio=5).lights.irradiance.round(1)
-    array([[8.2, 7.8, 7. ]])
-    """
-    env = as_envmap(env)
-    return parts_of(env, sun_of(env, sun), irradiance, ratio, unseen)
+    mask: NDArray[np.bool_]
+    depth: Array
+    """Degrees to the rim, and 0 outside of the part."""
+    direction: Array
+    """Centroid weighted by the cube of the depth."""
+    radius: float
+    """Radius in degrees of a disc of the same solid angle."""
+    solid_angle: float
 
 
-def parts_of(
-    env: EnvMap, sun: Sun, irradiance: float | None, ratio: float | None, unseen: Unseen
-) -> SunSplit:
-    """Light and rest for a sun; see `with_sun`."""
-    if irradiance is not None and ratio is not None:
-        raise EnvLightsError("give irradiance or ratio, not both")
-    for name, reading in (("irradiance", irradiance), ("ratio", ratio)):
-        if reading is not None:
-            amount(name, reading)
-    if not len(sun.lights):
-        note = wording.without_sun(sun)
-        notes = (*env.notes, note)
-        return SunSplit(replace(sun.lights, notes=(note,)), env.with_radiance(env.radiance, notes))
-    rest = env.with_radiance(sun.sky(env.radiance), env.notes, keeps_white=False)
-    lights, measured = sun.lights, ""
-    if irradiance is not None or ratio is not None:
-        lights, measured = _of_reading(sun, rest, irradiance, ratio, unseen)
-    note = wording.of_sun(sun, measured)
-    notes = (*env.notes, f"as a light of its own: {note}")
-    return SunSplit(replace(lights, notes=(note,)), rest.with_radiance(rest.radiance, notes))
+def best_part(image: SkyImage) -> Part | None:
+    """Part with the largest depth, higher ones first; None if there is none but strips."""
+    depth = image.depth
+    rows, columns = np.nonzero(depth > 0)
+    if not len(rows):
+        return None
+    regions = connected_regions(rows, columns, depth.shape)
+    deepest = np.zeros(regions.max() + 1)
+    np.maximum.at(deepest, regions, depth[rows, columns])
+    weights = image.solid_angles[rows, columns]
+    towards = np.zeros((len(deepest), 3))
+    np.add.at(towards, regions, image.directions[rows, columns] * weights[:, None])
+    height = towards[:, 1] / np.maximum(np.linalg.norm(towards, axis=1), 1e-12)
+    score = deepest * np.exp(_UPWARDS * np.maximum(height, -0.2))
+    for region in np.argsort(-score, kind="stable"):
+        own = regions == region
+        if not _is_strip(image, rows[own], columns[own]):
+            return _part(image, rows[own], columns[own])
+    return None
 
 
-def _of_reading(
-    sun: Sun, rest: EnvMap, irradiance: float | None, ratio: float | None, unseen: Unseen
-) -> tuple[Lights, str]:
-    """Sun with the irradiance of a reading, and the reading in words."""
-    sky = float(rest.probe(np.array([0.0, 1.0, 0.0]), unseen=unseen) @ LUMINANCE)
-    name, reading, least = "irradiance", irradiance or 0.0, sky
-    if ratio is not None:
-        name, reading, least = "ratio", ratio, 1.0
-    if reading < least:
-        raise EnvLightsError(
-            f"{name} must be at least that of the sky without the sun, {least:.4g}; got {reading:g}"
-        )
-    (towards,), (guess,) = sun.lights.direction, sun.lights.irradiance
-    missing = (reading - least) * (1.0 if ratio is None else sky)
-    luminance = float(guess @ LUMINANCE)
-    colour = guess / luminance if luminance > 0 else np.ones(3)
-    lights = replace(sun.lights, irradiance=missing / float(towards[1]) * colour[None])
-    return lights, f"its irradiance is that of the {name} of {reading:.4g}"
+def part_at(image: SkyImage, direction: Array) -> Part | None:
+    """Part that holds a direction; None if there is no clipped cell."""
+    ((row, column),) = uv_to_pixel(direction_to_uv(direction[None]), *image.core.shape)
+    depth = image.depth
+    if not depth[row, column] > 0:
+        return None
+    rows, columns = np.nonzero(depth > 0)
+    regions = connected_regions(rows, columns, depth.shape)
+    own = regions == regions[(rows == row) & (columns == column)]
+    return _part(image, rows[own], columns[own])
+
+
+def _part(image: SkyImage, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> Part:
+    mask = np.zeros(image.core.shape, bool)
+    mask[rows, columns] = True
+    depth = np.where(mask, image.depth, 0)
+    sum_ = (image.directions[mask] * (image.solid_angles * depth**3)[mask][:, None]).sum(axis=0)
+    solid_angle = float(image.solid_angles[mask].sum())
+    radius = np.degrees(np.arccos(max(-1.0, 1 - solid_angle / (2 * np.pi))))
+    return Part(mask, depth, sum_ / np.linalg.norm(sum_), float(radius), solid_angle)
+
+
+def _is_strip(image: SkyImage, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> bool:
+    """True if the deep half of a part is a strip along the horizon."""
+    depth = image.depth[rows, columns]
+    deep = depth >= 0.5 * depth.max()
+    elevation = image.elevation[rows[deep], 0]
+    if elevation.min() > _STRIP_BELOW:
+        return False
+    height = len(np.unique(rows[deep])) * 180 / len(image.core)
+    width = len(np.unique(columns[deep])) * 360 / image.core.shape[1]
+    return bool(width > _STRIP_WIDTH and width > _STRIP * height)

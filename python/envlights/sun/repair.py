@@ -11,9 +11,10 @@ from envlights._unseen import Unseen
 from envlights.envmap import EnvMap
 from envlights.kernels.sphere import direction_to_uv
 from envlights.lights import Lights
-from envlights.sun.choice import sun_of
+from envlights.sun.choice import is_of_map, sun_of
 from envlights.sun.disc_pixels import add_disc
-from envlights.sun.parts import parts_of
+from envlights.sun.sun_split import parts_of
+from envlights.sun.wording import HOLDS_SUN
 
 
 def repair_with_sun(
@@ -23,7 +24,11 @@ def repair_with_sun(
 
     See `EnvMap.repaired`.
     """
-    lights, rest = parts_of(env, sun_of(env, sun), irradiance, ratio, unseen)
+    found = sun_of(env, sun)
+    if is_of_map(found):
+        noted = env.with_radiance(env.radiance, (*env.notes, HOLDS_SUN))
+        return noted.repaired(irradiance=irradiance, ratio=ratio, unseen=unseen)
+    lights, rest = parts_of(env, found, irradiance, ratio, unseen)
     if not len(lights):
         return rest.repaired(irradiance=irradiance, ratio=ratio, unseen=unseen)
     _check_seen(rest, lights)

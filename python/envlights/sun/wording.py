@@ -8,20 +8,29 @@ from envlights.sun.result import Sun
 def of_sun(sun: Sun, measured: str) -> str:
     """Note on the light of a sun, whose irradiance may be `measured`."""
     moon = " (or moon, which a picture cannot tell)" if sun.points else ""
-    return f"{sun.in_short()}{moon}: {_of_direction(sun)}; {measured or _of_irradiance(sun)}"
+    measures = measured or _of_irradiance(sun)
+    return f"{sun.in_short()}{moon}: {_of_direction(sun)}; {measures}"
 
 
 def _of_direction(sun: Sun) -> str:
+    if "map" in sun.evidence:
+        return "direction measured in the map"
     if not sun.evidence or "given" in sun.evidence:
         return "direction as given"
     return f"the direction is a guess, by {' and '.join(sun.evidence)}"
 
 
 def _of_irradiance(sun: Sun) -> str:
+    if "map" in sun.evidence:
+        return "irradiance measured in the map"
     low, high = sun.interval
     if low == high:
         return "irradiance as given"
     return f"the irradiance is a guess, in two of three maps true times {low:.2g} to {high:.2g}"
+
+
+#: Note on a repair of a map that holds its own sun.
+HOLDS_SUN = "no sun was added, because the map is not clipped and holds its own"
 
 
 def without_sun(sun: Sun) -> str:
