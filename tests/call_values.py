@@ -1,7 +1,6 @@
 """Values and calls from which `calls.py` draws arguments."""
 
 import contextlib
-import datetime
 
 import numpy as np
 from hypothesis import strategies as st
@@ -99,13 +98,6 @@ RIGS = st.sampled_from([RIG, FITTED, RIG.lights, DETECTED])
 PAPER = {"k_a": SMALL, "k_d": SMALL, "C": COLOUR}
 
 #: What no parameter expects, or hardly one.
-TIMES = st.datetimes(
-    datetime.datetime(1990, 1, 1),
-    datetime.datetime(2040, 1, 1),
-    timezones=st.just(datetime.timezone.utc),
-)
-SUN = el.Sun("sun", direction=[0.48, 0.6, 0.64], irradiance=[40, 38, 34])
-SUNS = st.sampled_from(["auto", (0.5, 0.7, 0.5), SUN])
 STRANGE = st.one_of(
     st.none(),
     st.booleans(),

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 import envlights as el
 from envlights import export, io, kernels, synthetic
 from tests.call_solids import SOLID_CALLS
+from tests.call_suns import SUN_CALLS
 from tests.call_values import (
     AMBIENT,
     AMBIENT_MODEL,
@@ -41,8 +42,6 @@ from tests.call_values import (
     SHARE,
     SIZE,
     SMALL,
-    SUNS,
-    TIMES,
     TURN,
     UNITS,
     UNKNOWNS,
@@ -131,29 +130,6 @@ CALLS = {
         },
     ),
     "limit": (el.limit, {"env": IMAGE, "maximum": SMALL}),
-    "SunAt": (
-        el.SunAt,
-        {
-            "time": TIMES,
-            "latitude": SMALL,
-            "longitude": SMALL,
-            "north": st.one_of(st.none(), SMALL),
-        },
-    ),
-    "find_sun": (el.find_sun, {"env": IMAGE, "direction": st.one_of(st.none(), AXIS_OF_SURFACE)}),
-    "with_sun": (
-        el.with_sun,
-        {"env": IMAGE, "sun": SUNS, "irradiance": st.one_of(st.none(), st.floats(0, 1e6))},
-    ),
-    "with_sun by a ratio": (el.with_sun, {"env": IMAGE, "sun": SUNS, "ratio": SMALL}),
-    "EnvMap.repaired with a sun": (
-        lambda env, **options: el.EnvMap(env, white=0.9).repaired(**options),
-        {"env": IMAGE, "sun": SUNS, "irradiance": st.one_of(st.none(), SMALL)},
-    ),
-    "fit with a sun": (
-        el.fit,
-        {"env": IMAGE, "lights": st.integers(1, 3), "sun": SUNS, "floor": FLAG, "sizes": FLAG},
-    ),
     "detect_article": (
         el.detect_article,
         {
@@ -290,6 +266,7 @@ CALLS = {
         {"rig": RIGS, "path": st.just("no-folder/rig.json"), **ENGINE},
     ),
     **SOLID_CALLS,
+    **SUN_CALLS,
     **dict(call for target in export.TARGETS for call in exports_of(target)),
     "kernels.blur": (kernels.blur, {"image": GREY, "sigma": SMALL, "wrap": FLAG}),
     "kernels.bresenham_line": (

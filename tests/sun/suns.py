@@ -4,6 +4,7 @@ import numpy as np
 
 import envlights as el
 from envlights import kernels
+from envlights._srgb import encode_srgb
 
 #: Unit vector towards the sun.
 TOWARDS = np.array([0.48, 0.6, 0.64])
@@ -40,3 +41,14 @@ def sun_of(plateau=None, answer="sun", direction=TOWARDS, **options):
         "plateau": behind,
     }
     return el.Sun(answer, direction=direction, **(fields | options))
+
+
+def photograph(radiance, white_share):
+    """An 8-bit picture of a map, of whose sphere a share is white; and the luminance of white."""
+    largest = radiance.max(axis=2)
+    solid_angle = kernels.pixel_solid_angles(*largest.shape).ravel()
+    order = np.argsort(-largest, axis=None)
+    last = np.searchsorted(np.cumsum(solid_angle[order]), 4 * np.pi * white_share)
+    white = float(largest.ravel()[order[last]])
+    codes = np.round(255 * encode_srgb(np.minimum(radiance / white, 1)))
+    return el.EnvMap(codes.astype(np.uint8)), white
