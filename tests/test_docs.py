@@ -9,7 +9,7 @@ import pytest
 DOCS = Path(__file__).parent.parent / "docs"
 
 
-@pytest.mark.parametrize("page", ["layouts.md", "overlays.md", "units.md"])
+@pytest.mark.parametrize("page", ["layouts.md", "overlays.md", "sun_use.md", "units.md"])
 def test_a_page_runs_as_pasted(page, tmp_path):
     text = (DOCS / page).read_text(encoding="utf-8")
     before = Path.cwd()

@@ -37,6 +37,13 @@ def test_the_ground_reflects_a_fifth_of_its_light_in_the_sun():
     assert sun == pytest.approx(1 + 3 * SUN[1], rel=0.1)
 
 
+def test_a_third_of_the_ground_is_in_shadow():
+    luminance = el.synthetic.clear_sky(256).radiance[128:] @ LUMINANCE
+    weight = el.kernels.pixel_solid_angles(256, 512)[128:]
+    is_dark = luminance < (luminance.min() + luminance.max()) / 2
+    assert weight[is_dark].sum() / (2 * np.pi) == pytest.approx(1 / 3, abs=0.01)
+
+
 def test_the_sky_is_brighter_around_the_sun_and_at_the_horizon():
     luminance = el.synthetic.clear_sky(180, [0, 1, -1], ratio=0.0).radiance @ LUMINANCE
     # Azimuth 0 is the first column; 45 degrees above the horizon is row 45.

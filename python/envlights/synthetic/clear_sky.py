@@ -34,7 +34,7 @@ _ALBEDO = 0.2
 def clear_sky(
     height: int, sun: ArrayLike = (0.48, 0.6, 0.64), *, ratio: float = 4.0
 ) -> SyntheticMap:
-    """A clear sky with its sun over ground of albedo 0.2, a third of which is in shadow.
+    """A clear sky with its sun, over ground of albedo 0.2 with shadows on a third of it.
 
     Parameters
     ----------
@@ -108,8 +108,8 @@ def _is_in_shadow(directions: NDArray[np.float64]) -> NDArray[np.bool_]:
     """Pattern of shadows on the plane below the viewer, of about a third of it."""
     x, y, z = np.moveaxis(directions, -1, 0)
     flat = np.maximum(-y, 0.02)
-    wave = np.sin(2.1 * x / flat) + np.sin(2.7 * z / flat + 1) + np.sin(1.3 * (x + z) / flat + 2)
-    return np.asarray((y < 0) & (wave > 0.6))
+    wave = np.sin(2.1 * x / flat) + np.sin(2.7 * z / flat) + np.sin(1.3 * (x + z) / flat)
+    return np.asarray((y < 0) & (wave > 0.55))
 
 
 def _colour(channels: tuple[float, float, float]) -> NDArray[np.float64]:
