@@ -6,10 +6,10 @@
 from pathlib import Path
 
 import numpy as np
-
-import envlights as el
 from tests.helpers import NORMALS
 from tests.sun.suns import photograph
+
+import envlights as el
 
 #: Elevation of the sun in degrees, and white share of the sphere.
 PICTURES = ((50, 0.01), (50, 0.05), (30, 0.001), (30, 0.05), (10, 0.05))

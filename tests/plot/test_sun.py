@@ -31,7 +31,9 @@ def test_the_map_shows_the_sun_its_uncertainty_and_the_clipped_part():
 def test_the_shadow_of_the_sun_is_darker_than_that_of_the_glow():
     env, plateau = clipped(128)
     _, before, after = el.plot.sun(env, sun_of(plateau)).axes
-    darkest = [np.quantile(axes.images[0].get_array(), 0.02) for axes in (before, after)]
+    darkest = [
+        np.quantile(np.asarray(axes.images[0].get_array()), 0.02) for axes in (before, after)
+    ]
     assert darkest[1] < 0.6 * darkest[0]
 
 

@@ -120,3 +120,11 @@ def test_its_repair_changes_nothing():
     repaired = whole().repaired(sun="auto")
     np.testing.assert_array_equal(repaired.radiance, whole().radiance)
     assert "holds its own" in repaired.notes[-2]
+
+
+def test_a_sun_that_is_not_the_brightest_light_stays():
+    sun = el.Sun("sun", direction=[0, 1, 0], irradiance=[1, 1, 1], evidence=("map",))
+    lights, rest = el.with_sun(whole(), sun)
+    assert len(lights) == 0
+    assert rest == whole()
+    assert "it is not the brightest light of the map" in rest.notes[-1]

@@ -147,12 +147,14 @@ def parts_of(
     for name, reading in (("irradiance", irradiance), ("ratio", ratio)):
         if reading is not None:
             amount(name, reading)
-    if not len(sun.lights):
+    parts = _split_from_map(env, sun) if is_of_map(sun) else None
+    if parts is not None:
+        sun, rest = parts
+    elif is_of_map(sun) or not len(sun.lights):
         note = wording.without_sun(sun)
         notes = (*env.notes, note)
-        return SunSplit(replace(sun.lights, notes=(note,)), env.with_radiance(env.radiance, notes))
-    if is_of_map(sun):
-        sun, rest = _split_from_map(env, sun)
+        none = replace(sun.lights[:0], notes=(note,))
+        return SunSplit(none, env.with_radiance(env.radiance, notes))
     else:
         rest = env.with_radiance(sun.sky(env.radiance), env.notes, keeps_white=False)
     lights, measured = sun.lights, ""
@@ -163,14 +165,14 @@ def parts_of(
     return SunSplit(replace(lights, notes=(note,)), rest.with_radiance(rest.radiance, notes))
 
 
-def _split_from_map(env: EnvMap, sun: Sun) -> tuple[Sun, EnvMap]:
-    """Sun of a map that shows its true radiance, and the map without it."""
+def _split_from_map(env: EnvMap, sun: Sun) -> tuple[Sun, EnvMap] | None:
+    """Sun of a map that shows its true radiance, and the map without it.
+
+    None if the sun is not its brightest light, which `split` removes.
+    """
     removed, rest = split(env, 1)
-    if not len(removed) or removed.direction[0] @ sun.direction < _SAME:
-        raise EnvLightsError(
-            f"sun must be the brightest light of the map; it is {sun.in_short()}, and the brightest"
-            f" is {removed.in_short()}; `split` separates any light"
-        )
+    if sun.direction is None or not len(removed) or removed.direction[0] @ sun.direction < _SAME:
+        return None
     return replace(sun, irradiance=removed.irradiance[0]), rest
 
 

@@ -35,6 +35,8 @@ HOLDS_SUN = "no sun was added, because the map is not clipped and holds its own"
 
 def without_sun(sun: Sun) -> str:
     """Note on a map for which no sun was added."""
+    if sun.answer == "sun":
+        return "no sun was added, because it is not the brightest light of the map; use `split`"
     why = f": {sun.notes[0]}" if sun.notes else ""
     hint = "; give its direction to add it" if sun.answer == "perhaps" else ""
     return f"no sun was added, because the answer is {sun.answer!r} ({sun.in_short()}){why}{hint}"
