@@ -35,6 +35,8 @@ class Truth:
     direction: np.ndarray
     flux: float
     """Irradiance at normal incidence of the sun alone."""
+    sky: float = np.nan
+    """Horizontal irradiance of the rest."""
 
 
 @dataclass(frozen=True)
@@ -44,6 +46,8 @@ class Picture:
     codes: np.ndarray
     scale: float
     """Factor of the radiance before the curve."""
+    is_film: bool
+    """True if the curve bends."""
 
 
 def read(path):
@@ -65,7 +69,9 @@ def truth_of(radiance):
         peak /= np.linalg.norm(peak)
     angle = np.degrees(np.arccos(np.clip(directions @ peak, -1, 1)))
     ring = np.median(luminance[(angle > 3) & (angle < 5)])
-    return Truth(peak, float(((luminance - ring) * solid_angles)[angle < 3].sum()))
+    flux = ((luminance - ring) * solid_angles)[angle < 3].sum()
+    up = np.maximum(directions[..., 1], 0) * solid_angles * (angle >= 3)
+    return Truth(peak, float(flux), float((luminance * up).sum()))
 
 
 def filmic(radiance):
@@ -85,7 +91,8 @@ def picture(radiance, tone):
     codes = (encode_srgb(np.clip(exposed, 0, 1)) * 255 + 0.5).astype(np.uint8)
     file = io.BytesIO()
     Image.fromarray(codes).save(file, "jpeg", quality=quality)
-    return Picture(np.asarray(Image.open(io.BytesIO(file.getvalue()))), float(scale))
+    decoded = np.asarray(Image.open(io.BytesIO(file.getvalue())))
+    return Picture(decoded, float(scale), curve == "filmic")
 
 
 def made_sky(turbidity, elevation, azimuth=40.0):
@@ -112,7 +119,7 @@ def made_sky(turbidity, elevation, azimuth=40.0):
     sky[directions[..., 1] < 0] = ground
     sky *= np.random.default_rng(1).normal(1, 0.03, (height, columns, 1)).astype(np.float32)
     sky[row, column] += flux / solid_angles[row, column]
-    return sky, Truth(sun, float(flux))
+    return sky, Truth(sun, float(flux), float(of_sky @ LUMINANCE))
 
 
 def _sky(turbidity, sun):

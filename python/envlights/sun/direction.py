@@ -17,7 +17,7 @@ from envlights.sun.symmetry import Meridian, best_meridian
 _SYMMETRIC, _SYMMETRY_ERROR = 0.4, 1.5
 #: Relative residual of the fit of the sky below which it counts, its error in degrees without any
 #: residual, and the growth of the error with the residual.
-_FITTING, _FIT_ERROR, _FIT_SLOPE = 0.07, 1.5, 30.0
+_FITTING, _FIT_ERROR, _FIT_SLOPE = 0.07, 2.5, 15.0
 #: Error in degrees of a spot: a pixel of a small map.
 _SPOT_ERROR = 0.3
 #: Elevation in degrees above which an azimuth says little.
@@ -39,7 +39,7 @@ class SunPosition(NamedTuple):
 
 def depth_error(radius: float) -> float:
     """Error in degrees of the centroid of a part of a radius in degrees."""
-    return 0.5 + 0.12 * radius + 0.2 * max(radius - 12, 0)
+    return 0.5 + 0.14 * radius + 0.18 * max(radius - 12, 0)
 
 
 def sun_position(image: SkyImage, part: Part, elevation: float | None = None) -> SunPosition:
@@ -94,7 +94,7 @@ def _fit(image: SkyImage, part: Part, azimuth: float, shift: int) -> MeridianFit
         return None
     depth = image.depth[:, int(azimuth * width) % width]
     rows = np.flatnonzero(depth > 0)
-    if len(rows) < 2:
+    if not len(rows):
         return None
     v = (rows + 0.5) / height
     # The samples are those of the shifted image.

@@ -106,7 +106,8 @@ def _answer(world: EnvMap, image: SkyImage, found: _Search) -> Sun:
     count = sum(points.values())
     if count < PERHAPS:
         return Sun("no", points, notes=(f"{count} of {len(points)} points",), units=world.units)
-    answer = "sun" if count >= SUN else "perhaps"
+    # Three points of a spot are given by its ring, so the others must all be yes.
+    answer = "sun" if count >= (SUN if found.part is not None else len(points)) else "perhaps"
     uncertainty = _TWO_OF_THREE * np.radians(found.position.uncertainty)
     return _measured(world, image, found, answer, points, float(uncertainty))
 

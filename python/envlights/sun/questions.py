@@ -23,7 +23,7 @@ _GAIN = 0.5
 #: Largest correlation of log luminance and log(blue / red) on the ground.
 _BLUE_SHADOWS = -0.05
 #: Least depth over the radius of a disc of the same area.
-_ROUND = 0.55
+_ROUND = 0.45
 #: Largest deviation of log luminance from the fitted sky.
 _SMOOTH = 0.12
 #: Least elevation and depth in degrees.
@@ -38,7 +38,7 @@ def points_of(image: SkyImage, part: Part | None, position: SunPosition) -> dict
     """Questions and answers; `part` is None for a spot in smooth sky."""
     fit = position.fit
     is_up = bool(position.direction[1] > np.sin(np.radians(_UP)))
-    return {
+    answers = {
         "the sky is blue": _blueness(image, image.sky) > _BLUE,
         "there is sky all round": part is None or _around(image, part) > _AROUND,
         "it stands alone": part is None or _alone(image, part) > _ALONE,
@@ -48,6 +48,7 @@ def points_of(image: SkyImage, part: Part | None, position: SunPosition) -> dict
         "the sky is smooth": fit is not None and fit.deviation < _SMOOTH,
         "it is up": is_up and (part is None or float(part.depth.max()) > _DEEP),
     }
+    return {question: bool(answer) for question, answer in answers.items()}
 
 
 def _blueness(image: SkyImage, mask: NDArray[np.bool_]) -> float:
