@@ -60,6 +60,21 @@ def test_split_prints_the_sun_as_json_with_the_irradiance_of_a_reading(picture, 
     assert "ratio of 6" in lights["notes"][0]
 
 
+def test_the_picture_has_the_irradiance_of_a_reading(picture, searches, tmp_path, monkeypatch):
+    drawn = []
+
+    def draw(env, sun):
+        drawn.append(sun)
+        return el.plot.Picture()
+
+    monkeypatch.setattr(el.plot, "sun", draw)
+    result = run("split", picture, "--sun", "--ratio", 6, "-o", tmp_path / "sun.png")
+    assert result.exit_code == 0, result.output
+    env, plateau = clipped()
+    expected = el.with_sun(env, sun_of(plateau), ratio=6).lights.irradiance
+    np.testing.assert_allclose(drawn[0].irradiance, expected[0])
+
+
 def test_repair_draws_the_sun(picture, searches, tmp_path):
     repaired = tmp_path / "repaired.exr"
     result = run("repair", picture, "--sun", "-o", repaired)
