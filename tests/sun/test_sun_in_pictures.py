@@ -19,7 +19,7 @@ def towards(azimuth, elevation):
 
 
 @cache
-def made(white_share):
+def picture_of(white_share):
     """The sky, its picture, and the luminance of white."""
     sky = el.synthetic.clear_sky(256, towards(*ANGLES))
     return sky, *photograph(sky.radiance, white_share)
@@ -34,7 +34,7 @@ def error(env, truth):
 
 @pytest.mark.parametrize("white_share", [0.01, 0.05])
 def test_sky_and_sun_light_a_probe_better_than_a_repair_without_one(white_share):
-    sky, env, _ = made(white_share)
+    sky, env, _ = picture_of(white_share)
     truth = el.EnvMap(sky.radiance)
     with_sun = error(env.repaired(sun="auto"), truth)
     assert with_sun < 0.5 * error(env.repaired(), truth)
@@ -42,7 +42,7 @@ def test_sky_and_sun_light_a_probe_better_than_a_repair_without_one(white_share)
 
 
 def test_the_answer_and_its_light_agree_with_the_truth():
-    sky, env, white = made(0.01)
+    sky, env, white = picture_of(0.01)
     lights, rest = el.with_sun(env)
     assert np.degrees(np.arccos(lights.direction[0] @ towards(*ANGLES))) < 0.5
     ratio = white * lights.luminance[0] / sky.lights.luminance[0]
@@ -51,7 +51,7 @@ def test_the_answer_and_its_light_agree_with_the_truth():
 
 
 def test_a_ratio_gives_the_irradiance_of_the_sun():
-    sky, env, white = made(0.01)
+    sky, env, white = picture_of(0.01)
     lights, _ = el.with_sun(env, ratio=1 + 4 * np.sin(ANGLES[1]))
     assert white * lights.luminance[0] == pytest.approx(4.0, rel=0.03)
     assert sky.lights.luminance[0] == pytest.approx(4.0)
@@ -59,7 +59,7 @@ def test_a_ratio_gives_the_irradiance_of_the_sun():
 
 @pytest.mark.parametrize("columns", [100, 256])
 def test_a_turned_picture_turns_the_result(columns):
-    _, env, _ = made(0.01)
+    _, env, _ = picture_of(0.01)
     lights, rest = el.with_sun(env)
     rolled = el.EnvMap(np.roll(env.radiance, columns, axis=1), white=env.white)
     turned = el.with_sun(rolled)
@@ -75,7 +75,7 @@ def test_a_turned_picture_turns_the_result(columns):
 
 
 def test_a_fit_with_the_sun_has_one_crisp_light():
-    _, env, _ = made(0.01)
+    _, env, _ = picture_of(0.01)
     rig = el.fit(env, 3, sun="auto", floor=True)
     assert np.degrees(rig.lights.angular_radius[0]) == pytest.approx(0.265)
     assert rig.report.fixed == (0,)
@@ -84,7 +84,7 @@ def test_a_fit_with_the_sun_has_one_crisp_light():
 
 
 def test_the_elevation_of_a_time_is_that_of_the_light():
-    _, env, _ = made(0.05)
+    _, env, _ = picture_of(0.05)
     noon = datetime.datetime(2024, 3, 20, 12, tzinfo=datetime.timezone.utc)
     sun = el.SunAt(noon, latitude=40.0, longitude=0.0)
     lights, _ = el.with_sun(env, sun)
