@@ -163,9 +163,7 @@ def flux(rows):
     yield f"interval from the other maps holds: two of three {share(within)}, nine of ten {share(within_wide)}"
     factors = 2 ** np.quantile(stops, (1 / 6, 5 / 6, 0.05, 0.95))
     yield f"factors of all maps: {' '.join(f'{value:.2f}' for value in factors)}"
-    printed = [
-        (row.sun.interval[0] <= 2**row.stops <= row.sun.interval[1]) for row in rows
-    ]
+    printed = [(row.sun.interval[0] <= 2**row.stops <= row.sun.interval[1]) for row in rows]
     yield f"printed two-of-three interval holds: {share(printed)}"
 
 
@@ -173,7 +171,10 @@ def light(rows):
     """Lines on probe and shadow, at the best common scale."""
     rows = [row for row in rows if row.lit]
     for what in ("probe", "shadow"):
-        parts = [f"{name} {quantiles(row.lit[what, name] for row in rows)}" for name in ("raw", "repaired", "disc")]
+        parts = [
+            f"{name} {quantiles(row.lit[what, name] for row in rows)}"
+            for name in ("raw", "repaired", "disc")
+        ]
         worse = share(row.lit[what, "disc"] > row.lit[what, "repaired"] + 0.05 for row in rows)
         yield f"{what}: {'   '.join(parts)}   worse than repaired by 0.05: {worse}"
 

@@ -129,6 +129,14 @@ CALLS = {
         },
     ),
     "limit": (el.limit, {"env": IMAGE, "maximum": SMALL}),
+    "find_sun": (
+        lambda env, elevation: el.find_sun(el.EnvMap(env, white=0.9), elevation=elevation),
+        {"env": IMAGE, "elevation": st.one_of(st.none(), st.floats(1, 90))},
+    ),
+    "find_sun with a known direction": (
+        el.find_sun,
+        {"env": IMAGE, "direction": st.sampled_from([(0, 1, 0), [0.6, 0.8, 0]])},
+    ),
     "detect_article": (
         el.detect_article,
         {

@@ -45,6 +45,7 @@ LEFT_OUT = {
     "Rig": "comes from fit",
     "Split": "comes from split",
     "StopReason": "is an enumeration",
+    "Sun": "comes from find_sun",
     "Surface": "comes from a scene",
     "RemovedLights": "comes from split",
     "ShadowOverlay": "comes from shadow_overlay",

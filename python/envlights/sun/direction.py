@@ -44,7 +44,7 @@ def depth_error(radius: float) -> float:
 
 def sun_position(image: SkyImage, part: Part, elevation: float | None = None) -> SunPosition:
     """Direction of the sun in a part; `elevation` in degrees if it is known."""
-    height, width = image.core.shape
+    width = image.core.shape[1]
     ((u, v),) = direction_to_uv(part.direction[None])
     shift = width // 2 - int(u * width)
     start = depth_error(part.radius)

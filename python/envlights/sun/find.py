@@ -18,7 +18,7 @@ from envlights.sun.questions import PERHAPS, SUN, points_of
 from envlights.sun.result import SUN_RADIUS, Sun
 from envlights.sun.sky_image import SkyImage, sky_image
 from envlights.sun.spots import single_spot
-from envlights.sun.unclipped import sun_of_unclipped
+from envlights.sun.float_map import sun_of_float_map
 
 #: Factor of the uncertainty that two of three suns of `benchmarks/sun.py` stay below.
 _TWO_OF_THREE = 1.0
@@ -80,7 +80,7 @@ def find_sun(
     if given is not None:
         return _given_sun(world, given)
     if world.white is None or not world.clipped_share:
-        return sun_of_unclipped(world)
+        return sun_of_float_map(world)
     radiance = world.cells()
     image = sky_image(radiance, world.white)
     spot = single_spot(image, radiance, world.white) if height is None else None
@@ -109,7 +109,7 @@ def _answer(world: EnvMap, image: SkyImage, found: _Search) -> Sun:
     # Three points of a spot are given by its ring, so the others must all be yes.
     answer = "sun" if count >= (SUN if found.part is not None else len(points)) else "perhaps"
     uncertainty = _TWO_OF_THREE * np.radians(found.position.uncertainty)
-    return _measured(world, image, found, answer, points, float(uncertainty))
+    return _with_irradiance(world, image, found, answer, points, float(uncertainty))
 
 
 def _given_sun(world: EnvMap, direction: NDArray[np.float64]) -> Sun:
@@ -120,10 +120,10 @@ def _given_sun(world: EnvMap, direction: NDArray[np.float64]) -> Sun:
     image = sky_image(world.cells(), white)
     part = part_at(image, direction) if world.white is not None else None
     position = SunPosition(direction, 0.0, ("given",), fit_about(image, direction), None)
-    return _measured(world, image, _Search(part, position), "sun", {}, 0.0)
+    return _with_irradiance(world, image, _Search(part, position), "sun", {}, 0.0)
 
 
-def _measured(
+def _with_irradiance(
     world: EnvMap,
     image: SkyImage,
     found: _Search,

@@ -37,7 +37,9 @@ def plateau_of(
         level = radiance[row, own] @ LUMINANCE
         if fit is not None and len(own):
             places = np.stack([u[own], np.full(len(own), v[row])], axis=1)
-            level = np.maximum(level, white * np.minimum(fit.luminance(uv_to_direction(places)), _MOST))
+            level = np.maximum(
+                level, white * np.minimum(fit.luminance(uv_to_direction(places)), _MOST)
+            )
         plateau[row, own] = level
     return plateau
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -121,7 +122,7 @@ def sky_image(radiance: NDArray[np.float32], white: float) -> SkyImage:
     least = np.float32(_native.LEAST_WHITE * white)
     means, (clipped, touched, peak) = np.zeros((rows, columns, 3)), np.zeros((3, rows, columns))
     edges = np.arange(rows + 1) * height // rows
-    for row, (top, bottom) in enumerate(zip(edges, edges[1:], strict=False)):
+    for row, (top, bottom) in enumerate(pairwise(edges)):
         band = radiance[top:bottom]
         is_clipped = band >= least
         means[row] = _means(band, columns) / white
