@@ -11,7 +11,7 @@ from envlights.kernels.sphere import direction_to_uv, uv_to_direction
 from envlights.sun.parts import Part
 from envlights.sun.sky_fit import MeridianFit, fit_meridian, samples_of
 from envlights.sun.sky_image import SkyImage
-from envlights.sun.symmetry import Meridian, best_meridian
+from envlights.sun.symmetry import best_meridian
 
 #: Contrast of symmetry below which it counts, and its error in degrees.
 _SYMMETRIC, _SYMMETRY_ERROR = 0.4, 1.5
@@ -34,7 +34,6 @@ class SunPosition(NamedTuple):
     """Root of the sum of the squared errors along both axes, in degrees."""
     evidence: tuple[str, ...]
     fit: MeridianFit | None
-    meridian: Meridian | None
 
 
 def depth_error(radius: float) -> float:
@@ -52,7 +51,7 @@ def sun_position(image: SkyImage, part: Part, elevation: float | None = None) ->
     level = 90 - 180 * float(v) if elevation is None else elevation
     evidence = ["depth"]
     depth = np.roll(part.depth, shift, axis=1)
-    sky, log = (np.roll(each, shift, axis=1) for each in (image.sky, image.log))
+    sky, log = np.roll(image.sky, shift, axis=1), np.roll(image.log, shift, axis=1)
     meridian = best_meridian(log, sky, depth) if level < _ZENITH else None
     if meridian is not None and meridian.contrast < _SYMMETRIC:
         evidence.append("symmetry")
@@ -71,9 +70,7 @@ def sun_position(image: SkyImage, part: Part, elevation: float | None = None) ->
         level += _weight(error, start) * (fit.mean - level)
         el_error = _joint(error, start)
     direction = uv_to_direction(np.array([[azimuth, 0.5 - level / 180]]))[0]
-    return SunPosition(
-        direction, float(np.hypot(az_error, el_error)), tuple(evidence), fit, meridian
-    )
+    return SunPosition(direction, float(np.hypot(az_error, el_error)), tuple(evidence), fit)
 
 
 def _weight(error: float, other: float) -> float:
@@ -104,7 +101,7 @@ def _fit(image: SkyImage, part: Part, azimuth: float, shift: int) -> MeridianFit
 
 def spot_position(image: SkyImage, direction: Array) -> SunPosition:
     """Position of a spot in smooth sky, and the fit of the sky about it."""
-    return SunPosition(direction, _SPOT_ERROR, ("depth",), fit_about(image, direction), None)
+    return SunPosition(direction, _SPOT_ERROR, ("depth",), fit_about(image, direction))
 
 
 def fit_about(image: SkyImage, direction: Array) -> MeridianFit | None:

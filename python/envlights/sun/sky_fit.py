@@ -48,15 +48,14 @@ class SkyFit(NamedTuple):
     coefficients: Array
     is_film: bool
     """True if the luminance was transformed by the film curve."""
-    residual: float
-    """Robust deviation of the residuals."""
     relative: float
     """Cost of the residuals over the deviation of the sky: small if the fit explains the sky."""
 
     def luminance(self, directions: Array) -> Array:
         """Fitted luminance over white at unit vectors, (n, 3)."""
         value = (basis(directions, self.sun[None])[0] @ self.coefficients).clip(-20, 20)
-        return _FILM_END / (1 + np.exp(-value)) if self.is_film else np.exp(value)
+        level: Array = _FILM_END / (1 + np.exp(-value)) if self.is_film else np.exp(value)
+        return level
 
 
 class SkySamples(NamedTuple):
@@ -69,13 +68,18 @@ class SkySamples(NamedTuple):
     def values(self, is_film: bool) -> Array:
         """Transformed luminance of a tone."""
         if is_film:
-            return np.log(self.luminance / (_FILM_END - self.luminance))
-        return np.log(self.luminance)
+            return _log(self.luminance / (_FILM_END - self.luminance))
+        return _log(self.luminance)
 
     def stretch(self) -> float:
         """Mean log derivative of the film curve's values by those of the plain curve."""
         slope = np.log(_FILM_END / (_FILM_END - self.luminance))
         return float(np.average(slope, weights=self.weight))
+
+
+def _log(values: Array) -> Array:
+    logarithm: Array = np.log(values)
+    return logarithm
 
 
 def samples_of(image: SkyImage, shift: int) -> SkySamples | None:
@@ -131,7 +135,7 @@ def robust_fits(functions: Array, values: Array, weight: Array) -> Fits:
         deviation = 1.4 * np.median(np.abs(residuals), axis=1) + 1e-3
         weights = weight / (1 + (residuals / (_OUTLIER * deviation[:, None])) ** 2)
     cost = _COST_SCALE * np.log1p((residuals / _COST_SCALE) ** 2) @ weight / weight.sum()
-    return Fits(coefficients, deviation, cost + _NOISE)
+    return Fits(coefficients, np.asarray(deviation, np.float64), cost + _NOISE)
 
 
 class MeridianFit(NamedTuple):
@@ -165,9 +169,7 @@ def fit_meridian(samples: SkySamples, suns: Array, depth: Array) -> MeridianFit:
     bands = robust_fits(functions[:1, :, [0, 4, 5, 6]], values, samples.weight)
     residual = float(fits.deviation[at])
     return MeridianFit(
-        SkyFit(
-            suns[at], fits.coefficients[at], is_film, residual, float(fits.cost[at] / values.std())
-        ),
+        SkyFit(suns[at], fits.coefficients[at], is_film, float(fits.cost[at] / values.std())),
         mean,
         float(np.sqrt(weight @ (elevation - mean) ** 2)),
         float(np.log(bands.deviation[0] / residual)),
