@@ -81,8 +81,13 @@ def test_the_plateau_covers_clipped_pixels_and_lowers_nothing(env, sun):
 
 def test_a_filled_sky_is_brighter_than_white_in_a_wide_part():
     env = el.EnvMap(expose(sunny(PLACE)[0], 0.08)[0])
-    filled = el.find_sun(env).sky(env.radiance)
+    answer = el.find_sun(env)
+    filled = answer.sky(env.radiance)
     assert 1.05 < filled.max() < 20
+    # It is brightest at the sun, not at another azimuth.
+    row, column = np.unravel_index((filled @ LUMINANCE).argmax(), filled.shape[:2])
+    peak = el.kernels.pixel_directions(*filled.shape[:2])[row, column]
+    assert angle_deg(peak, answer.direction) < 8
 
 
 def test_the_sky_without_a_plateau_is_the_map(env):

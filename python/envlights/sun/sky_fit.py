@@ -83,7 +83,7 @@ def _log(values: Array) -> Array:
 
 
 def samples_of(image: SkyImage, shift: int) -> SkySamples | None:
-    """Samples of the sky of an image after a shift by columns; None if there are few."""
+    """Samples of the sky of an image, in blocks that begin at a shift by columns; None if few."""
     height, width = image.core.shape
     block = max(1, width // _COLUMNS)
     rows, columns = height // block, width // block
@@ -98,9 +98,16 @@ def samples_of(image: SkyImage, shift: int) -> SkySamples | None:
     if np.count_nonzero(usable) < _LEAST_CELLS:
         return None
     log = sums(np.where(image.sky, image.log, 0))[usable] / count[usable]
-    directions = pixel_directions(rows, columns)[usable]
+    directions = _turned_back(pixel_directions(rows, columns)[usable], shift / width)
     weight = np.sqrt(np.maximum(1 - directions[:, 1] ** 2, 0))
     return SkySamples(directions, np.minimum(np.exp(log), 1.0), weight)
+
+
+def _turned_back(directions: Array, turns: float) -> Array:
+    """Directions before a shift of the columns by a fraction of a turn."""
+    sine, cosine = np.sin(2 * np.pi * turns), np.cos(2 * np.pi * turns)
+    x, y, z = directions.T
+    return np.stack([x * cosine + z * sine, y, z * cosine - x * sine], axis=1)
 
 
 def basis(directions: Array, suns: Array) -> Array:
