@@ -1,4 +1,4 @@
-"""Light of a sky with a disc, against that of its HDR map: a white probe, and a floor with a ball."""
+"""Light of a sky with a disc, against its HDR map: on a white probe, and around a ball."""
 
 from functools import cache
 

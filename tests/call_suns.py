@@ -26,7 +26,14 @@ SUN_CALLS = {
             "north": st.one_of(st.none(), SMALL),
         },
     ),
-    "find_sun": (el.find_sun, {"env": IMAGE, "direction": st.one_of(st.none(), AXIS_OF_SURFACE)}),
+    "find_sun": (
+        lambda env, elevation: el.find_sun(el.EnvMap(env, white=0.9), elevation=elevation),
+        {"env": IMAGE, "elevation": st.one_of(st.none(), st.floats(1, 90))},
+    ),
+    "find_sun with a known direction": (
+        el.find_sun,
+        {"env": IMAGE, "direction": st.sampled_from([(0, 1, 0), [0.6, 0.8, 0]])},
+    ),
     "with_sun": (
         el.with_sun,
         {"env": IMAGE, "sun": SUNS, "irradiance": st.one_of(st.none(), st.floats(0, 1e6))},

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights._check import amount
-from envlights._connected import connected_regions
+from envlights._connectivity import connected_regions
 from envlights._native import EnvLightsError
 from envlights._peaks import PixelIntegrals, float32_at_most
 from envlights.envmap import AnyMap, EnvMap, as_envmap

@@ -64,7 +64,7 @@ def sunny(sun, ratio=4.0, height=HEIGHT, stripes=True):
     return radiance, flux, sun
 
 
-def exposed(radiance, white_share):
+def expose(radiance, white_share):
     """Codes of a map with this fraction of the sphere at white, without its single pixels."""
     luminance = radiance @ LUMINANCE
     solid_angles = pixel_solid_angles(*luminance.shape)

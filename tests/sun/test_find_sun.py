@@ -9,12 +9,12 @@ from envlights.sun.direction import sun_position
 from envlights.sun.parts import best_part
 from envlights.sun.sky_image import sky_image
 from tests.helpers import angle_deg
-from tests.sun.skies import HEIGHT, cie_clear, codes, exposed, sunny, towards
+from tests.sun.skies import HEIGHT, cie_clear, codes, expose, sunny, towards
 
 PLACE = towards(130, 38)
 
 
-def found(picture):
+def sun_in(picture):
     return el.find_sun(el.EnvMap(picture))
 
 
@@ -22,12 +22,12 @@ def found(picture):
 def wide():
     """Picture of a sun in a wide white glow, and the direction of the sun."""
     radiance, _, sun = sunny(PLACE)
-    return exposed(radiance, 0.02)[0], sun
+    return expose(radiance, 0.02)[0], sun
 
 
 @pytest.fixture(scope="module")
 def of_wide(wide):
-    return found(wide[0])
+    return sun_in(wide[0])
 
 
 @pytest.mark.parametrize("elevation", [12, 35, 60, 80])
@@ -35,7 +35,7 @@ def test_the_clipped_pixel_of_a_sun_alone_is_found_to_half_a_pixel(elevation):
     radiance, _, sun = sunny(towards(75, elevation))
     # No part of the sky is white.
     picture = codes(radiance / (1.6 * cie_clear(sun).max()))
-    answer = found(picture)
+    answer = sun_in(picture)
     assert answer.answer == "sun"
     assert angle_deg(answer.direction, sun) < 0.5 * 180 / HEIGHT
     assert np.degrees(answer.plateau_radius) < 0.5
@@ -50,7 +50,7 @@ SIGMAS = 2.5
 @pytest.mark.parametrize("elevation", [25, 38, 55])
 def test_a_sun_in_a_white_glow_is_found_within_its_uncertainty(share, elevation):
     radiance, _, sun = sunny(towards(130, elevation))
-    answer = found(exposed(radiance, share)[0])
+    answer = sun_in(expose(radiance, share)[0])
     assert answer.answer == "sun"
     assert angle_deg(answer.direction, sun) < SIGMAS * np.degrees(answer.direction_uncertainty)
     assert {"depth", "symmetry", "sky"} == set(answer.evidence)
@@ -58,7 +58,7 @@ def test_a_sun_in_a_white_glow_is_found_within_its_uncertainty(share, elevation)
 
 @pytest.mark.parametrize("columns", [1, 100, 181, 350])
 def test_a_turn_of_the_map_turns_the_answer(wide, of_wide, columns):
-    answer = found(np.roll(wide[0], columns, axis=1))
+    answer = sun_in(np.roll(wide[0], columns, axis=1))
     turned = of_wide.azimuth + columns / (2 * HEIGHT) * 2 * np.pi
     expected = towards(np.degrees(turned), np.degrees(of_wide.elevation))
     assert angle_deg(answer.direction, expected) < 0.2
@@ -68,14 +68,14 @@ def test_a_turn_of_the_map_turns_the_answer(wide, of_wide, columns):
 
 def test_the_seam_through_the_sun_changes_nothing(wide, of_wide):
     shift = -int(of_wide.azimuth / (2 * np.pi) * 2 * HEIGHT)
-    answer = found(np.roll(wide[0], shift, axis=1))
+    answer = sun_in(np.roll(wide[0], shift, axis=1))
     assert np.degrees(min(answer.azimuth, 2 * np.pi - answer.azimuth)) < 0.7
     assert answer.elevation == pytest.approx(of_wide.elevation, abs=np.radians(0.2))
     assert answer.plateau_radius == pytest.approx(of_wide.plateau_radius)
 
 
 def test_a_mirrored_map_mirrors_the_answer(wide, of_wide):
-    answer = found(wide[0][:, ::-1])
+    answer = sun_in(wide[0][:, ::-1])
     # Columns count from -z, so that azimuths change their sign.
     assert angle_deg(answer.direction, of_wide.direction * [-1, 1, 1]) < 0.2
 
@@ -87,7 +87,7 @@ def test_a_wall_before_half_of_the_glow_leaves_the_azimuth(wide, of_wide):
     lift = np.degrees(np.arcsin(directions[..., 1]))
     walled = picture.copy()
     walled[(azimuth > 132) & (azimuth < 170) & (lift < 60)] = (90, 80, 70)
-    answer = found(walled)
+    answer = sun_in(walled)
     side = np.degrees(answer.azimuth) - np.degrees(np.arctan2(sun[0], -sun[2]))
     assert abs(side) * np.cos(answer.elevation) < 2 * np.degrees(answer.direction_uncertainty)
     assert answer.plateau_radius < of_wide.plateau_radius
@@ -115,7 +115,9 @@ def white_dome():
 
 def lit_window():
     window = el.synthetic.Rectangle((0.3, 0.4, 1), 30, 40, (3, 3.2, 3.5))
-    return codes(el.synthetic.scene(HEIGHT, background=[0.08, 0.07, 0.06], shapes=[window]).radiance)
+    return codes(
+        el.synthetic.scene(HEIGHT, background=[0.08, 0.07, 0.06], shapes=[window]).radiance
+    )
 
 
 def softbox():
@@ -140,10 +142,12 @@ def white_cloud():
 
 
 @pytest.mark.parametrize(
-    "scene", [white_dome, lit_window, softbox, moonless_night, white_cloud], ids=lambda s: s.__name__
+    "scene",
+    [white_dome, lit_window, softbox, moonless_night, white_cloud],
+    ids=lambda s: s.__name__,
 )
 def test_other_white_things_are_no_sun(scene):
-    assert found(scene()).answer != "sun"
+    assert sun_in(scene()).answer != "sun"
 
 
 def test_a_strip_along_the_horizon_is_no_sun():
@@ -151,13 +155,13 @@ def test_a_strip_along_the_horizon_is_no_sun():
     directions = pixel_directions(HEIGHT, 2 * HEIGHT)
     band = (directions[..., 1] > 0) & (directions[..., 1] < 0.07)
     radiance[band] = 20
-    assert found(codes(radiance / 8)).answer == "no"
+    assert sun_in(codes(radiance / 8)).answer == "no"
 
 
 @pytest.mark.parametrize("height", [64, 100, 512])
 def test_other_sizes_have_the_same_answer(height):
     radiance, _, sun = sunny(PLACE, height=height)
-    answer = found(exposed(radiance, 0.02)[0])
+    answer = sun_in(expose(radiance, 0.02)[0])
     assert answer.answer == "sun"
     assert angle_deg(answer.direction, sun) < SIGMAS * np.degrees(answer.direction_uncertainty)
 

@@ -9,14 +9,14 @@ import envlights as el
 from envlights.kernels.image import LUMINANCE
 from tests.conftest import real_maps
 from tests.helpers import angle_deg
-from tests.sun.skies import exposed, sunny, towards
+from tests.sun.skies import expose, sunny, towards
 
 PLACE = towards(130, 38)
 
 
 @pytest.fixture(scope="module")
 def env():
-    return el.EnvMap(exposed(sunny(PLACE)[0], 0.02)[0])
+    return el.EnvMap(expose(sunny(PLACE)[0], 0.02)[0])
 
 
 @pytest.fixture(scope="module")
@@ -25,9 +25,9 @@ def sun(env):
 
 
 def factor_of(ratio):
-    """True irradiance over the estimate for a sun of so many skies, and the result."""
+    """True irradiance over the estimate, and the result, for a sun of `ratio` times its sky."""
     radiance, flux, direction = sunny(PLACE, ratio)
-    picture, white = exposed(radiance, 0.005)
+    picture, white = expose(radiance, 0.005)
     answer = el.find_sun(picture, direction=direction)
     return flux / white / (answer.irradiance @ LUMINANCE), answer
 
@@ -80,9 +80,14 @@ def test_the_plateau_covers_clipped_pixels_and_lowers_nothing(env, sun):
 
 
 def test_a_filled_sky_is_brighter_than_white_in_a_wide_part():
-    env = el.EnvMap(exposed(sunny(PLACE)[0], 0.08)[0])
-    filled = el.find_sun(env).sky(env.radiance)
+    env = el.EnvMap(expose(sunny(PLACE)[0], 0.08)[0])
+    answer = el.find_sun(env)
+    filled = answer.sky(env.radiance)
     assert 1.05 < filled.max() < 20
+    # It is brightest at the sun, not at another azimuth.
+    row, column = np.unravel_index((filled @ LUMINANCE).argmax(), filled.shape[:2])
+    peak = el.kernels.pixel_directions(*filled.shape[:2])[row, column]
+    assert angle_deg(peak, answer.direction) < 8
 
 
 def test_the_sky_without_a_plateau_is_the_map(env):
@@ -162,7 +167,7 @@ def test_suns_of_real_maps_are_found(path):
     own = el.find_sun(env)
     assert own.answer == "sun"
     for share in (0.01, 0.05):
-        answer = el.find_sun(exposed(env.radiance, share)[0])
+        answer = el.find_sun(expose(env.radiance, share)[0])
         assert answer.answer in ("sun", "perhaps")
         assert angle_deg(answer.direction, own.direction) < 5
 
@@ -172,4 +177,4 @@ def test_suns_of_real_maps_are_found(path):
 def test_rooms_and_overcast_skies_of_real_maps_are_no_sun(path):
     env = el.EnvMap.open(path).resized(1024)
     assert el.find_sun(env).answer == "no"
-    assert el.find_sun(exposed(env.radiance, 0.01)[0]).answer != "sun"
+    assert el.find_sun(expose(env.radiance, 0.01)[0]).answer != "sun"

@@ -11,7 +11,7 @@ from envlights.kernels.sphere import direction_to_uv, uv_to_direction
 from envlights.sun.parts import Part
 from envlights.sun.sky_fit import MeridianFit, fit_meridian, samples_of
 from envlights.sun.sky_image import SkyImage
-from envlights.sun.symmetry import Meridian, best_meridian
+from envlights.sun.symmetry import best_meridian
 
 #: Contrast of symmetry below which it counts, and its error in degrees.
 _SYMMETRIC, _SYMMETRY_ERROR = 0.4, 1.5
@@ -34,7 +34,6 @@ class SunPosition(NamedTuple):
     """Root of the sum of the squared errors along both axes, in degrees."""
     evidence: tuple[str, ...]
     fit: MeridianFit | None
-    meridian: Meridian | None
 
 
 def depth_error(radius: float) -> float:
@@ -44,67 +43,79 @@ def depth_error(radius: float) -> float:
 
 def sun_position(image: SkyImage, part: Part, elevation: float | None = None) -> SunPosition:
     """Direction of the sun in a part; `elevation` in degrees if it is known."""
-    height, width = image.core.shape
+    width = image.core.shape[1]
     ((u, v),) = direction_to_uv(part.direction[None])
+    # Turn the part to the middle of the image, away from the seam.
     shift = width // 2 - int(u * width)
-    start = depth_error(part.radius)
-    azimuth, az_error, el_error = float(u), start, start
-    level = 90 - 180 * float(v) if elevation is None else elevation
-    evidence = ["depth"]
-    depth = np.roll(part.depth, shift, axis=1)
-    sky, log = (np.roll(each, shift, axis=1) for each in (image.sky, image.log))
-    meridian = best_meridian(log, sky, depth) if level < _ZENITH else None
-    if meridian is not None and meridian.contrast < _SYMMETRIC:
-        evidence.append("symmetry")
-        error = np.hypot(_SYMMETRY_ERROR, meridian.spread * 360 / width * np.cos(np.radians(level)))
-        place = (meridian.column - shift) / width
-        # The azimuth of the depth is in columns, and its error is across them.
-        turn = (place - u + 0.5) % 1 - 0.5
-        azimuth = float((u + turn * _weight(error, start)) % 1)
-        az_error = _joint(error, start)
-    fit = _fit(image, part, azimuth, shift)
+    error = depth_error(part.radius)
+    azimuth = _Estimate(float(u), error)
+    level = _Estimate(90 - 180 * float(v), error)
     if elevation is not None:
-        level, el_error = elevation, 0.0
-    elif fit is not None and fit.fit.relative < _FITTING and "symmetry" in evidence:
+        level = _Estimate(elevation, 0.0)
+    evidence = ["depth"]
+    by_symmetry = _azimuth_by_symmetry(image, part, shift, level.value)
+    if by_symmetry is not None:
+        evidence.append("symmetry")
+        azimuth = azimuth.joined(by_symmetry, period=1.0)
+    fit = _fit(image, azimuth.value, shift)
+    usable = fit is not None and fit.fit.relative < _FITTING and by_symmetry is not None
+    if fit is not None and usable and elevation is None:
         evidence.append("sky")
-        error = float(np.hypot(_FIT_ERROR + _FIT_SLOPE * fit.fit.relative, fit.spread))
-        level += _weight(error, start) * (fit.mean - level)
-        el_error = _joint(error, start)
-    direction = uv_to_direction(np.array([[azimuth, 0.5 - level / 180]]))[0]
-    return SunPosition(
-        direction, float(np.hypot(az_error, el_error)), tuple(evidence), fit, meridian
-    )
+        by_fit = np.hypot(_FIT_ERROR + _FIT_SLOPE * fit.fit.relative, fit.spread)
+        level = level.joined(_Estimate(fit.mean, float(by_fit)))
+    direction = uv_to_direction(np.array([[azimuth.value, 0.5 - level.value / 180]]))[0]
+    uncertainty = float(np.hypot(azimuth.error, level.error))
+    return SunPosition(direction, uncertainty, tuple(evidence), fit)
 
 
-def _weight(error: float, other: float) -> float:
-    """Weight of a value with an error, beside another."""
-    return float(1 / error**2 / (1 / error**2 + 1 / other**2))
+class _Estimate(NamedTuple):
+    """Value, and its error in degrees on the sphere."""
+
+    value: float
+    error: float
+
+    def joined(self, other: _Estimate, period: float = np.inf) -> _Estimate:
+        """Mean of two estimates, weighted by their errors."""
+        weight = 1 / other.error**2 / (1 / other.error**2 + 1 / self.error**2)
+        step = other.value - self.value
+        if np.isfinite(period):
+            step = (step + period / 2) % period - period / 2
+        value = self.value + weight * step
+        error = 1 / np.sqrt(1 / self.error**2 + 1 / other.error**2)
+        return _Estimate(value % period if np.isfinite(period) else value, float(error))
 
 
-def _joint(error: float, other: float) -> float:
-    """Error of the mean of two values, weighted by their errors."""
-    return float(1 / np.sqrt(1 / error**2 + 1 / other**2))
-
-
-def _fit(image: SkyImage, part: Part, azimuth: float, shift: int) -> MeridianFit | None:
-    """Fit of the sky about each place of the core on a meridian."""
-    height, width = image.core.shape
-    samples = samples_of(image, shift)
-    if samples is None:
+def _azimuth_by_symmetry(
+    image: SkyImage, part: Part, shift: int, elevation: float
+) -> _Estimate | None:
+    """Azimuth in turns by the meridian of the best symmetry, if the symmetry is clear."""
+    if elevation >= _ZENITH:
         return None
+    width = image.core.shape[1]
+    sky, log = np.roll(image.sky, shift, axis=1), np.roll(image.log, shift, axis=1)
+    meridian = best_meridian(log, sky, np.roll(part.depth, shift, axis=1))
+    if meridian is None or meridian.contrast >= _SYMMETRIC:
+        return None
+    spread = meridian.spread * 360 / width * np.cos(np.radians(elevation))
+    error = float(np.hypot(_SYMMETRY_ERROR, spread))
+    return _Estimate((meridian.column - shift) / width % 1, error)
+
+
+def _fit(image: SkyImage, azimuth: float, shift: int) -> MeridianFit | None:
+    """Fit of the sky about each place of the core on a meridian, at an azimuth in turns."""
+    height, width = image.core.shape
     depth = image.depth[:, int(azimuth * width) % width]
     rows = np.flatnonzero(depth > 0)
-    if not len(rows):
+    samples = samples_of(image, shift)
+    if samples is None or not len(rows):
         return None
-    v = (rows + 0.5) / height
-    # The samples are those of the shifted image.
-    turned = np.full(len(v), azimuth + shift / width)
-    return fit_meridian(samples, uv_to_direction(np.stack([turned % 1, v], axis=1)), depth[rows])
+    places = np.stack([np.full(len(rows), azimuth), (rows + 0.5) / height], axis=1)
+    return fit_meridian(samples, uv_to_direction(places), depth[rows])
 
 
 def spot_position(image: SkyImage, direction: Array) -> SunPosition:
     """Position of a spot in smooth sky, and the fit of the sky about it."""
-    return SunPosition(direction, _SPOT_ERROR, ("depth",), fit_about(image, direction), None)
+    return SunPosition(direction, _SPOT_ERROR, ("depth",), fit_about(image, direction))
 
 
 def fit_about(image: SkyImage, direction: Array) -> MeridianFit | None:

@@ -12,16 +12,13 @@ from envlights._native import EnvLightsError
 from envlights.envmap import AnyMap, EnvMap, as_envmap
 from envlights.sun.brightness import INTERVAL, WIDE_INTERVAL, sun_irradiance
 from envlights.sun.direction import SunPosition, fit_about, spot_position, sun_position
+from envlights.sun.float_map import sun_of_float_map
 from envlights.sun.parts import Part, best_part, part_at
 from envlights.sun.plateau import plateau_of
 from envlights.sun.questions import PERHAPS, SUN, points_of
 from envlights.sun.result import SUN_RADIUS, Sun
 from envlights.sun.sky_image import SkyImage, sky_image
 from envlights.sun.spots import single_spot
-from envlights.sun.unclipped import sun_of_unclipped
-
-#: Factor of the uncertainty that two of three suns of `benchmarks/sun.py` stay below.
-_TWO_OF_THREE = 1.0
 
 #: Notes on the answer.
 _SUN_OR_MOON = "sun or moon: a picture does not say which"
@@ -62,8 +59,8 @@ def find_sun(
 
     Notes
     -----
-    ``docs/sun.md`` has the questions, the accuracy on pictures of HDR maps, and the failures. Light
-    is constant in the rig that `Sun.lights` returns; `Sun.sky` is the radiance behind it.
+    ``docs/sun.md`` has the questions, the accuracy on pictures of HDR maps, and the failures.
+    `Sun.lights` is the disc as a light, and `Sun.sky` the radiance of the sky behind it.
 
     Examples
     --------
@@ -80,13 +77,12 @@ def find_sun(
     if given is not None:
         return _given_sun(world, given)
     if world.white is None or not world.clipped_share:
-        return sun_of_unclipped(world)
+        return sun_of_float_map(world)
     radiance = world.cells()
     image = sky_image(radiance, world.white)
     spot = single_spot(image, radiance, world.white) if height is None else None
     if spot is not None:
-        position = spot_position(image, spot.direction)
-        return _answer(world, image, _Search(None, position))
+        return _answer(world, image, _Search(None, spot_position(image, spot)))
     part = best_part(image)
     if part is None:
         return Sun("no", notes=(_NO_PART,), units=world.units)
@@ -108,8 +104,7 @@ def _answer(world: EnvMap, image: SkyImage, found: _Search) -> Sun:
         return Sun("no", points, notes=(f"{count} of {len(points)} points",), units=world.units)
     # Three points of a spot are given by its ring, so the others must all be yes.
     answer = "sun" if count >= (SUN if found.part is not None else len(points)) else "perhaps"
-    uncertainty = _TWO_OF_THREE * np.radians(found.position.uncertainty)
-    return _measured(world, image, found, answer, points, float(uncertainty))
+    return _with_irradiance(world, image, found, answer, points)
 
 
 def _given_sun(world: EnvMap, direction: NDArray[np.float64]) -> Sun:
@@ -119,17 +114,16 @@ def _given_sun(world: EnvMap, direction: NDArray[np.float64]) -> Sun:
         raise EnvLightsError("the map is black, so the irradiance of its sun is not known")
     image = sky_image(world.cells(), white)
     part = part_at(image, direction) if world.white is not None else None
-    position = SunPosition(direction, 0.0, ("given",), fit_about(image, direction), None)
-    return _measured(world, image, _Search(part, position), "sun", {}, 0.0)
+    position = SunPosition(direction, 0.0, ("given",), fit_about(image, direction))
+    return _with_irradiance(world, image, _Search(part, position), "sun", {})
 
 
-def _measured(
+def _with_irradiance(
     world: EnvMap,
     image: SkyImage,
     found: _Search,
     answer: str,
     points: dict[str, bool],
-    uncertainty: float,
 ) -> Sun:
     """Result with irradiance and plateau."""
     part, position = found
@@ -148,7 +142,7 @@ def _measured(
         answer,
         points,
         position.direction,
-        uncertainty,
+        float(np.radians(position.uncertainty)),
         white * relative,
         INTERVAL,
         WIDE_INTERVAL,

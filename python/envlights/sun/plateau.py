@@ -32,7 +32,7 @@ def plateau_of(
     columns = (u * part.shape[1]).astype(int) % part.shape[1]
     plateau = np.zeros((height, width), np.float32)
     for row in np.flatnonzero(part.any(axis=1)[rows]):
-        clipped = (radiance[row] >= np.float32(_native.LEAST_WHITE * white)).any(axis=1)
+        clipped = radiance[row].max(axis=1) >= np.float32(_native.LEAST_WHITE * white)
         own = np.flatnonzero(part[rows[row], columns] & clipped)
         level = radiance[row, own] @ LUMINANCE
         if fit is not None and len(own):

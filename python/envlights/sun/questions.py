@@ -1,4 +1,4 @@
-"""Eight questions that tell a sun from a lamp, a window and a cloud; each yes is a point."""
+"""Eight questions that distinguish a sun from a lamp, a window and a cloud; each yes is a point."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def points_of(image: SkyImage, part: Part | None, position: SunPosition) -> dict
     answers = {
         "the sky is blue": _blueness(image, image.sky) > _BLUE,
         "there is sky all round": part is None or _around(image, part) > _AROUND,
-        "it stands alone": part is None or _alone(image, part) > _ALONE,
+        "it is the only one": part is None or _alone(image, part) > _ALONE,
         "the sky is brighter around it": fit is not None and fit.gain > _GAIN,
         "shadows are blue": _shadow_correlation(image) < _BLUE_SHADOWS,
         "it is round": part is None or float(part.depth.max()) > _ROUND * part.radius,

@@ -48,15 +48,14 @@ class SkyFit(NamedTuple):
     coefficients: Array
     is_film: bool
     """True if the luminance was transformed by the film curve."""
-    residual: float
-    """Robust deviation of the residuals."""
     relative: float
     """Cost of the residuals over the deviation of the sky: small if the fit explains the sky."""
 
     def luminance(self, directions: Array) -> Array:
         """Fitted luminance over white at unit vectors, (n, 3)."""
         value = (basis(directions, self.sun[None])[0] @ self.coefficients).clip(-20, 20)
-        return _FILM_END / (1 + np.exp(-value)) if self.is_film else np.exp(value)
+        level: Array = _FILM_END / (1 + np.exp(-value)) if self.is_film else np.exp(value)
+        return level
 
 
 class SkySamples(NamedTuple):
@@ -69,8 +68,8 @@ class SkySamples(NamedTuple):
     def values(self, is_film: bool) -> Array:
         """Transformed luminance of a tone."""
         if is_film:
-            return np.log(self.luminance / (_FILM_END - self.luminance))
-        return np.log(self.luminance)
+            return _log(self.luminance / (_FILM_END - self.luminance))
+        return _log(self.luminance)
 
     def stretch(self) -> float:
         """Mean log derivative of the film curve's values by those of the plain curve."""
@@ -78,8 +77,13 @@ class SkySamples(NamedTuple):
         return float(np.average(slope, weights=self.weight))
 
 
+def _log(values: Array) -> Array:
+    logarithm: Array = np.log(values)
+    return logarithm
+
+
 def samples_of(image: SkyImage, shift: int) -> SkySamples | None:
-    """Samples of the sky of an image after a shift by columns; None if there are few."""
+    """Samples of the sky of an image, in blocks that begin at a shift by columns; None if few."""
     height, width = image.core.shape
     block = max(1, width // _COLUMNS)
     rows, columns = height // block, width // block
@@ -94,9 +98,16 @@ def samples_of(image: SkyImage, shift: int) -> SkySamples | None:
     if np.count_nonzero(usable) < _LEAST_CELLS:
         return None
     log = sums(np.where(image.sky, image.log, 0))[usable] / count[usable]
-    directions = pixel_directions(rows, columns)[usable]
+    directions = _turned_back(pixel_directions(rows, columns)[usable], shift / width)
     weight = np.sqrt(np.maximum(1 - directions[:, 1] ** 2, 0))
     return SkySamples(directions, np.minimum(np.exp(log), 1.0), weight)
+
+
+def _turned_back(directions: Array, turns: float) -> Array:
+    """Directions before a shift of the columns by a fraction of a turn."""
+    sine, cosine = np.sin(2 * np.pi * turns), np.cos(2 * np.pi * turns)
+    x, y, z = directions.T
+    return np.stack([x * cosine + z * sine, y, z * cosine - x * sine], axis=1)
 
 
 def basis(directions: Array, suns: Array) -> Array:
@@ -131,7 +142,7 @@ def robust_fits(functions: Array, values: Array, weight: Array) -> Fits:
         deviation = 1.4 * np.median(np.abs(residuals), axis=1) + 1e-3
         weights = weight / (1 + (residuals / (_OUTLIER * deviation[:, None])) ** 2)
     cost = _COST_SCALE * np.log1p((residuals / _COST_SCALE) ** 2) @ weight / weight.sum()
-    return Fits(coefficients, deviation, cost + _NOISE)
+    return Fits(coefficients, np.asarray(deviation, np.float64), cost + _NOISE)
 
 
 class MeridianFit(NamedTuple):
@@ -165,9 +176,7 @@ def fit_meridian(samples: SkySamples, suns: Array, depth: Array) -> MeridianFit:
     bands = robust_fits(functions[:1, :, [0, 4, 5, 6]], values, samples.weight)
     residual = float(fits.deviation[at])
     return MeridianFit(
-        SkyFit(
-            suns[at], fits.coefficients[at], is_film, residual, float(fits.cost[at] / values.std())
-        ),
+        SkyFit(suns[at], fits.coefficients[at], is_film, float(fits.cost[at] / values.std())),
         mean,
         float(np.sqrt(weight @ (elevation - mean) ** 2)),
         float(np.log(bands.deviation[0] / residual)),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -121,9 +122,9 @@ def sky_image(radiance: NDArray[np.float32], white: float) -> SkyImage:
     least = np.float32(_native.LEAST_WHITE * white)
     means, (clipped, touched, peak) = np.zeros((rows, columns, 3)), np.zeros((3, rows, columns))
     edges = np.arange(rows + 1) * height // rows
-    for row, (top, bottom) in enumerate(zip(edges, edges[1:], strict=False)):
+    for row, (top, bottom) in enumerate(pairwise(edges)):
         band = radiance[top:bottom]
-        is_clipped = band >= least
+        is_clipped: Mask = np.asarray(band >= least)
         means[row] = _means(band, columns) / white
         clipped[row] = _means(is_clipped.all(axis=2)[..., None], columns)[..., 0]
         touched[row] = _means(is_clipped.any(axis=2)[..., None], columns)[..., 0]
@@ -160,5 +161,7 @@ def _box(image: Image, reach: int) -> Image:
     size = 2 * reach + 1
     wide = np.pad(np.pad(image, ((reach, reach), (0, 0)), "edge"), ((0, 0), (reach, reach)), "wrap")
     height, width = image.shape
-    rows = sum(wide[step : step + height] for step in range(size))
-    return sum(rows[:, step : step + width] for step in range(size)) / size**2  # type: ignore[return-value]
+    rows = np.sum([wide[step : step + height] for step in range(size)], axis=0)
+    columns = np.sum([rows[:, step : step + width] for step in range(size)], axis=0)
+    mean: Image = columns / size**2
+    return mean

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import NDArray
 
+from envlights import _native
 from envlights.kernels.image import LUMINANCE
 from envlights.sun.sky_image import SkyImage
 
@@ -28,16 +27,11 @@ _MOST_PLACES = 256
 Array = NDArray[np.float64]
 
 
-class Spot(NamedTuple):
-    """Small clipped spot."""
+def single_spot(image: SkyImage, radiance: NDArray[np.float32], white: float) -> Array | None:
+    """Direction of the only spot of a map clipped at `white`; None for no spot or several.
 
-    direction: Array
-    radius: float
-    """Radius in degrees within which its pixels lie."""
-
-
-def single_spot(image: SkyImage, radiance: NDArray[np.float32], white: float) -> Spot | None:
-    """The only spot of a map, (height, 2 height, 3), clipped at `white`; None for none or more."""
+    `radiance` holds the cells of the map, (height, 2 height, 3).
+    """
     places = _peaks(image)
     if len(places) > _MOST_PLACES:
         return None
@@ -50,7 +44,7 @@ def single_spot(image: SkyImage, radiance: NDArray[np.float32], white: float) ->
             found.append(direction)
     if len(found) != 1:
         return None
-    return Spot(_centre(radiance / np.float32(white), found[0]), _INNER)
+    return _centre(radiance, np.float32(white), found[0])
 
 
 def _peaks(image: SkyImage) -> NDArray[np.intp]:
@@ -88,22 +82,21 @@ def _deviation(image: SkyImage, rows: slice, ring: NDArray[np.bool_]) -> float:
     return float(1.48 * np.median(np.abs(residual)))
 
 
-def _centre(relative: NDArray[np.float32], near: Array) -> Array:
+def _centre(radiance: NDArray[np.float32], white: np.float32, near: Array) -> Array:
     """Centroid of the excess of the pixels around a direction, at full resolution."""
-    from envlights.kernels.sphere import pixel_directions, pixel_solid_angles
-
-    height, width = relative.shape[:2]
+    height, width = radiance.shape[:2]
     middle = int(np.arccos(np.clip(near[1], -1, 1)) / np.pi * height)
     reach = int(np.ceil(_OUTER / 180 * height)) + 1
     rows = slice(max(middle - reach, 0), min(middle + reach + 1, height))
-    directions = pixel_directions(height, width)[rows]
+    directions = _native.pixel_directions(height, width, False, rows.start, rows.stop)
     cosine = directions @ near
     inside, ring = cosine > np.cos(np.radians(_INNER)), cosine > np.cos(np.radians(_OUTER))
-    luminance = relative[rows] @ LUMINANCE
+    luminance = radiance[rows] @ LUMINANCE / white
     background = np.median(luminance[ring & ~inside])
     peak = luminance[inside].max()
     # Half of the height keeps the noise of the ring out.
     excess = np.maximum(luminance - 0.5 * (peak + background), 0) * inside
-    sum_ = (directions * (excess * pixel_solid_angles(height, width)[rows])[..., None]).sum((0, 1))
+    weight = excess * np.sqrt(1 - directions[..., 1] ** 2)
+    sum_ = (directions * weight[..., None]).sum(axis=(0, 1))
     direction: Array = sum_ / np.linalg.norm(sum_)
     return direction

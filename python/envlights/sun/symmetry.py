@@ -28,8 +28,6 @@ class Meridian(NamedTuple):
     """Deviation over the meridians that fit about as well, in columns."""
     contrast: float
     """Least cost over the median cost: small if the symmetry is clear."""
-    pairs: float
-    """Pairs of the best meridian, as a fraction of the cells of a half sphere."""
 
 
 def best_meridian(
@@ -47,20 +45,20 @@ def best_meridian(
     # The upper half, every other row: neighbours say much the same.
     step = 2 if height > 64 else 1
     top = height // 2
-    rows = tuple(np.hstack([each[:top:step]] * 3) for each in (values, sky))
-    costs = np.array([_cost(*rows, twice + 2 * width, width) for twice in doubled])
+    level, shown = (np.tile(values[:top:step], 3), np.tile(sky[:top:step], 3))
+    costs = np.array([_cost(level, shown, int(twice) + 2 * width, width) for twice in doubled])
     least = _LEAST_PAIRS * width * (top // step)
     usable = costs[:, 1] >= least
     if np.count_nonzero(usable) < 3:
         return None
-    place, cost, pairs = doubled[usable] / 2, *costs[usable].T
+    place, cost = doubled[usable] / 2, costs[usable, 0]
     nearest = np.clip(np.round(place).astype(int), 0, width - 1)
     weight = columns[nearest] * ((cost.min() + _NOISE) / (cost + _NOISE)) ** _SHARPNESS
     weight /= weight.sum()
     mean = float(weight @ place)
     spread = float(np.sqrt(weight @ (place - mean) ** 2))
     contrast = float((cost.min() + 1e-4) / (np.median(cost) + 1e-4))
-    return Meridian(mean + 0.5, spread, contrast, float(pairs.max() / (width * (top // step))))
+    return Meridian(mean + 0.5, spread, contrast)
 
 
 def _meridians(first: int, last: int) -> NDArray[np.intp]:

@@ -25,7 +25,7 @@ HOLDS_SUN = "the map is not clipped and holds its own sun"
 NO_SUN = "no pixel is clipped, and no light of the map is like a sun"
 
 
-def sun_of_unclipped(env: EnvMap) -> Sun:
+def sun_of_float_map(env: EnvMap) -> Sun:
     """Sun of a map without clipped pixels: one of its lights, or none."""
     lights = detect_tree(env, max_lights=4)
     if not _is_compact(env, lights):
