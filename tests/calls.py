@@ -13,6 +13,7 @@ from envlights import export, io, kernels, synthetic
 from tests.call_comparisons import COMPARISON_CALLS
 from tests.call_gloss import GLOSS_CALLS
 from tests.call_solids import SOLID_CALLS
+from tests.call_suns import SUN_CALLS
 from tests.call_values import (
     AMBIENT,
     AMBIENT_MODEL,
@@ -270,6 +271,7 @@ CALLS = {
     ),
     **SOLID_CALLS,
     **GLOSS_CALLS,
+    **SUN_CALLS,
     **dict(call for target in export.TARGETS for call in exports_of(target)),
     "kernels.blur": (kernels.blur, {"image": GREY, "sigma": SMALL, "wrap": FLAG}),
     "kernels.bresenham_line": (

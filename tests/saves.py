@@ -31,6 +31,10 @@ MODELS = [
 ]
 
 
+SUNS = [
+    el.with_sun(image, el.Sun("sun", direction=[0, 0.6, 0.8], irradiance=[9 + which] * 3))
+    for which, image in enumerate(IMAGES)
+]
 SHADOWS = [el.shadow_overlay(rig, el.Ball((0, 0.5, 0), 0.5), columns=64) for rig in RIGS]
 PAGES = [el.view(rig) for rig in RIGS]
 
@@ -57,6 +61,7 @@ SAVES = {
     "model": ("model.npz", lambda path, which: MODELS[which].save(path)),
     "image": ("image.exr", lambda path, which: el.io.write_exr(path, IMAGES[which])),
     "tif": ("image.tif", lambda path, which: write_tiff(path, IMAGES[which])),
+    "sun": ("sun.usda", lambda path, which: SUNS[which].save(path)),
     "codes": ("image.png", lambda path, which: write_png(path, IMAGES[which].clip(0, 1))),
     "places": ("photograph.csv", lambda path, which: PHOTOGRAPHS[which].save(path)),
     **{

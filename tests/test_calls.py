@@ -49,6 +49,8 @@ LEFT_OUT = {
     "PhotographLights": "comes from detect_photograph",
     "Rig": "comes from fit",
     "Split": "comes from split",
+    "Sun": "comes from find_sun",
+    "SunSplit": "comes from with_sun",
     "StopReason": "is an enumeration",
     "Surface": "comes from a scene",
     "RemovedLights": "comes from split",

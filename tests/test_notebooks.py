@@ -47,6 +47,18 @@ def test_a_map_becomes_a_rig_and_every_result_shows_itself():
 
 
 @pytest.mark.slow
+def test_the_sun_of_a_picture_lights_a_ball_better_than_a_repair_without_it():
+    cells = run_notebook("sun")
+    told = "".join(map(printed_text, cells))
+    picture, repaired, with_sun = (float(each) for each in re.findall(r": ([\d.]+) %", told))
+    assert with_sun < repaired < picture
+    assert "no sun was added, because the answer is 'no'" in told
+    (times,) = re.findall(r"is ([\d.]+) times too bright", told)
+    assert float(times) > 2
+    assert any("image/png" in o.get("data", {}) for cell in cells for o in cell.get("outputs", ()))
+
+
+@pytest.mark.slow
 def test_the_article_and_the_tree_find_the_windows():
     told = "".join(map(printed_text, run_notebook("article")))
     article, tree = (float(off) for off in re.findall(r"is ([\d.]+) degrees off", told))

@@ -10,7 +10,7 @@
 import typing as _typing
 from importlib import import_module as _import_module
 
-from envlights import _targets, kernels
+from envlights import _map_repair, _targets, kernels
 from envlights._native import EnvLightsError
 from envlights._threads import threads
 from envlights.detection.component_tree import detect_tree
@@ -62,6 +62,9 @@ __all__ = [
     "ShadowOverlay",
     "Split",
     "StopReason",
+    "Sun",
+    "SunAt",
+    "SunSplit",
     "Surface",
     "TransferModel",
     "TransferReport",
@@ -75,6 +78,7 @@ __all__ = [
     "detect_photograph",
     "detect_tree",
     "error_curve",
+    "find_sun",
     "fit",
     "fit_paper",
     "fit_probe",
@@ -88,13 +92,14 @@ __all__ = [
     "threads",
     "vector_angle",
     "view",
+    "with_sun",
 ]
 
 #: Attributes, too. What a fit does not need is imported when it is first used, so that `import
 #: envlights` does not wait for it; so is what reads the version.
 _SUBPACKAGES = (
     *("cli", "comparison", "detection", "export", "fitting", "io", "plot", "scene"),
-    *("synthetic", "transfer"),
+    *("sun", "synthetic", "transfer"),
 )
 #: Names of `__all__` that come from one of them.
 _LATER = {
@@ -111,11 +116,14 @@ _LATER = {
     "compare_lights": "comparison.light_sets",
     "vector_angle": "comparison.vector_angle",
     "Model": "viewer.model",
+    **dict.fromkeys(("Sun", "SunAt", "SunSplit", "find_sun", "with_sun"), "sun"),
     **dict.fromkeys(("FilePairs", "TransferModel", "TransferReport", "read_pairs"), "transfer"),
 }
 
 # The first `save` loads the exporters, which register themselves.
 _targets.register_later(lambda: _import_module(f"{__name__}.export"))
+# So does the first repair with a sun.
+_map_repair.register_later(lambda: _import_module(f"{__name__}.sun").repair_with_sun)
 
 if _typing.TYPE_CHECKING:
     __version__: str
@@ -127,6 +135,7 @@ if _typing.TYPE_CHECKING:
     from envlights import io as io
     from envlights import plot as plot
     from envlights import scene as scene
+    from envlights import sun as sun
     from envlights import synthetic as synthetic
     from envlights import transfer as transfer
     from envlights.comparison.compare import Comparison, compare
@@ -141,6 +150,7 @@ if _typing.TYPE_CHECKING:
     from envlights.scene import BakedPairs, DirectLight, MitsubaScene, ShadowOverlay, Surface
     from envlights.scene.bake import bake as bake
     from envlights.scene.floor_shadow import shadow_overlay as shadow_overlay
+    from envlights.sun import Sun, SunAt, SunSplit, find_sun, with_sun
     from envlights.transfer import FilePairs, TransferModel, TransferReport, read_pairs
     from envlights.viewer.model import Model
     from envlights.viewer.page import View, view

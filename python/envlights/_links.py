@@ -65,6 +65,15 @@ def save_with_map(
     return tuple(paths_of(files))
 
 
+def save_parts(
+    lights: Any, environment: EnvMap, paths: tuple[str | os.PathLike[str], ...]
+) -> tuple[Path, ...]:
+    """`save_with_map` for one path or more."""
+    if not paths:
+        raise EnvLightsError("there is no path; give one or several, such as 'sun.usda'")
+    return save_with_map(lights, environment, paths)
+
+
 def plan(environment: EnvMap, paths: Iterable[str | os.PathLike[str]]) -> list[LinkedFile]:
     """Files of `save_with_map`, checked before the first is written."""
     given = [as_path(path) for path in paths]

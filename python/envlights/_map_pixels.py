@@ -303,7 +303,9 @@ class MapPixels:
         build = partial(type(self), **layout, units=self._units)
         return build, (self._radiance,), {"_source": self._source, "_ev100": self._ev100}
 
-    def with_radiance(self, radiance: NDArray[np.float32], notes: Iterable[str]) -> Self:
+    def with_radiance(
+        self, radiance: NDArray[np.float32], notes: Iterable[str], *, keeps_white: bool = True
+    ) -> Self:
         """Map of other samples at the same places.
 
         Parameters
@@ -312,6 +314,8 @@ class MapPixels:
             Multiplied by `seen`; not checked.
         notes : iterable of str
             All notes of the new map.
+        keeps_white : bool
+            False for radiance that was estimated above the clip level.
 
         Returns
         -------
@@ -322,7 +326,7 @@ class MapPixels:
             radiance,
             registration=self._registration,
             notes=notes,
-            white=self._white,
+            white=self._white if keeps_white else None,
             seen=self._seen,
             source=self._source,
         )

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights._check import amount
+from envlights._connectivity import connected_regions
 from envlights._native import EnvLightsError
 from envlights._peaks import PixelIntegrals, float32_at_most
 from envlights.envmap import AnyMap, EnvMap, as_envmap
@@ -82,7 +83,7 @@ def limit(env: AnyMap, maximum: float) -> Limit:
     radiance = np.minimum(env.radiance, most)
     excess = env.radiance[rows, columns].astype(np.float64) - radiance[rows, columns]
     integrals = PixelIntegrals(env.height, env.width, env.is_border_sampled).of(rows, columns)
-    regions = _regions(rows, columns, env.radiance.shape[:2])
+    regions = connected_regions(rows, columns, env.radiance.shape[:2])
     lights = _lights(excess, integrals, regions, level, env.units)
     notes = env.notes
     if len(lights):
@@ -120,44 +121,3 @@ def _lights(
         )
     radius = np.arccos(np.minimum(2 * cosine - 1, 1))
     return Lights(vector / length[:, None], flux * cosine[:, None], radius, units=units)
-
-
-def _regions(
-    rows: NDArray[np.intp], columns: NDArray[np.intp], size: tuple[int, ...]
-) -> NDArray[np.intp]:
-    """Number of the connected region of each pixel, across the seam and the poles."""
-    pairs = _pairs(rows, columns, size)
-    label = np.arange(len(rows))
-    while True:
-        low = label[pairs].min(axis=0)
-        joined = label.copy()
-        # Join each label to the lowest one beside it, and follow the joints to their ends.
-        for end in pairs:
-            np.minimum.at(joined, label[end], low)
-        while (joined != joined[joined]).any():
-            joined = joined[joined]
-        joined = joined[label]
-        if (joined == label).all():
-            break
-        label = joined
-    numbers: NDArray[np.intp] = np.unique(label, return_inverse=True)[1]
-    return numbers
-
-
-def _pairs(
-    rows: NDArray[np.intp], columns: NDArray[np.intp], size: tuple[int, ...]
-) -> NDArray[np.intp]:
-    """Indices of neighbours among pixels in the order of memory, (2, n)."""
-    height, width = size[:2]
-    flat = rows * width + columns
-    pairs = []
-    for down, right in ((0, 1), (1, -1), (1, 0), (1, 1)):
-        beside = (rows + down) * width + (columns + right) % width
-        at = np.minimum(np.searchsorted(flat, beside), max(len(flat) - 1, 0))
-        found = np.flatnonzero((flat[at] == beside) & (rows + down < height))
-        pairs.append(np.stack([found, at[found]]))
-    # All pixels at a pole touch there.
-    for row in (0, height - 1):
-        polar = np.flatnonzero(rows == row)
-        pairs.append(np.stack([polar, np.broadcast_to(polar[:1], polar.shape)]))
-    return np.concatenate(pairs, axis=1)

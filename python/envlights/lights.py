@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights import _html, _targets, _thumbnails
 from envlights._arrays import seal
-from envlights._check import rotation
+from envlights._check import rotation, texts
 from envlights._light_arrays import LARGEST_LIGHT, light_arrays, radii, rotate, row_of, rows_of
 from envlights._lobes import SphericalGaussians, lobes
 from envlights._native import EnvLightsError
@@ -77,6 +77,8 @@ class Lights(Result):
         :math:`\pi \sin^2 a`. 0 is a point. Default: all are points.
     units : {"the map's own scale", "cd/m2"}
         Unit of the radiance of the map; with "cd/m2", the luminance of `irradiance` is in lux.
+    notes : str or iterable of str
+        Remarks on estimates, which texts and files repeat. A detection has a `report` instead.
 
     Examples
     --------
@@ -94,9 +96,11 @@ class Lights(Result):
     # The constructor replaces None.
     angular_radius: NDArray[np.float64] = None  # type: ignore[assignment]
     units: str = field(default=OWN_SCALE, kw_only=True)
+    notes: tuple[str, ...] = field(default=(), kw_only=True)
 
     def __post_init__(self) -> None:
         checked_units(self.units)
+        object.__setattr__(self, "notes", tuple(texts("notes", self.notes)))
         direction, irradiance = light_arrays(self.direction, self.irradiance)
         radius = radii(self.angular_radius, len(direction))
         order = brightest_first(irradiance)
@@ -118,6 +122,7 @@ class Lights(Result):
         object.__setattr__(lights, "irradiance", seal(irradiance))
         object.__setattr__(lights, "angular_radius", seal(angular_radius))
         object.__setattr__(lights, "units", units)
+        object.__setattr__(lights, "notes", ())
         return lights
 
     def __len__(self) -> int:
@@ -135,7 +140,7 @@ class Lights(Result):
         if rows is None:
             return self._light(row_of(which, len(self)))
         arrays = self.direction, self.irradiance, self.angular_radius
-        return Lights(*(array[rows] for array in arrays), units=self.units)
+        return Lights(*(array[rows] for array in arrays), units=self.units, notes=self.notes)
 
     def _light(self, row: int) -> Light:
         radius, share = float(self.angular_radius[row]), float(self.share[row])
@@ -171,16 +176,19 @@ class Lights(Result):
         return f"{len(self)} light{'' if len(self) == 1 else 's'}"
 
     def __str__(self) -> str:
-        return str(self.table()) if len(self) else "no directional light"
+        table = str(self.table()) if len(self) else "no directional light"
+        return "\n".join([table, *self._note_lines()])
+
+    def _note_lines(self) -> list[str]:
+        return [f"note: {note}" for note in self.notes]
 
     def _html_parts(self) -> tuple[str, ...]:
+        notes = (_html.lines("\n".join(self._note_lines())),) if self.notes else ()
         if not len(self):
-            return ()
+            return notes
         arrays = self.direction, self.irradiance, self.angular_radius
-        return (
-            _html.picture(_thumbnails.of_lights(*arrays), "directions of the lights"),
-            self.table().html(),
-        )
+        picture = _html.picture(_thumbnails.of_lights(*arrays), "directions of the lights")
+        return (picture, self.table().html(), *notes)
 
     def table(self) -> Table:
         """Table of the first dozen lights, and a summary of the others."""
@@ -235,6 +243,7 @@ class Lights(Result):
             "irradiance": self.irradiance.tolist(),
             "angular_radius": self.angular_radius.tolist(),
             "scale": self.units,
+            **({"notes": list(self.notes)} if self.notes else {}),
         }
 
     def save(
@@ -380,7 +389,8 @@ def lights_of(data: dict[str, Any]) -> Lights:
     irradiance = np.reshape(data["irradiance"], (-1, 3))
     radius: Any = data.get("angular_radius")
     # Version 1 had no scale.
-    return Lights(direction, irradiance, radius, units=data.get("scale", OWN_SCALE))
+    scale, notes = data.get("scale", OWN_SCALE), data.get("notes", ())
+    return Lights(direction, irradiance, radius, units=scale, notes=notes)
 
 
 def lights_of_table(table: CsvTable) -> Lights:

@@ -21,11 +21,14 @@ from envlights.cli.outputs import (
     strict_option,
     verbose_option,
 )
+from envlights.cli.sun_input import sun_options
 from envlights.envmap import EnvMap
 from envlights.export.targets import SUFFIXES
-from envlights.fitting.fit import AMBIENTS, AUTO, fit
+from envlights.fitting.ambient_terms import AMBIENTS, AUTO
+from envlights.fitting.fit import fit
 from envlights.io.files import PICTURES
 from envlights.rig import Rig
+from envlights.sun.choice import AnySun
 
 
 @click.command("fit")
@@ -79,6 +82,7 @@ from envlights.rig import Rig
 @click.option(
     "--floor", is_flag=True, help="The scene has a floor, which hides light from below the horizon."
 )
+@sun_options
 @unseen_option()
 @output_option(OUTPUTS)
 @strict_option()
@@ -101,6 +105,7 @@ def command(
     strict: bool,
     verbose: bool,
     as_json: bool,
+    sun: AnySun | None,
 ) -> None:
     """Fit an ambient term and a few lights to MAP (.hdr, .exr, .png, .jpg, .tif)."""
     for output in outputs:
@@ -118,6 +123,7 @@ def command(
         sizes=sizes,
         max_radius=None if max_radius is None else math.radians(max_radius),
         ambient=ambient,
+        sun=sun,
         floor=floor,
         unseen=choice,
         target=targets or _targets_of(outputs),

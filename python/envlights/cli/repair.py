@@ -6,6 +6,8 @@ import click
 
 from envlights.cli.map_input import MapFile, map_argument, radiance_or_name, unseen_option
 from envlights.cli.outputs import check_output, say_written
+from envlights.cli.sun_input import reading_options, sun_options
+from envlights.sun.choice import AnySun
 
 #: Formats that can hold radiance above the clip level.
 MAPS = (".exr", ".hdr")
@@ -14,12 +16,8 @@ MAPS = (".exr", ".hdr")
 @click.command("repair")
 @map_argument
 @click.option("-o", "--output", required=True, help="File to write (.exr, .hdr).")
-@click.option("--irradiance", type=float, help="Measured irradiance of a horizontal surface.")
-@click.option(
-    "--ratio",
-    type=float,
-    help="Irradiance in full sun divided by irradiance with the sun blocked, both horizontal.",
-)
+@reading_options
+@sun_options
 @unseen_option()
 def command(
     map_file: MapFile,
@@ -27,11 +25,12 @@ def command(
     irradiance: float | None,
     ratio: float | None,
     unseen: str | None,
+    sun: AnySun | None,
 ) -> None:
     """Estimate the clipped light of MAP, such as a JPEG or PNG."""
     check_output(output, MAPS, {"the map": map_file.path})
     choice = radiance_or_name(unseen)
-    env = map_file.open().repaired(irradiance=irradiance, ratio=ratio, unseen=choice)
+    env = map_file.open().repaired(sun=sun, irradiance=irradiance, ratio=ratio, unseen=choice)
     env.save(output)
     click.echo(str(env))
     say_written([output])

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import click
@@ -21,12 +23,18 @@ from envlights.cli.outputs import (
     say_written,
     verbose_option,
 )
+from envlights.cli.sun_input import reading_options, sun_options
 from envlights.detection.split import Split, split
 from envlights.envmap import EnvMap
 from envlights.excess import Limit, limit
 from envlights.export.targets import SUFFIXES
 from envlights.io.files import PICTURES
 from envlights.io.image_output import MAP_SUFFIXES
+from envlights.sun.choice import AnySun, sun_of
+from envlights.sun.result import Sun
+from envlights.sun.sun_split import SunSplit, with_sun
+
+_Parts = Split | Limit | SunSplit
 
 
 @click.command("split")
@@ -51,6 +59,8 @@ from envlights.io.image_output import MAP_SUFFIXES
     help="Remove only the radiance above this value, such as 65504 for half floats: one light for"
     " each region.",
 )
+@sun_options
+@reading_options
 @layout_option("the map without the lights")
 @output_option(
     "File to write: the map without the lights (.exr, .hdr), a scene of the lights with that map"
@@ -64,6 +74,9 @@ def command(
     lights: int | None,
     share: float | None,
     maximum: float | None,
+    sun: AnySun | None,
+    irradiance: float | None,
+    ratio: float | None,
     layout: str,
     outputs: Sequence[str],
     verbose: bool,
@@ -73,8 +86,11 @@ def command(
     for output in outputs:
         check_output(output, (*SUFFIXES, *MAP_SUFFIXES, *PICTURES), {"the map": map_file.path})
     env = map_file.open()
-    parts = _parts(env, lights, share, maximum)
-    written = _write(env, parts, map_file.path, outputs, layout)
+    found = None if sun is None else sun_of(env, sun)
+    readings = {"irradiance": irradiance, "ratio": ratio}
+    parts = _parts(env, lights, share, maximum, found, readings)
+    draw = partial(_draw, env, parts, found)
+    written = _write(parts, map_file.path, outputs, layout, draw)
     removed = parts.lights
     text = removed.verbose() if verbose else str(removed)
     click.echo(json.dumps(removed.to_dict(), indent=2) if as_json else text)
@@ -82,18 +98,32 @@ def command(
 
 
 def _parts(
-    env: EnvMap, lights: int | None, share: float | None, maximum: float | None
-) -> Split | Limit:
-    """Lights and rest, of detection or above a maximum."""
+    env: EnvMap,
+    lights: int | None,
+    share: float | None,
+    maximum: float | None,
+    sun: Sun | None,
+    readings: dict[str, float | None],
+) -> _Parts:
+    """Lights and rest, of detection, above a maximum, or of the sun."""
+    has_choice = lights is not None or share is not None
+    if sun is not None:
+        if has_choice or maximum is not None:
+            raise EnvLightsError(
+                "a sun is one light; leave out --lights, --share and --limit, or --sun"
+            )
+        return with_sun(env, sun, **readings)
+    if any(reading is not None for reading in readings.values()):
+        raise EnvLightsError("--irradiance and --ratio are readings of a sun; add --sun")
     if maximum is None:
         return split(env, lights, share=share)
-    if lights is not None or share is not None:
+    if has_choice:
         raise EnvLightsError("--limit takes all radiance above it; leave out --lights and --share")
     return limit(env, maximum)
 
 
 def _write(
-    env: EnvMap, parts: Split | Limit, source: str, outputs: Sequence[str], layout: str
+    parts: _Parts, source: str, outputs: Sequence[str], layout: str, draw: Callable[[str], None]
 ) -> list[str]:
     """Write all outputs; paths of all files, with the maps that scenes bring."""
     pictures = [output for output in outputs if Path(output).suffix.lower() in PICTURES]
@@ -108,18 +138,23 @@ def _write(
     for output in maps:
         written += write_map(parts.rest, output, layout)
     for output in pictures:
-        _draw(env, parts, output)
+        draw(output)
     return [*written, *pictures]
 
 
-def _draw(env: EnvMap, parts: Split | Limit, output: str) -> None:
+def _draw(env: EnvMap, parts: _Parts, sun: Sun | None, output: str) -> None:
     if isinstance(parts, Limit):
         raise EnvLightsError(
             f"cannot write {output}: pictures show lights of a split without --limit"
         )
     from envlights import plot
 
-    plot.save(plot.split_picture(env, parts), output)
+    if isinstance(parts, Split):
+        plot.save(plot.split_picture(env, parts), output)
+    elif sun is not None:
+        if len(parts.lights):  # a reading replaces the estimate
+            sun = replace(sun, irradiance=parts.lights.irradiance[0])
+        plot.save(plot.sun(env, sun), output)
 
 
 def _is_map(output: str) -> bool:

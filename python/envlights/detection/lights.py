@@ -367,7 +367,7 @@ class DetectedLights(Lights):
     def _array_names(self) -> tuple[str, ...]:
         """Names of the constructor's arrays with a row for each light."""
         names = (each.name for each in fields(self) if each.init)
-        arrays = (name for name in names if name not in ("members", "report", "units"))
+        arrays = (name for name in names if name not in ("members", "report", "units", "notes"))
         return tuple(name for name in arrays if getattr(self, name) is not None)
 
 
@@ -382,8 +382,9 @@ def _from_dict(data: dict[str, Any]) -> DetectedLights:
     # Files of older versions have no `is_cut`.
     cut = [flag("is_cut", each) for each in data.get("is_cut", [False] * len(clipped))]
     runs, lights = data.get("members"), len(arrays["direction"])
+    numbers: dict[str, Any] = {**arrays}
     return DetectedLights(
-        **arrays,
+        **numbers,
         is_clipped=np.array(clipped, bool),
         is_cut=np.array(cut, bool),
         members=LeftOut() if runs is None else Members.from_runs(runs, lights, report.working_size),

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from envlights import _native
 from envlights._check import amount, count, describe
-from envlights._links import save_with_map
+from envlights._links import save_parts
 from envlights._native import EnvLightsError
 from envlights.detection.component_tree import detect_with_luminance
 from envlights.detection.lights import DetectedLights, DetectionReport
@@ -95,9 +95,7 @@ class Split(NamedTuple):
         ...     [path.name for path in parts.save(*paths)]
         ['rest.exr', 'sun.py']
         """
-        if not paths:
-            raise EnvLightsError("there is no path; give one or several, such as 'sun.usda'")
-        return save_with_map(self.lights, self.rest, paths)
+        return save_parts(self.lights, self.rest, paths)
 
     def __str__(self) -> str:
         return f"{self.lights}\n\nthe map without these lights: {self.rest}"

@@ -6,6 +6,7 @@ import os
 
 import numpy as np
 
+from envlights._printable import printable
 from envlights.export.files import save_scene
 from envlights.export.scene import check_rig
 from envlights.io.csv_table import AMBIENTS, FORMAT, HEADER, SCALE
@@ -40,6 +41,7 @@ def csv(rig: Rig | Lights) -> str:
     if ambient is not None:
         floor = ", over a floor" if getattr(rig, "floor", False) else ""
         lines.append(f"# relative RMS error {getattr(rig, 'error', 0.0)!r}{floor}")
+    lines += [f"# note: {printable(note)}" for note in lights.notes]
     lines.append(HEADER)
     arrays = lights.direction, lights.irradiance, lights.angular_radius[:, None]
     lines += [",".join(["light", *map(repr, row)]) for row in np.hstack(arrays).tolist()]

@@ -56,4 +56,4 @@ def looked_up(env: EnvMap, directions: NDArray[np.float64]) -> NDArray[np.float3
 
 def _some(lights: Lights, which: NDArray[np.bool_]) -> Lights:
     arrays = lights.direction, lights.irradiance, lights.angular_radius
-    return type(lights)(*(array[which] for array in arrays), units=lights.units)
+    return type(lights)(*(array[which] for array in arrays), units=lights.units, notes=lights.notes)

@@ -12,8 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from envlights.envmap import EnvMap
 from envlights.export.axes import AXES
 from envlights.export.files import check_link, panorama, save_scene
-from envlights.export.scene import check_rig, scene_of
-from envlights.export.units import UNITS
+from envlights.export.scene import check_rig, scene_of, statement_of
 from envlights.lights import Lights
 from envlights.rig import Rig
 
@@ -80,7 +79,7 @@ def gltf(
     lights = check_rig(rig).discs()
     towards = AXES["gltf"].to_target(lights.direction)
     scene: dict[str, Any] = {"name": "envlights"}
-    extras = {"units": UNITS["gltf"].statement(lights.units)}
+    extras = {"units": statement_of(lights, lights.units, "gltf")}
     about = {"version": "2.0", "generator": "envlights", "extras": extras}
     asset: dict[str, Any] = {"asset": about, "scene": 0}
     asset["scenes"] = [scene]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,6 +12,7 @@ from envlights._blocks import in_blocks
 from envlights._capabilities import HARMONIC_MEAN, ROWS
 from envlights._check import describe
 from envlights._native import EnvLightsError
+from envlights._printable import printable
 from envlights._units import PHOTOMETRIC
 from envlights.ambient import ambient_rows
 from envlights.envmap import EnvMap, as_envmap
@@ -37,7 +39,7 @@ class Scene(NamedTuple):
     """Cell-centred map that replaces the constant."""
 
     statement: str
-    """Sentence for the file on the units of all numbers."""
+    """Sentence for the file on the units of all numbers, and on estimates among them."""
 
 
 def scene_of(
@@ -70,8 +72,19 @@ def scene_of(
     else:
         env = _environment(lights, environment)
         ambient, units = None, env.units
-    scene = Scene(lights, ambient, env, UNITS[target].statement(units))
+    scene = Scene(lights, ambient, env, statement_of(lights, units, target))
     return _times(scene, UNITS[target].factor if units == PHOTOMETRIC else 1.0)
+
+
+def statement_of(lights: Lights, units: str, target: str) -> str:
+    """Sentence for the file of a target: units, and the notes of the lights."""
+    return "; ".join([UNITS[target].statement(units), *map(_plain, lights.notes)])
+
+
+def _plain(note: str) -> str:
+    """Note for the comments and strings of any format: without quotes, escapes and line breaks."""
+    text = printable(note).replace('"', "'").replace("\\", "/").replace("*/", "* /")
+    return re.sub("--+", "-", text)
 
 
 def _environment(lights: Lights, environment: EnvMap | ArrayLike) -> EnvMap:

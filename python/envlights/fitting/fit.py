@@ -8,25 +8,30 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native
-from envlights._capabilities import Capabilities
 from envlights._check import check_choice, flag, reals
 from envlights._native import EnvLightsError, FitAnswer
 from envlights._targets import shown_by, target_names
 from envlights._unseen import Unseen, checked_unseen
 from envlights.envmap import AnyMap, EnvMap, apply_to_map
 from envlights.fitting import wording
+from envlights.fitting.ambient_terms import (
+    AMBIENTS,
+    AUTO,
+    ambient_for,
+    ambient_names,
+    check_over_floor,
+)
 from envlights.fitting.clock import Clock
 from envlights.fitting.options import FitOptions
 from envlights.fitting.reduction import Reduction, is_file, reduction_of, reduction_of_file
 from envlights.fitting.request import STARTS_WITHOUT_MAP, Request, check_radius, request_of
 from envlights.fitting.result import rig_of
+from envlights.fitting.sun_light import fit_with_sun
 from envlights.lights import Lights
 from envlights.rig import Rig
+from envlights.sun.choice import AnySun
+from envlights.sun.sun_split import with_sun
 
-#: Ambient terms with their number of coefficients in each channel, the simplest first.
-AMBIENTS = {"none": 0, "constant": 1, "sh2": 9}
-#: Name for the best ambient term.
-AUTO = "auto"
 #: Errors that lights with sizes can minimise.
 OBJECTIVES = ("mixed", "shadows", "probe")
 
@@ -49,6 +54,7 @@ def fit(
     ambient: str | None = None,
     start: str | Rig | Lights = "greedy",
     fixed: ArrayLike | Lights | None = None,
+    sun: AnySun | None = None,
     floor: bool = False,
     unseen: Unseen = None,
     target: str | Iterable[str] | None = None,
@@ -114,6 +120,12 @@ def fit(
     fixed : array_like, shape (k, 3), or Lights, optional
         Unit vectors towards lights that do not move; only radiance and size are fitted. They count
         among `lights`, and are returned even if black. `report.fixed` holds their rows.
+    sun : "auto", array_like of shape (3,), SunAt or Sun, optional
+        Sun of a clipped map, as one of the `lights`, which is not fitted: direction, size (0.265
+        degrees in radius) and irradiance are those of `with_sun`. The other lights and the ambient
+        term are fitted to the map with sky in place of the clipped part around the sun. Errors are
+        against that sky and the sun, so they say nothing on a sun that is a wrong guess. If the
+        answer is "perhaps" or "no", the map is fitted as it is, with a note.
     floor : bool
         True: a floor hides everything below the horizon. Lights are above the horizon, the
         `ambient` radiance gives a normal n an irradiance of ``pi / 2 (1 + n_y)`` times itself, and
@@ -139,8 +151,8 @@ def fit(
     EnvLightsError
         If `env` is not a map, `lights` is not a count or less than `fixed`, an error is not from 0
         to 1, `roughness` is not from 0.3 to 1, `max_radius` is out of range or set without `sizes`,
-        a `fixed` direction is not a unit vector, or `objective`, `ambient` or `start` is unknown;
-        with a `floor`, for "sh2" and for `fixed` or `start` lights below the horizon.
+        a `fixed` direction is not a unit vector, or `objective`, `ambient`, `start` or `sun` is
+        unknown; with a `floor`, for "sh2" and for `fixed` or `start` lights below the horizon.
 
     See Also
     --------
@@ -171,6 +183,22 @@ def fit(
     >>> rig.error < 0.01
     True
     """
+    if sun is not None:
+        return fit_with_sun(
+            fit,
+            with_sun(env, sun),
+            lights,
+            error=error,
+            shadow_error=shadow_error,
+            sizes=sizes,
+            objective=objective,
+            ambient=ambient,
+            start=start,
+            fixed=fixed,
+            floor=floor,
+            unseen=unseen,
+            target=target,
+        )
     check_choice("objective", objective, OBJECTIVES)
     target = target_names(target)
     shows = shown_by(target)
@@ -187,10 +215,10 @@ def fit(
     check_radius(max_radius, flag("sizes", sizes))
     of_discs = objective if sizes and shows.sizes == "spread" else None
     checked_unseen(unseen)
-    ambient = _ambient_for(ambient, bool(target), shows)
+    ambient = ambient_for(ambient, bool(target), shows)
     if flag("floor", floor):
-        _check_over_floor(ambient, request, shows)
-    names = _ambient_names(floor, shows) if ambient == AUTO else (ambient,)
+        check_over_floor(ambient, request, shows)
+    names = ambient_names(floor, shows) if ambient == AUTO else (ambient,)
     clock = Clock()
 
     def answers_under(world: EnvMap) -> tuple[Reduction, dict[str, FitAnswer]]:
@@ -338,35 +366,6 @@ def fit_probe(
     )
     clock.lap("report")
     return rig
-
-
-def _ambient_for(ambient: str | None, has_target: bool, shows: Capabilities) -> str:
-    """Checked name of an ambient term, or the default for a target."""
-    if ambient is None:
-        return AUTO if has_target and shows.harmonics == "exact" else "constant"
-    check_choice("ambient", ambient, (*AMBIENTS, AUTO))
-    if ambient == "sh2" and shows.harmonics == "none":
-        raise EnvLightsError("ambient must not be 'sh2' for a target that shows no harmonics")
-    return ambient
-
-
-def _ambient_names(floor: bool, shows: Capabilities) -> tuple[str, ...]:
-    """Ambient terms that "auto" compares, the simplest first."""
-    return tuple(name for name in shows.ambients() if not (floor and name == "sh2"))
-
-
-def _check_over_floor(ambient: str, request: Request, shows: Capabilities) -> None:
-    """Refuse arguments that a floor makes impossible."""
-    if not shows.floor:
-        raise EnvLightsError(
-            "floor must be False for a target that shows no light from above alone"
-        )
-    if ambient == "sh2":
-        raise EnvLightsError(
-            "ambient must be 'none' or 'constant' or 'auto' where there is a floor, because"
-            " harmonics cannot be fitted over one; got 'sh2'"
-        )
-    request.check_above_horizon()
 
 
 def _answer(

@@ -4,6 +4,7 @@
 |----------------------------------------------------------------|---------------|
 | a map alone, with a rig, or with detected lights               | `maps.py`     |
 | a map, its lights, and the map without them                    | `split.py`    |
+| the sun of a clipped map, and its shadows                      | `sun.py`      |
 | several rigs of a map; the error against the number of lights  | `compare.py`  |
 | clipped regions of a map, and the lights in them               | `plateau.py`  |
 | a photograph with its lights, and the steps that lead to them  | `photograph.py` |
@@ -33,6 +34,7 @@ from envlights.plot.plateau import plateau_picture
 from envlights.plot.room import room_picture
 from envlights.plot.scene import scene
 from envlights.plot.split import split_picture
+from envlights.plot.sun import sun
 from envlights.plot.transfer import transfer_picture
 
 __all__ = [
@@ -54,6 +56,7 @@ __all__ = [
     "spectrum_picture",
     "sphere_picture",
     "split_picture",
+    "sun",
     "transfer_picture",
 ]
 

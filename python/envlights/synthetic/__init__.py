@@ -10,12 +10,14 @@ Frame and units are those of `EnvMap`; pixels are cell-centred.
 | surroundings without lights                                          | `backdrops.py` |
 | lights of random kind, size and direction                            | `lamps.py`     |
 | two families of random maps for detectors                            | `suite.py`     |
+| a clear sky with its sun                                             | `clear_sky.py` |
 | openings behind bars and leaves, rows of lamps                       | `openings.py`  |
 | comparison of detected and true lights                               | `score.py`     |
 | direct and indirect images of a closed room                          | `room.py`      |
 | an open courtyard for Mitsuba, and rigs for it                       | `courtyard.py` |
 """
 
+from envlights.synthetic.clear_sky import clear_sky
 from envlights.synthetic.courtyard import courtyard, rigs
 from envlights.synthetic.hall import hall
 from envlights.synthetic.openings import openings
@@ -35,6 +37,7 @@ __all__ = [
     "Score",
     "Shape",
     "SyntheticMap",
+    "clear_sky",
     "courtyard",
     "evaluate",
     "hall",

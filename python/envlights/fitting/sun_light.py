@@ -1,0 +1,199 @@
+"""Fit of a rig that holds the sun as one light: the other lights are fitted to the sky without it.
+
+Rig and truth have the same sun, so the difference of their irradiance is that of the fit to the
+sky. The errors against sky and sun are therefore those of the fit, times the ratio of the RMS
+irradiance of the sky alone to that of sky and sun.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights._check import count, flag
+from envlights._native import EnvLightsError
+from envlights._targets import shown_by, target_names
+from envlights._unseen import Unseen
+from envlights.envmap import EnvMap
+from envlights.fitting.request import Request, request_of
+from envlights.fitting.unseen_part import above_horizon, fill_for_fit
+from envlights.kernels.sphere import pixel_directions, pixel_solid_angles
+from envlights.lights import Lights, brightest_first
+from envlights.report import FitReport
+from envlights.rig import Rig
+from envlights.sun.sun_split import SunSplit
+
+#: Columns of the sky for the ratios of RMS irradiance. The sky has no sun, so that 64 columns give
+#: them to 0.1 %.
+_COLUMNS = 64
+
+_NOTE = (
+    "the sun is fixed in direction, size and irradiance; the other lights and the ambient term are"
+    " fitted to the sky without it, and errors are against sky and sun"
+)
+
+
+class Ratios(NamedTuple):
+    """RMS irradiance of the sky alone over that of sky and sun."""
+
+    probe: float
+    """Irradiance of a white probe."""
+
+    channels: tuple[float, ...]
+    """Irradiance of a probe in red, green and blue."""
+
+    shadows: float
+    """Irradiance with everything behind a plane hidden, over all planes."""
+
+
+def fit_with_sun(
+    fit: Callable[..., Rig], parts: SunSplit, lights: int | None, **options: Any
+) -> Rig:
+    """Rig of the sun and of a fit to the sky around it; without a sun, a fit to the map.
+
+    Parameters
+    ----------
+    fit : callable
+        `envlights.fit`.
+    parts : SunSplit
+        Sun and sky.
+    lights : int, optional
+        Largest number of lights, the sun included.
+    **options
+        Other arguments of `fit`.
+    """
+    if not len(parts.lights):
+        return fit(parts.rest, lights, **options)
+    shows = shown_by(target_names(options["target"]))
+    error, shadow_error = (options.pop(name) for name in ("error", "shadow_error"))
+    request = request_of(
+        lights, error, options["start"], options["fixed"], shadow_error=shadow_error
+    )
+    ratios = ratios_of(_sky(parts.rest, options["floor"], options["unseen"]), parts.lights)
+    rig = fit(
+        parts.rest,
+        _lights_of_sky(request, lights, shows.lights),
+        error=_of_sky(error, ratios.probe),
+        shadow_error=_of_sky(shadow_error, ratios.shadows),
+        **options,
+    )
+    sun = parts.lights
+    if not options["sizes"] or shows.sizes != "spread":
+        sun = replace(sun, angular_radius=np.zeros(len(sun)))
+    return _with_sun(rig, sun, ratios)
+
+
+def _sky(rest: EnvMap, floor: bool, unseen: Unseen) -> EnvMap:
+    """Whole sky of a fit, with its unseen part; over a floor, its upper half."""
+    filled = fill_for_fit(rest, flag("floor", floor), unseen).env
+    return above_horizon(filled) if floor else filled
+
+
+def ratios_of(sky: EnvMap, sun: Lights) -> Ratios:
+    """RMS irradiance of the sky over that of sky and sun, from the closed form for two sources.
+
+    Integrated over all normals, the product of the irradiance of two directions at the angle g is
+    G = 2/3 (sin g + (pi - g) cos g) (Cho and Saul 2009); with shadows it is G (1 - g / pi) / 2.
+    """
+    small = sky.resized(_COLUMNS) if sky.width > _COLUMNS else sky
+    size = {"border_sampled": small.is_border_sampled}
+    angles = pixel_solid_angles(small.height, small.width, **size)
+    flux = (small.radiance * angles[..., None]).reshape(-1, 3).astype(np.float64)
+    towards = pixel_directions(small.height, small.width, **size).reshape(-1, 3)
+    probe, shadows = (
+        _energies(_angles(towards, sun.direction), _angles(towards, towards), flux, sun, shadow)
+        for shadow in (False, True)
+    )
+    channels = np.sqrt(probe[0] / np.where(probe[1] > 0, probe[1], 1))
+    of_probe, of_shadows = (float(np.sqrt(e[0].sum() / e[1].sum())) for e in (probe, shadows))
+    return Ratios(of_probe, tuple(channels.tolist()), of_shadows)
+
+
+def _angles(one: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Angles between the rows of two arrays of unit vectors."""
+    return np.asarray(np.arccos(np.clip(one @ other.T, -1, 1)))
+
+
+def _energies(
+    to_sun: NDArray[np.float64],
+    between: NDArray[np.float64],
+    flux: NDArray[np.float64],
+    sun: Lights,
+    shadow: bool,
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Squared irradiance of each channel over all normals: of the sky, and of sky and sun."""
+    (strength,) = sun.irradiance
+    alone = (flux * (_kernel(between, shadow) @ flux)).sum(axis=0)
+    both = 2 * strength * (_kernel(to_sun, shadow)[:, 0] @ flux)
+    of_sun = strength**2 * _kernel(np.zeros(1), shadow)[0]
+    return alone, alone + both + of_sun
+
+
+def _kernel(angle: NDArray[np.float64], shadow: bool) -> NDArray[np.float64]:
+    product = 2 / 3 * (np.sin(angle) + (np.pi - angle) * np.cos(angle))
+    return product * (1 - angle / np.pi) / 2 if shadow else product
+
+
+def _lights_of_sky(request: Request, lights: int | None, most_lights: int | None) -> int:
+    """Largest number of lights beside the sun."""
+    if lights is not None:
+        if count("lights", lights) < 1:
+            raise EnvLightsError("lights must be at least 1 with a sun, which is one; got 0")
+        return lights - 1
+    placed = len(request.fixed) + len(request.start_directions)
+    most = request.lights + bool(placed)
+    return (most if most_lights is None else min(most, most_lights)) - 1
+
+
+def _of_sky(error: float | None, ratio: float) -> float | None:
+    """Accepted error of the fit to the sky."""
+    return None if error is None else min(error / (ratio or 1.0), 1.0)
+
+
+def _with_sun(rig: Rig, sun: Lights, ratios: Ratios) -> Rig:
+    """Rig with the sun, and errors against sky and sun."""
+    sky = rig.lights
+    irradiance = np.concatenate([sky.irradiance, sun.irradiance])
+    order = brightest_first(irradiance)
+    lights = Lights(
+        np.concatenate([sky.direction, sun.direction]),
+        irradiance,
+        np.concatenate([sky.angular_radius, sun.angular_radius]),
+        units=sun.units,
+        notes=sun.notes,
+    )
+    # The lights name the sun themselves.
+    own = tuple(note for note in rig.notes if not note.endswith(sun.notes[0]))
+    report = _report(rig.report, order, ratios)
+    error = ratios.probe * rig.error
+    return replace(rig, lights=lights, error=error, report=report, notes=(*own, _NOTE))
+
+
+def _report(report: FitReport, order: NDArray[np.intp], ratios: Ratios) -> FitReport:
+    """Report of sky and sun; the sun is the last row before the `order`."""
+
+    def times(error: float | None, ratio: float = ratios.probe) -> float | None:
+        return None if error is None else ratio * error
+
+    scale, row = ratios.probe, order.argsort()
+    tolerances = (*report.direction_tolerances, 0.0)
+    has_tolerances = len(tolerances) == len(order)
+    return replace(
+        report,
+        errors={lights + 1: scale * error for lights, error in report.errors.items()},
+        sized_error=times(report.sized_error),
+        ambients={name: (n + 1, scale * error) for name, (n, error) in report.ambients.items()},
+        channel_errors=tuple(np.multiply(report.channel_errors, ratios.channels).tolist()),
+        max_error=scale * report.max_error,
+        shadow_error=times(report.shadow_error, ratios.shadows),
+        points_error=times(report.points_error),
+        fitted_points_error=times(report.fitted_points_error),
+        direction_tolerances=tuple(tolerances[j] for j in order) if has_tolerances else (),
+        fixed=tuple(int(row[j]) for j in (*report.fixed, len(order) - 1)),
+        fewer_lights=f"beside the sun, {report.fewer_lights}" if report.fewer_lights else "",
+        measured_on=f"{report.measured_on} under the sky, relative to sky and sun",
+    )

@@ -1,0 +1,54 @@
+r"""Irradiance of the sun, from two light meters: the ground, and the sky.
+
+With the horizontal irradiance E of the map without its sun, the mean unclipped luminance L of the
+ground, and the sine s of the sun's elevation,
+
+    G = max( (pi L / 0.2 - E) / s,  0.1 E ),    F = 3.6 sqrt(G E)
+
+G is what a ground of albedo 0.2 says, and a clear sun has some 6 times the irradiance of its sky.
+Both are poor, and their errors are independent; the geometric mean has the smaller one.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights.kernels.image import LUMINANCE
+from envlights.sun.sky_image import SkyImage
+
+#: Constant of the formula, the median over the sunny maps of `benchmarks/sun.py`.
+FACTOR = 3.6
+#: Constant of the sky alone, where no ground is seen unclipped.
+_SKY_FACTOR = 6.0
+#: Albedo of the ground, and least irradiance by the ground over that of the sky.
+_ALBEDO, _LEAST_GROUND = 0.2, 0.1
+#: Elevation in degrees below which there is ground; also the least elevation of a sun's irradiance.
+_GROUND = 3.0
+#: Least unclipped fraction of the ground for a measurement.
+_LEAST_UNCLIPPED = 0.1
+
+#: Factors of the estimate between which two of three, and nine of ten, suns lie.
+INTERVAL, WIDE_INTERVAL = (0.5, 2.0), (1 / 6, 3.6)
+
+#: Colour of a sun in a clear sky, before it is scaled to luminance 1.
+_COLOUR = np.array([1.0, 0.95, 0.85])
+
+
+def sun_irradiance(image: SkyImage, sine: float) -> tuple[NDArray[np.float64], bool]:
+    """RGB at normal incidence over white, and True if the ground was measured.
+
+    `sine` is that of the sun's elevation.
+    """
+    weight = image.solid_angles
+    up = np.maximum(image.directions[..., 1], 0)
+    sky = float((image.luminance * weight * up).sum())
+    low = np.broadcast_to(image.elevation < -_GROUND, weight.shape)
+    ground = low & ~image.is_touched
+    colour: NDArray[np.float64] = _COLOUR / (_COLOUR @ LUMINANCE)
+    if (weight * ground).sum() < _LEAST_UNCLIPPED * (weight * low).sum():
+        return _SKY_FACTOR * sky * colour, False
+    luminance = float(np.average(image.luminance[ground], weights=weight[ground]))
+    height = max(sine, np.sin(np.radians(_GROUND)))
+    by_ground = max((np.pi * luminance / _ALBEDO - sky) / height, _LEAST_GROUND * sky)
+    return FACTOR * np.sqrt(by_ground * sky) * colour, True

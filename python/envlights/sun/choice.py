@@ -1,0 +1,100 @@
+"""Sun of an argument: found in the map, in a given direction, or a `Sun` itself."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from envlights._check import describe
+from envlights._native import EnvLightsError
+from envlights.envmap import EnvMap
+from envlights.light import elevations, place_of
+from envlights.sun.almanac import SunAt
+from envlights.sun.find import find_sun
+from envlights.sun.result import Sun
+
+#: Name for the sun that `find_sun` finds.
+AUTO = "auto"
+#: Cosine of the largest angle between a given direction and the sun of a map, of 5 degrees.
+_SAME = math.cos(math.radians(5))
+#: Argument `sun` of public functions.
+AnySun = str | ArrayLike | SunAt | Sun
+
+
+def sun_of(env: EnvMap, sun: AnySun) -> Sun:
+    """Sun of a map for an argument, or a refusal that names it."""
+    if isinstance(sun, Sun):
+        return _of_map(env, sun)
+    if isinstance(sun, SunAt):
+        if sun.elevation <= 0:
+            raise _below_horizon(sun.elevation)
+        if sun.direction is None:
+            return find_sun(env, elevation=math.degrees(sun.elevation))
+        return _towards(env, sun.direction)
+    if isinstance(sun, str) and sun == AUTO:
+        return find_sun(env)
+    return _towards(env, _direction(sun))
+
+
+def is_of_map(sun: Sun) -> bool:
+    """True for the sun of a map that shows its true radiance."""
+    return "map" in sun.evidence
+
+
+def _towards(env: EnvMap, direction: NDArray[np.float64]) -> Sun:
+    """Sun in a direction; that of the map itself if it holds one."""
+    if env.white is None:
+        own = find_sun(env)
+        if is_of_map(own) and own.direction is not None:
+            if own.direction @ direction < _SAME:
+                raise EnvLightsError(
+                    f"sun must be the one that the map holds, {own.in_short()}; got"
+                    f" {place_of(direction)}; `split` removes it"
+                )
+            return own
+    return find_sun(env, direction=direction)
+
+
+def _of_map(env: EnvMap, sun: Sun) -> Sun:
+    """Sun itself, or a refusal if it cannot be that of the map."""
+    if sun.direction is not None and (sun.elevation or 0) <= 0:
+        raise _below_horizon(sun.elevation or 0)
+    if sun.units != env.units:
+        raise EnvLightsError(
+            f"sun must have the units of the map, {env.units!r}; got {sun.units!r}; find it in the"
+            " calibrated map"
+        )
+    if sun.plateau is not None and sun.plateau.shape != env.radiance.shape[:2]:
+        raise EnvLightsError(
+            f"sun must be that of this map, of {env.radiance.shape[:2]} pixels; its plateau has"
+            f" {sun.plateau.shape}"
+        )
+    return sun
+
+
+def _direction(sun: Any) -> NDArray[np.float64]:
+    """Unit vector above the horizon, or a refusal."""
+    try:
+        vector = np.asarray(sun)
+    except ValueError:
+        vector = np.zeros(0)
+    length = 0.0
+    if vector.shape == (3,) and vector.dtype.kind in "fiu":
+        length = float(np.linalg.norm(vector.astype(np.float64)))
+    if not (length > 0 and math.isfinite(length)):
+        raise EnvLightsError(
+            "sun must be 'auto', a direction of three finite numbers that are not all 0, a SunAt or"
+            f" a Sun; got {describe(vector.tolist() if vector.shape == (3,) else sun)}"
+        )
+    direction = vector.astype(np.float64) / length
+    if direction[1] <= 0:
+        raise _below_horizon(float(elevations(direction[None])[0]))
+    return direction
+
+
+def _below_horizon(elevation: float) -> EnvLightsError:
+    degrees = math.degrees(elevation)
+    return EnvLightsError(f"sun must be above the horizon; got an elevation of {degrees:.3g}°")

@@ -1,0 +1,179 @@
+"""Search for the sun of a map."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from envlights._check import amount, reals
+from envlights._native import EnvLightsError
+from envlights.envmap import AnyMap, EnvMap, as_envmap
+from envlights.sun.brightness import INTERVAL, WIDE_INTERVAL, sun_irradiance
+from envlights.sun.direction import SunPosition, fit_about, spot_position, sun_position
+from envlights.sun.float_map import sun_of_float_map
+from envlights.sun.parts import Part, best_part, part_at
+from envlights.sun.plateau import plateau_of
+from envlights.sun.questions import PERHAPS, SUN, points_of
+from envlights.sun.result import SUN_RADIUS, Sun
+from envlights.sun.sky_image import SkyImage, sky_image
+from envlights.sun.spots import single_spot
+
+#: Notes on the answer.
+_SUN_OR_MOON = "sun or moon: a picture does not say which"
+_NO_PART = "no clipped part above the horizon is like a sun"
+_NO_GROUND = "too little unclipped ground: the irradiance is from the sky alone"
+_UNSEEN = "parts of the sphere are not seen and count as black"
+
+
+def find_sun(
+    env: AnyMap, *, direction: ArrayLike | None = None, elevation: float | None = None
+) -> Sun:
+    """Find the sun of a map: its direction, its irradiance, and an answer if there is one.
+
+    The disc of the sun is smaller than most pixels, and an 8-bit picture is white for degrees
+    around it. The clipped part, the symmetry of the sky and a fit of the sky give the direction,
+    the ground and the sky the irradiance. Eight questions decide if it is a sun.
+
+    Parameters
+    ----------
+    env : EnvMap, path or array_like, shape (height, 2 * height, 3)
+        The map.
+    direction : array_like, shape (3,), optional
+        Known direction of the sun, of any length. The answer is then "sun", without questions.
+    elevation : float, optional
+        Known elevation of the sun in degrees, above 0. The picture then gives the azimuth.
+
+    Returns
+    -------
+    Sun
+        `answer` is "sun" with 7 or 8 points of 8, "perhaps" with 5 or 6, else "no". For a map that
+        is not clipped, the sun is one of its detected lights, or the answer is "no".
+
+    Raises
+    ------
+    EnvLightsError
+        If `env` is not a map, both `direction` and `elevation` are given, the direction is zero or
+        not finite, or the sun is not above the horizon.
+
+    Notes
+    -----
+    ``docs/sun.md`` has the questions, the accuracy on pictures of HDR maps, and the failures.
+    `Sun.lights` is the disc as a light, and `Sun.sky` the radiance of the sky behind it.
+
+    Examples
+    --------
+    >>> import envlights as el
+    >>> sun = el.find_sun(np.full((64, 128, 3), 0.5), direction=[0, 3, 4])
+    >>> sun.answer, sun.direction, sun.evidence
+    ('sun', array([0. , 0.6, 0.8]), ('given',))
+    """
+    if direction is not None and elevation is not None:
+        raise EnvLightsError("give direction or elevation, not both")
+    given = None if direction is None else _direction(direction)
+    height = None if elevation is None else _elevation(elevation)
+    world = as_envmap(env)
+    if given is not None:
+        return _given_sun(world, given)
+    if world.white is None or not world.clipped_share:
+        return sun_of_float_map(world)
+    radiance = world.cells()
+    image = sky_image(radiance, world.white)
+    spot = single_spot(image, radiance, world.white) if height is None else None
+    if spot is not None:
+        return _answer(world, image, _Search(None, spot_position(image, spot)))
+    part = best_part(image)
+    if part is None:
+        return Sun("no", notes=(_NO_PART,), units=world.units)
+    return _answer(world, image, _Search(part, sun_position(image, part, height)))
+
+
+class _Search(NamedTuple):
+    """Clipped part, and the direction in it."""
+
+    part: Part | None
+    position: SunPosition
+
+
+def _answer(world: EnvMap, image: SkyImage, found: _Search) -> Sun:
+    """Result for a clipped map, by the points."""
+    points = points_of(image, *found)
+    count = sum(points.values())
+    if count < PERHAPS:
+        return Sun("no", points, notes=(f"{count} of {len(points)} points",), units=world.units)
+    # Three points of a spot are given by its ring, so the others must all be yes.
+    answer = "sun" if count >= (SUN if found.part is not None else len(points)) else "perhaps"
+    return _with_irradiance(world, image, found, answer, points)
+
+
+def _given_sun(world: EnvMap, direction: NDArray[np.float64]) -> Sun:
+    """Result for a known direction."""
+    white = world.white or float(world.radiance.max())
+    if white <= 0:
+        raise EnvLightsError("the map is black, so the irradiance of its sun is not known")
+    image = sky_image(world.cells(), white)
+    part = part_at(image, direction) if world.white is not None else None
+    position = SunPosition(direction, 0.0, ("given",), fit_about(image, direction))
+    return _with_irradiance(world, image, _Search(part, position), "sun", {})
+
+
+def _with_irradiance(
+    world: EnvMap,
+    image: SkyImage,
+    found: _Search,
+    answer: str,
+    points: dict[str, bool],
+) -> Sun:
+    """Result with irradiance and plateau."""
+    part, position = found
+    white = world.white or float(world.radiance.max())
+    relative, is_measured = sun_irradiance(image, float(position.direction[1]))
+    notes = [] if "given" in position.evidence else [_SUN_OR_MOON]
+    notes += [] if is_measured else [_NO_GROUND]
+    notes += [] if world.seen is None else [_UNSEEN]
+    plateau = None
+    if part is not None:
+        # Without evidence of the sky, its fit is not better than white.
+        usable = position.fit is not None and "sky" in position.evidence
+        fit = position.fit.fit if usable and position.fit is not None else None
+        plateau = plateau_of(world.radiance, world.is_border_sampled, white, part.mask, fit)
+    return Sun(
+        answer,
+        points,
+        position.direction,
+        float(np.radians(position.uncertainty)),
+        white * relative,
+        INTERVAL,
+        WIDE_INTERVAL,
+        SUN_RADIUS,
+        0.0 if part is None else float(np.radians(part.radius)),
+        position.evidence,
+        tuple(notes),
+        plateau,
+        units=world.units,
+    )
+
+
+def _direction(values: ArrayLike) -> NDArray[np.float64]:
+    """Unit vector of a known direction above the horizon, or a refusal."""
+    vector = reals("direction", values, 1)
+    length = np.linalg.norm(vector)
+    if vector.shape != (3,) or not (np.isfinite(length) and length > 0):
+        raise EnvLightsError(
+            f"direction must be three finite numbers, not all 0; got {vector.tolist()}"
+        )
+    if vector[1] <= 0:
+        raise EnvLightsError(
+            f"direction must be above the horizon, with y > 0; got {vector.tolist()}"
+        )
+    unit: NDArray[np.float64] = vector / length
+    return unit
+
+
+def _elevation(value: float) -> float:
+    """Known elevation in degrees, or a refusal."""
+    degrees = amount("elevation", value, 0.0, 90.0)
+    if degrees == 0:
+        raise EnvLightsError("elevation must be above 0 degrees, where the sun shines; got 0")
+    return degrees

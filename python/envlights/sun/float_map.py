@@ -1,0 +1,74 @@
+"""Sun of a map that is not clipped: the brightest detected light, if the sky around it agrees."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights import _native
+from envlights.detection.component_tree import detect_tree
+from envlights.detection.lights import DetectedLights
+from envlights.envmap import EnvMap
+from envlights.kernels.image import LUMINANCE
+from envlights.sun.direction import spot_position
+from envlights.sun.questions import SUN, points_of
+from envlights.sun.result import SUN_RADIUS, Sun
+from envlights.sun.sky_image import sky_image
+
+#: Largest radius of a sun with its blur, in degrees, and its least irradiance over that of the sky.
+_WIDEST, _LEAST_RATIO = 2.5, 0.5
+#: Fraction of the upper half that is above the clip level at which the sky is looked at.
+_CLIPPED = 0.004
+
+#: Note of a map that holds its sun already.
+HOLDS_SUN = "the map is not clipped and holds its own sun"
+NO_SUN = "no pixel is clipped, and no light of the map is like a sun"
+
+
+def sun_of_float_map(env: EnvMap) -> Sun:
+    """Sun of a map without clipped pixels: one of its lights, or none."""
+    lights = detect_tree(env, max_lights=4)
+    if not _is_compact(env, lights):
+        return Sun("no", notes=(NO_SUN,), units=env.units)
+    points = _points(env, lights.direction[0])
+    if sum(points.values()) < SUN:
+        return Sun("no", points, notes=(NO_SUN,), units=env.units)
+    return Sun(
+        "sun",
+        points,
+        lights.direction[0],
+        0.5 * np.pi / env.height,
+        lights.irradiance[0],
+        angular_radius=SUN_RADIUS,
+        evidence=("map",),
+        notes=(HOLDS_SUN,),
+        units=env.units,
+    )
+
+
+def _is_compact(env: EnvMap, lights: DetectedLights) -> bool:
+    """True if the first light is small, up, and bright beside the sky and the other lights."""
+    if not len(lights) or lights.direction[0, 1] <= 0:
+        return False
+    if lights.angular_radius[0] > np.radians(_WIDEST):
+        return False
+    first, *others = lights.irradiance @ LUMINANCE
+    sky = float(env.probe([[0.0, 1.0, 0.0]], unseen="black")[0] @ LUMINANCE)
+    sky -= first * lights.direction[0, 1]
+    return bool(first > _LEAST_RATIO * max(sky, 0) and first > 2 * max(others, default=0.0))
+
+
+def _points(env: EnvMap, direction: NDArray[np.float64]) -> dict[str, bool]:
+    """Answers about the sky around a light, in the map as a picture would show it."""
+    radiance = env.cells()
+    luminance = _native.luminance(radiance)
+    upper = luminance[: len(luminance) // 2]
+    weight = np.sin((np.arange(len(upper)) + 0.5) / len(luminance) * np.pi)
+    order = np.argsort(upper, axis=None, kind="stable")
+    above = np.cumsum(np.repeat(weight, upper.shape[1])[order])
+    at = np.searchsorted(above, (1 - _CLIPPED) * above[-1])
+    white = float(upper.ravel()[order[min(at, len(order) - 1)]])
+    if white <= 0:
+        return {}
+    image = sky_image(np.minimum(radiance, np.float32(white)), white)
+    return points_of(image, None, spot_position(image, direction))

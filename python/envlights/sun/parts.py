@@ -1,0 +1,89 @@
+"""Candidates for the sun: parts of the clipped core, or a single small spot in smooth sky."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights._connectivity import connected_regions
+from envlights.kernels.image import uv_to_pixel
+from envlights.kernels.sphere import direction_to_uv
+from envlights.sun.sky_image import SkyImage
+
+#: Logarithm of the weight of a part at the zenith over that of one on the horizon; as in detection.
+_UPWARDS = 1.5
+#: Ratio of width to height from which a part at the horizon is a strip, its least width, and the
+#: elevation, in degrees, below which it must begin. A clear sky is white along the horizon.
+_STRIP, _STRIP_WIDTH, _STRIP_BELOW = 4.0, 10.0, 6.0
+
+Array = NDArray[np.float64]
+
+
+class Part(NamedTuple):
+    """Part of the core that may hold the sun."""
+
+    mask: NDArray[np.bool_]
+    depth: Array
+    """Degrees to the rim, and 0 outside of the part."""
+    direction: Array
+    """Centroid weighted by the cube of the depth."""
+    radius: float
+    """Radius in degrees of a disc of the same solid angle."""
+    solid_angle: float
+
+
+def best_part(image: SkyImage) -> Part | None:
+    """Part with the largest depth, higher ones first; None if there is none but strips."""
+    depth = image.depth
+    rows, columns = np.nonzero(depth > 0)
+    if not len(rows):
+        return None
+    regions = connected_regions(rows, columns, depth.shape)
+    deepest = np.zeros(regions.max() + 1)
+    np.maximum.at(deepest, regions, depth[rows, columns])
+    weights = image.solid_angles[rows, columns]
+    towards = np.zeros((len(deepest), 3))
+    np.add.at(towards, regions, image.directions[rows, columns] * weights[:, None])
+    height = towards[:, 1] / np.maximum(np.linalg.norm(towards, axis=1), 1e-12)
+    score = deepest * np.exp(_UPWARDS * np.maximum(height, -0.2))
+    for region in np.argsort(-score, kind="stable"):
+        own = regions == region
+        if not _is_strip(image, rows[own], columns[own]):
+            return _part(image, rows[own], columns[own])
+    return None
+
+
+def part_at(image: SkyImage, direction: Array) -> Part | None:
+    """Part that holds a direction; None if there is no clipped cell."""
+    ((row, column),) = uv_to_pixel(direction_to_uv(direction[None]), *image.core.shape)
+    depth = image.depth
+    if not depth[row, column] > 0:
+        return None
+    rows, columns = np.nonzero(depth > 0)
+    regions = connected_regions(rows, columns, depth.shape)
+    own = regions == regions[(rows == row) & (columns == column)]
+    return _part(image, rows[own], columns[own])
+
+
+def _part(image: SkyImage, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> Part:
+    mask = np.zeros(image.core.shape, bool)
+    mask[rows, columns] = True
+    depth = np.where(mask, image.depth, 0)
+    sum_ = (image.directions[mask] * (image.solid_angles * depth**3)[mask][:, None]).sum(axis=0)
+    solid_angle = float(image.solid_angles[mask].sum())
+    radius = np.degrees(np.arccos(max(-1.0, 1 - solid_angle / (2 * np.pi))))
+    return Part(mask, depth, sum_ / np.linalg.norm(sum_), float(radius), solid_angle)
+
+
+def _is_strip(image: SkyImage, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> bool:
+    """True if the deep half of a part is a strip along the horizon."""
+    depth = image.depth[rows, columns]
+    deep = depth >= 0.5 * depth.max()
+    elevation = image.elevation[rows[deep], 0]
+    if elevation.min() > _STRIP_BELOW:
+        return False
+    height = len(np.unique(rows[deep])) * 180 / len(image.core)
+    width = len(np.unique(columns[deep])) * 360 / image.core.shape[1]
+    return bool(width > _STRIP_WIDTH and width > _STRIP * height)

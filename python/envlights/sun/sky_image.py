@@ -1,0 +1,167 @@
+"""Reduced image of a clipped map, with its clipped core and its sky."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights import _native
+from envlights.kernels.image import LUMINANCE
+from envlights.kernels.sphere import pixel_directions, pixel_solid_angles
+
+#: Most columns of the image. A sky is smooth, and its plateaus are degrees wide.
+COLUMNS = 512
+
+#: Fraction of the pixels of a cell that are clipped in all channels, for the core.
+_CORE = 0.5
+#: Fraction of the pixels of a cell that are clipped in any channel, beside which nothing is sky.
+_TOUCHED = 0.25
+
+#: Elevation in degrees above which there may be sky: trees and houses stand below.
+_SKY_ABOVE = 3.0
+#: Elevation in degrees above which the core may hold a sun.
+_CORE_ABOVE = -1.0
+#: Deviation of log luminance in 5x5 cells, below which a place is as smooth as sky.
+_SMOOTH = 0.12
+#: Least luminance of sky over the median of the smooth part above the horizon.
+_LEAST_SKY = 0.25
+#: Least ratio of blue to red of sky: brick and wood have less.
+_LEAST_BLUE = 0.75
+
+#: Least luminance over white whose logarithm is taken: one code of 8 bits is 3e-4.
+_DARK = 1e-4
+
+Mask = NDArray[np.bool_]
+Image = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class SkyImage:
+    """Radiance of a clipped map in units of its clip level, on at most 512 columns."""
+
+    radiance: Image
+    """Mean radiance of each cell, (height, width, 3)."""
+    clipped: Image
+    """Fraction of its pixels that are clipped in all channels, (height, width)."""
+    touched: Image
+    """Fraction of its pixels that are clipped in any channel, (height, width)."""
+    peak: Image
+    """Largest luminance of its pixels, (height, width)."""
+
+    @cached_property
+    def directions(self) -> Image:
+        """Unit vector of each cell, (height, width, 3)."""
+        return pixel_directions(*self.clipped.shape)
+
+    @cached_property
+    def solid_angles(self) -> Image:
+        """Steradians of each cell, (height, width)."""
+        return pixel_solid_angles(*self.clipped.shape)
+
+    @cached_property
+    def elevation(self) -> Image:
+        """Degrees above the horizon of each row, (height, 1)."""
+        height = len(self.clipped)
+        return 90 - 180 * (np.arange(height)[:, None] + 0.5) / height
+
+    @cached_property
+    def luminance(self) -> Image:
+        """Luminance of each cell, (height, width)."""
+        values: Image = self.radiance @ LUMINANCE
+        return values
+
+    @cached_property
+    def log(self) -> Image:
+        """Logarithm of the luminance, (height, width)."""
+        return np.log(np.maximum(self.luminance, _DARK))
+
+    @cached_property
+    def core(self) -> Mask:
+        """Cells above the horizon that are clipped."""
+        return (self.clipped > _CORE) & (self.elevation > _CORE_ABOVE)
+
+    @cached_property
+    def is_touched(self) -> Mask:
+        """Cells with clipped pixels."""
+        return self.touched > _TOUCHED
+
+    @cached_property
+    def depth(self) -> Image:
+        """Degrees from each cell of the core to the nearest cell outside, small gaps filled."""
+        image = np.repeat(self.core[..., None].astype(np.float32), 3, axis=2)
+        width = self.core.shape[1]
+        return np.degrees(_native.clipped_depth(image, False, 1.0, width, 2 * np.pi / width))
+
+    @cached_property
+    def roughness(self) -> Image:
+        """Deviation of log luminance in the 5x5 cells around each cell."""
+        mean = _mean_of_25(self.log)
+        return np.sqrt(np.maximum(_mean_of_25(self.log**2) - mean**2, 0))
+
+    @cached_property
+    def sky(self) -> Mask:
+        """Unclipped cells of the sky: above the horizon, smooth, not dark and not brown."""
+        near_clipped = _mean_of_9(self.is_touched.astype(float)) > 0.01
+        smooth = (self.elevation > _SKY_ABOVE) & (self.roughness < _SMOOTH) & ~near_clipped
+        if not smooth.any():
+            return smooth
+        level = float(np.median(self.luminance[smooth]))
+        bright = self.luminance > _LEAST_SKY * level
+        return smooth & bright & (self.radiance[..., 2] > _LEAST_BLUE * self.radiance[..., 0])
+
+
+def sky_image(radiance: NDArray[np.float32], white: float) -> SkyImage:
+    """Reduced image of a map of cells, (height, 2 height, 3), clipped at `white`."""
+    height, width = radiance.shape[:2]
+    columns = min(COLUMNS, width)
+    rows = columns // 2
+    least = np.float32(_native.LEAST_WHITE * white)
+    means, (clipped, touched, peak) = np.zeros((rows, columns, 3)), np.zeros((3, rows, columns))
+    edges = np.arange(rows + 1) * height // rows
+    for row, (top, bottom) in enumerate(pairwise(edges)):
+        band = radiance[top:bottom]
+        is_clipped: Mask = np.asarray(band >= least)
+        means[row] = _means(band, columns) / white
+        clipped[row] = _means(is_clipped.all(axis=2)[..., None], columns)[..., 0]
+        touched[row] = _means(is_clipped.any(axis=2)[..., None], columns)[..., 0]
+        highest = (band @ LUMINANCE).max(axis=0) / white
+        peak[row] = np.maximum.reduceat(highest, _starts(width, columns))
+    return SkyImage(means, clipped, touched, peak)
+
+
+def _means(band: NDArray[np.generic], columns: int) -> Image:
+    """Mean of a band of rows, (rows, width, channels), in each of some columns."""
+    sums = band.sum(axis=0, dtype=np.float64)
+    width = len(sums)
+    starts = _starts(width, columns)
+    counts = np.diff(starts, append=width)
+    means: Image = np.add.reduceat(sums, starts, axis=0) / (counts[:, None] * len(band))
+    return means
+
+
+def _starts(width: int, columns: int) -> NDArray[np.intp]:
+    """First column of each part of a row."""
+    return np.arange(columns) * width // columns
+
+
+def _mean_of_25(image: Image) -> Image:
+    return _box(image, 2)
+
+
+def _mean_of_9(image: Image) -> Image:
+    return _box(image, 1)
+
+
+def _box(image: Image, reach: int) -> Image:
+    """Mean over a square of cells; columns meet at the seam, and the poles repeat their row."""
+    size = 2 * reach + 1
+    wide = np.pad(np.pad(image, ((reach, reach), (0, 0)), "edge"), ((0, 0), (reach, reach)), "wrap")
+    height, width = image.shape
+    rows = np.sum([wide[step : step + height] for step in range(size)], axis=0)
+    columns = np.sum([rows[:, step : step + width] for step in range(size)], axis=0)
+    mean: Image = columns / size**2
+    return mean

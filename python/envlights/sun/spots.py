@@ -1,0 +1,102 @@
+"""A single small clipped spot in smooth sky: the disc itself, in a picture without glare."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights import _native
+from envlights.kernels.image import LUMINANCE
+from envlights.sun.sky_image import SkyImage
+
+#: Least luminance over white of a spot's brightest pixel: JPEG darkens a lonely pixel by 3 %.
+_LEAST_PEAK = 0.96
+#: Angles in degrees between which the ring around a spot lies.
+_INNER, _OUTER = 1.5, 3.5
+#: Largest mean luminance in the ring over the peak of the spot: 95 % of the ring is below it.
+_MOST_RING = 0.9
+#: Largest deviation of log luminance in the ring from a plane: clouds have more.
+_SMOOTH_RING = 0.03
+#: Largest fraction of clipped pixels in the ring; the noise of a bright sky clips a few.
+_MOST_CLIPPED = 0.02
+#: Elevation in degrees above which a spot must be.
+_ABOVE = 3.0
+#: Most places that are looked at; a picture with more has no lonely spot.
+_MOST_PLACES = 256
+
+Array = NDArray[np.float64]
+
+
+def single_spot(image: SkyImage, radiance: NDArray[np.float32], white: float) -> Array | None:
+    """Direction of the only spot of a map clipped at `white`; None for no spot or several.
+
+    `radiance` holds the cells of the map, (height, 2 height, 3).
+    """
+    places = _peaks(image)
+    if len(places) > _MOST_PLACES:
+        return None
+    found: list[Array] = []
+    for row, column in places:
+        direction = image.directions[row, column]
+        if all(each @ direction < np.cos(np.radians(_INNER)) for each in found) and _is_lonely(
+            image, row, column
+        ):
+            found.append(direction)
+    if len(found) != 1:
+        return None
+    return _centre(radiance, np.float32(white), found[0])
+
+
+def _peaks(image: SkyImage) -> NDArray[np.intp]:
+    """Cells with a bright pixel, brightest first, whose column is unclipped nearby."""
+    is_peak = (image.peak >= _LEAST_PEAK) & (image.elevation > _ABOVE)
+    height = len(is_peak)
+    step = int(np.ceil(_INNER / 180 * height)) + 1
+    rows, columns = np.nonzero(is_peak)
+    above, below = np.maximum(rows - step, 0), np.minimum(rows + step, height - 1)
+    free = (image.clipped[above, columns] == 0) & (image.clipped[below, columns] == 0)
+    rows, columns = rows[free], columns[free]
+    order = np.lexsort((columns, rows, -image.peak[rows, columns]))
+    return np.stack([rows, columns], axis=1)[order]
+
+
+def _is_lonely(image: SkyImage, row: int, column: int) -> bool:
+    """True for a bright cell in a ring of smooth, blue, unclipped sky."""
+    reach = int(np.ceil(_OUTER / 180 * len(image.core)))
+    rows = slice(max(row - reach, 0), row + reach + 1)
+    cosine = image.directions[rows] @ image.directions[row, column]
+    ring = (cosine < np.cos(np.radians(_INNER))) & (cosine > np.cos(np.radians(_OUTER)))
+    if np.count_nonzero(ring) < 16 or image.clipped[rows][ring].mean() > _MOST_CLIPPED:
+        return False
+    if np.quantile(image.luminance[rows][ring], 0.95) > _MOST_RING * image.peak[row, column]:
+        return False
+    red, blue = image.radiance[rows][ring][:, [0, 2]].mean(axis=0)
+    return bool(blue > red and _deviation(image, rows, ring) < _SMOOTH_RING)
+
+
+def _deviation(image: SkyImage, rows: slice, ring: NDArray[np.bool_]) -> float:
+    """Robust deviation of log luminance in a ring from a plane."""
+    plane = image.directions[rows][ring]
+    values = image.log[rows][ring]
+    residual = values - plane @ np.linalg.lstsq(plane, values, rcond=None)[0]
+    return float(1.48 * np.median(np.abs(residual)))
+
+
+def _centre(radiance: NDArray[np.float32], white: np.float32, near: Array) -> Array:
+    """Centroid of the excess of the pixels around a direction, at full resolution."""
+    height, width = radiance.shape[:2]
+    middle = int(np.arccos(np.clip(near[1], -1, 1)) / np.pi * height)
+    reach = int(np.ceil(_OUTER / 180 * height)) + 1
+    rows = slice(max(middle - reach, 0), min(middle + reach + 1, height))
+    directions = _native.pixel_directions(height, width, False, rows.start, rows.stop)
+    cosine = directions @ near
+    inside, ring = cosine > np.cos(np.radians(_INNER)), cosine > np.cos(np.radians(_OUTER))
+    luminance = radiance[rows] @ LUMINANCE / white
+    background = np.median(luminance[ring & ~inside])
+    peak = luminance[inside].max()
+    # Half of the height keeps the noise of the ring out.
+    excess = np.maximum(luminance - 0.5 * (peak + background), 0) * inside
+    weight = excess * np.sqrt(1 - directions[..., 1] ** 2)
+    sum_ = (directions * weight[..., None]).sum(axis=(0, 1))
+    direction: Array = sum_ / np.linalg.norm(sum_)
+    return direction

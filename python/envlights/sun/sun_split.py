@@ -1,0 +1,196 @@
+"""Sun of a map as a light of its own, and the sky without it."""
+
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from envlights._check import amount
+from envlights._links import save_parts
+from envlights._native import EnvLightsError
+from envlights._unseen import Unseen
+from envlights.detection.split import split
+from envlights.envmap import AnyMap, EnvMap, as_envmap
+from envlights.kernels.image import LUMINANCE
+from envlights.lights import Lights
+from envlights.sun import wording
+from envlights.sun.choice import AUTO, AnySun, is_of_map, sun_of
+from envlights.sun.result import Sun
+
+#: Cosine of the largest angle between the sun of a map and its brightest light, of 3 degrees.
+_SAME = math.cos(math.radians(3))
+
+
+class SunSplit(NamedTuple):
+    """Sun as a light, and the map without it."""
+
+    lights: Lights
+    """The sun as a disc; no light if there is none. `notes` say how sure it is."""
+
+    rest: EnvMap
+    """The map with the sky in place of the clipped part around the sun."""
+
+    def save(self, *paths: str | os.PathLike[str]) -> tuple[Path, ...]:
+        """Write the sun with the rest around it, for one program or several; see `Split.save`.
+
+        Parameters
+        ----------
+        *paths : path-like
+            Scenes (`el.export.TARGETS` lists the suffixes), and files of the rest (.exr, .hdr).
+
+        Returns
+        -------
+        tuple of Path
+            All written files.
+
+        Raises
+        ------
+        EnvLightsError
+            If there is no path, a suffix is unknown, two files have the same path, or one cannot be
+            written.
+        """
+        return save_parts(self.lights, self.rest, paths)
+
+    def __str__(self) -> str:
+        return f"{self.lights}\n\nthe map around it: {self.rest}"
+
+    def _repr_pretty_(self, printer: Any, _: bool) -> None:
+        printer.text(repr(self) if printer.indentation else str(self))
+
+    def _repr_html_(self) -> str:
+        return self.lights._repr_html_() + self.rest._repr_html_()
+
+
+def with_sun(
+    env: AnyMap,
+    sun: AnySun = AUTO,
+    *,
+    irradiance: float | None = None,
+    ratio: float | None = None,
+    unseen: Unseen = None,
+) -> SunSplit:
+    r"""Sun of a clipped map as a light of 0.265 degrees in radius, and the sky without it.
+
+    An 8-bit picture shows a sun as a white glow that is degrees wide and much too dark. Here the
+    sun is a light with the size of the sun, for sharp shadows, and the glow becomes sky. Nothing
+    is drawn into the map; `EnvMap.repaired` does that. If the map is not clipped and holds its
+    sun, `split` removes it.
+
+    Parameters
+    ----------
+    env : EnvMap, path or array_like, shape (height, 2 * height, 3)
+        The map.
+    sun : "auto", array_like of shape (3,), SunAt or Sun
+        "auto": the sun of `find_sun`. A direction, of any length. A `SunAt` with `north` gives the
+        direction; one without it the elevation, and the picture the azimuth. A `Sun`, such as one
+        of `find_sun` that was changed by `dataclasses.replace`.
+    irradiance : float, optional
+        Measured luminance of the irradiance on an upward surface, sun and sky together, on the
+        scale of the map: lux, if its `units` are "cd/m2". It replaces the estimate.
+    ratio : float, optional
+        The same irradiance divided by that of the sky alone: two readings of a lux meter on the
+        ground, in the open and with the sun shaded. It replaces the estimate, too.
+    unseen : {"black", "harmonic", "ground"}, float or array_like, shape (3,), optional
+        Radiance where the map shows nothing, for these readings; see `EnvMap.filled`.
+
+    Returns
+    -------
+    lights : Lights
+        The sun; no light if the answer is "perhaps" or "no". Notes say what is a guess.
+    rest : EnvMap
+        The map with sky in place of the clipped part around the sun, without a `white`. It is the
+        map itself, with a note, if there is no sun.
+
+    Raises
+    ------
+    EnvLightsError
+        If `env` is not a map, `sun` is none of these or below the horizon, both readings are given,
+        or one is less than that of the sky alone.
+
+    See Also
+    --------
+    find_sun : the answer, the direction and the estimate of the irradiance.
+    split : lights that the map shows with their true radiance.
+
+    Notes
+    -----
+    With the irradiance S of the sky on an upward surface and the elevation h of the sun, a reading
+    E gives the sun an irradiance of :math:`(E - S) / \sin h` at normal incidence, and a ratio q
+    gives :math:`(q - 1) S / \sin h`, in the colour of the estimate.
+
+    Examples
+    --------
+    >>> import envlights as el
+    >>> env = el.EnvMap(np.full((64, 128, 3), 0.5))
+    >>> sun = el.Sun("sun", direction=[0.6, 0.8, 0], irradiance=[4, 3.8, 3.4])
+    >>> lights, rest = el.with_sun(env, sun)
+    >>> round(float(np.degrees(lights.angular_radius[0])), 3)
+    0.265
+    >>> el.with_sun(env, sun, ratio=5).lights.irradiance.round(1)
+    array([[8.2, 7.8, 7. ]])
+    """
+    env = as_envmap(env)
+    return parts_of(env, sun_of(env, sun), irradiance, ratio, unseen)
+
+
+def parts_of(
+    env: EnvMap, sun: Sun, irradiance: float | None, ratio: float | None, unseen: Unseen
+) -> SunSplit:
+    """Light and rest for a sun; see `with_sun`."""
+    if irradiance is not None and ratio is not None:
+        raise EnvLightsError("give irradiance or ratio, not both")
+    for name, reading in (("irradiance", irradiance), ("ratio", ratio)):
+        if reading is not None:
+            amount(name, reading)
+    parts = _split_from_map(env, sun) if is_of_map(sun) else None
+    if parts is not None:
+        sun, rest = parts
+    elif is_of_map(sun) or not len(sun.lights):
+        note = wording.without_sun(sun)
+        notes = (*env.notes, note)
+        none = replace(sun.lights[:0], notes=(note,))
+        return SunSplit(none, env.with_radiance(env.radiance, notes))
+    else:
+        rest = env.with_radiance(sun.sky(env.radiance), env.notes, keeps_white=False)
+    lights, measured = sun.lights, ""
+    if irradiance is not None or ratio is not None:
+        lights, measured = _of_reading(sun, rest, irradiance, ratio, unseen)
+    note = wording.of_sun(sun, measured)
+    notes = (*rest.notes, f"as a light of its own: {note}")
+    return SunSplit(replace(lights, notes=(note,)), rest.with_radiance(rest.radiance, notes))
+
+
+def _split_from_map(env: EnvMap, sun: Sun) -> tuple[Sun, EnvMap] | None:
+    """Sun of a map that shows its true radiance, and the map without it.
+
+    None if the sun is not its brightest light, which `split` removes.
+    """
+    removed, rest = split(env, 1)
+    if sun.direction is None or not len(removed) or removed.direction[0] @ sun.direction < _SAME:
+        return None
+    return replace(sun, irradiance=removed.irradiance[0]), rest
+
+
+def _of_reading(
+    sun: Sun, rest: EnvMap, irradiance: float | None, ratio: float | None, unseen: Unseen
+) -> tuple[Lights, str]:
+    """Sun with the irradiance of a reading, and the reading in words."""
+    sky = float(rest.probe(np.array([0.0, 1.0, 0.0]), unseen=unseen) @ LUMINANCE)
+    name, reading, least = "irradiance", irradiance or 0.0, sky
+    if ratio is not None:
+        name, reading, least = "ratio", ratio, 1.0
+    if reading < least:
+        raise EnvLightsError(
+            f"{name} must be at least that of the sky without the sun, {least:.4g}; got {reading:g}"
+        )
+    (towards,), (guess,) = sun.lights.direction, sun.lights.irradiance
+    missing = (reading - least) * (1.0 if ratio is None else sky)
+    luminance = float(guess @ LUMINANCE)
+    colour = guess / luminance if luminance > 0 else np.ones(3)
+    lights = replace(sun.lights, irradiance=missing / float(towards[1]) * colour[None])
+    return lights, f"its irradiance is that of the {name} of {reading:.4g}"

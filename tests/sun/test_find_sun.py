@@ -1,0 +1,182 @@
+"""Direction and answer of `find_sun`."""
+
+import numpy as np
+import pytest
+
+import envlights as el
+from envlights.kernels.sphere import pixel_directions
+from envlights.sun.direction import sun_position
+from envlights.sun.parts import best_part
+from envlights.sun.sky_image import sky_image
+from tests.helpers import angle_deg
+from tests.sun.skies import HEIGHT, cie_clear, codes, expose, sunny, towards
+
+PLACE = towards(130, 38)
+
+
+def sun_in(picture):
+    return el.find_sun(el.EnvMap(picture))
+
+
+@pytest.fixture(scope="module")
+def wide():
+    """Picture of a sun in a wide white glow, and the direction of the sun."""
+    radiance, _, sun = sunny(PLACE)
+    return expose(radiance, 0.02)[0], sun
+
+
+@pytest.fixture(scope="module")
+def of_wide(wide):
+    return sun_in(wide[0])
+
+
+@pytest.mark.parametrize("elevation", [12, 35, 60, 80])
+def test_the_clipped_pixel_of_a_sun_alone_is_found_to_half_a_pixel(elevation):
+    radiance, _, sun = sunny(towards(75, elevation))
+    # No part of the sky is white.
+    picture = codes(radiance / (1.6 * cie_clear(sun).max()))
+    answer = sun_in(picture)
+    assert answer.answer == "sun"
+    assert angle_deg(answer.direction, sun) < 0.5 * 180 / HEIGHT
+    assert np.degrees(answer.plateau_radius) < 0.5
+
+
+#: The glow of a low sun is wider towards the bright horizon, which every estimate follows a little.
+#: The largest error of these skies is 2.2 times the uncertainty.
+SIGMAS = 2.5
+
+
+@pytest.mark.parametrize("share", [0.02, 0.06])
+@pytest.mark.parametrize("elevation", [25, 38, 55])
+def test_a_sun_in_a_white_glow_is_found_within_its_uncertainty(share, elevation):
+    radiance, _, sun = sunny(towards(130, elevation))
+    answer = sun_in(expose(radiance, share)[0])
+    assert answer.answer == "sun"
+    assert angle_deg(answer.direction, sun) < SIGMAS * np.degrees(answer.direction_uncertainty)
+    assert {"depth", "symmetry", "sky"} == set(answer.evidence)
+
+
+@pytest.mark.parametrize("columns", [1, 100, 181, 350])
+def test_a_turn_of_the_map_turns_the_answer(wide, of_wide, columns):
+    answer = sun_in(np.roll(wide[0], columns, axis=1))
+    turned = of_wide.azimuth + columns / (2 * HEIGHT) * 2 * np.pi
+    expected = towards(np.degrees(turned), np.degrees(of_wide.elevation))
+    assert angle_deg(answer.direction, expected) < 0.2
+    assert answer.points == of_wide.points
+    np.testing.assert_allclose(answer.irradiance, of_wide.irradiance, rtol=1e-9)
+
+
+def test_the_seam_through_the_sun_changes_nothing(wide, of_wide):
+    shift = -int(of_wide.azimuth / (2 * np.pi) * 2 * HEIGHT)
+    answer = sun_in(np.roll(wide[0], shift, axis=1))
+    assert np.degrees(min(answer.azimuth, 2 * np.pi - answer.azimuth)) < 0.7
+    assert answer.elevation == pytest.approx(of_wide.elevation, abs=np.radians(0.2))
+    assert answer.plateau_radius == pytest.approx(of_wide.plateau_radius)
+
+
+def test_a_mirrored_map_mirrors_the_answer(wide, of_wide):
+    answer = sun_in(wide[0][:, ::-1])
+    # Columns count from -z, so that azimuths change their sign.
+    assert angle_deg(answer.direction, of_wide.direction * [-1, 1, 1]) < 0.2
+
+
+def test_a_wall_before_half_of_the_glow_leaves_the_azimuth(wide, of_wide):
+    picture, sun = wide
+    directions = pixel_directions(*picture.shape[:2])
+    azimuth = np.degrees(np.arctan2(directions[..., 0], -directions[..., 2])) % 360
+    lift = np.degrees(np.arcsin(directions[..., 1]))
+    walled = picture.copy()
+    walled[(azimuth > 132) & (azimuth < 170) & (lift < 60)] = (90, 80, 70)
+    answer = sun_in(walled)
+    side = np.degrees(answer.azimuth) - np.degrees(np.arctan2(sun[0], -sun[2]))
+    assert abs(side) * np.cos(answer.elevation) < 2 * np.degrees(answer.direction_uncertainty)
+    assert answer.plateau_radius < of_wide.plateau_radius
+
+
+def test_a_film_curve_is_recognised():
+    radiance, _, sun = sunny(PLACE)
+    for film in (False, True):
+        x = radiance / np.quantile(radiance.max(axis=2), 0.95) * (7 if film else 1)
+        curve = x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14) if film else x
+        env = el.EnvMap(codes(curve))
+        image = sky_image(env.radiance, env.white)
+        position = sun_position(image, best_part(image))
+        assert position.fit.fit.is_film == film
+        assert angle_deg(position.direction, sun) < 2 * position.uncertainty
+
+
+def disc(*arguments):
+    return el.synthetic.Disc(*arguments)
+
+
+def white_dome():
+    return np.full((HEIGHT, 2 * HEIGHT, 3), 255, np.uint8)
+
+
+def lit_window():
+    window = el.synthetic.Rectangle((0.3, 0.4, 1), 30, 40, (3, 3.2, 3.5))
+    return codes(
+        el.synthetic.scene(HEIGHT, background=[0.08, 0.07, 0.06], shapes=[window]).radiance
+    )
+
+
+def softbox():
+    lamp = el.synthetic.Rectangle((0.8, 0.6, 0), 20, 20, (9, 9, 9))
+    return codes(el.synthetic.scene(HEIGHT, background=[0.01] * 3, shapes=[lamp]).radiance)
+
+
+def moonless_night():
+    picture = np.zeros((HEIGHT, 2 * HEIGHT, 3))
+    picture[: HEIGHT // 2] = (0.004, 0.005, 0.008)
+    rng = np.random.default_rng(3)
+    stars = rng.integers(0, (HEIGHT // 2, 2 * HEIGHT), (40, 2))
+    picture[stars[:, 0], stars[:, 1]] = rng.uniform(0.2, 3, (40, 1))
+    return codes(picture)
+
+
+def white_cloud():
+    cloud = disc((0.2, 0.5, 1), 14.0, (2, 2, 2))
+    sky = codes(el.synthetic.scene(HEIGHT, background=[0.45, 0.5, 0.56], shapes=[cloud]).radiance)
+    sky[HEIGHT // 2 :] = 90
+    return sky
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [white_dome, lit_window, softbox, moonless_night, white_cloud],
+    ids=lambda s: s.__name__,
+)
+def test_other_white_things_are_no_sun(scene):
+    assert sun_in(scene()).answer != "sun"
+
+
+def test_a_strip_along_the_horizon_is_no_sun():
+    radiance, _, _ = sunny(towards(75, 60), ratio=0)
+    directions = pixel_directions(HEIGHT, 2 * HEIGHT)
+    band = (directions[..., 1] > 0) & (directions[..., 1] < 0.07)
+    radiance[band] = 20
+    assert sun_in(codes(radiance / 8)).answer == "no"
+
+
+@pytest.mark.parametrize("height", [64, 100, 512])
+def test_other_sizes_have_the_same_answer(height):
+    radiance, _, sun = sunny(PLACE, height=height)
+    answer = sun_in(expose(radiance, 0.02)[0])
+    assert answer.answer == "sun"
+    assert angle_deg(answer.direction, sun) < SIGMAS * np.degrees(answer.direction_uncertainty)
+
+
+def test_a_border_sampled_map_has_the_same_sun(of_wide, wide):
+    env = el.EnvMap(wide[0], registration="border-sampled")
+    answer = el.find_sun(env)
+    assert answer.answer == "sun"
+    assert angle_deg(answer.direction, of_wide.direction) < 1
+    assert answer.plateau.shape == env.radiance.shape[:2]
+
+
+def test_a_known_elevation_is_kept_and_the_azimuth_found(wide):
+    picture, sun = wide
+    elevation = float(np.degrees(np.arcsin(sun[1])))
+    answer = el.find_sun(picture, elevation=elevation)
+    assert np.degrees(answer.elevation) == pytest.approx(elevation, abs=1e-9)
+    assert angle_deg(answer.direction, sun) < 1
