@@ -114,6 +114,8 @@ def share(flags):
 def directions(title, rows):
     """Lines on the errors of direction."""
     rows = [row for row in rows if np.isfinite(row.error)]
+    if not rows:
+        return
     yield f"{title}: {len(rows)} pictures with a direction"
     radii = np.array([np.degrees(row.sun.plateau_radius) for row in rows])
     for name, low, high in (("< 4", 0, 4), ("4 to 15", 4, 15), ("> 15", 15, 180), ("all", 0, 180)):
@@ -145,6 +147,8 @@ def answers(rows, made):
 def flux(rows):
     """Lines on the irradiance, with the constant and the interval set on the other maps."""
     rows = [row for row in rows if np.isfinite(row.stops)]
+    if not rows:
+        return
     names = sorted({row.name for row in rows})
     left_out, within, within_wide = [], [], []
     for name in names:

@@ -8,6 +8,7 @@ from envlights.kernels.sphere import pixel_directions
 from envlights.sun.direction import sun_position
 from envlights.sun.parts import best_part
 from envlights.sun.sky_image import sky_image
+from envlights.sun.spots import single_spot
 from tests.helpers import angle_deg
 from tests.sun.skies import HEIGHT, cie_clear, codes, expose, sunny, towards
 
@@ -148,6 +149,36 @@ def white_cloud():
 )
 def test_other_white_things_are_no_sun(scene):
     assert sun_in(scene()).answer != "sun"
+
+
+@pytest.mark.parametrize(
+    ("scene", "question"),
+    [
+        (white_dome, "the sky is smooth"),
+        (lit_window, "there is sky all round"),
+        (softbox, "the sky is blue"),
+        (white_cloud, "the sky is brighter around it"),
+        (white_cloud, "shadows are blue"),
+        (moonless_night, "it is the only one"),
+        (moonless_night, "it is up"),
+    ],
+)
+def test_a_question_says_why_it_is_no_sun(scene, question):
+    assert not sun_in(scene()).points[question]
+
+
+def test_a_single_white_pixel_in_blue_is_the_spot_and_none_of_two_is():
+    picture = np.full((HEIGHT, 2 * HEIGHT, 3), (100, 140, 200), np.uint8)
+    picture[60, 100] = 255
+    directions = pixel_directions(HEIGHT, 2 * HEIGHT)
+    assert angle_deg(spot_of(picture), directions[60, 100]) < 1e-4
+    picture[60, 400] = 255
+    assert spot_of(picture) is None
+
+
+def spot_of(picture):
+    env = el.EnvMap(picture)
+    return single_spot(sky_image(env.radiance, env.white), env.radiance, env.white)
 
 
 def test_a_strip_along_the_horizon_is_no_sun():

@@ -62,7 +62,7 @@ def test_the_formula_of_the_irradiance():
     answer = el.find_sun(el.EnvMap(picture, white=1.0), direction=[0, sine, 0.8])
     sky = 0.3 * np.pi
     ground = max((np.pi * 0.1 / 0.2 - sky) / sine, 0.1 * sky)
-    assert answer.irradiance @ LUMINANCE == pytest.approx(3.6 * np.sqrt(ground * sky), rel=1e-3)
+    assert answer.irradiance @ LUMINANCE == pytest.approx(2.8 * np.sqrt(ground * sky), rel=1e-3)
 
 
 def test_the_irradiance_scales_with_the_map(env, sun):

@@ -3,7 +3,7 @@ r"""Irradiance of the sun, from two light meters: the ground, and the sky.
 With the horizontal irradiance E of the map without its sun, the mean unclipped luminance L of the
 ground, and the sine s of the sun's elevation,
 
-    G = max( (pi L / 0.2 - E) / s,  0.1 E ),    F = 3.6 sqrt(G E)
+    G = max( (pi L / 0.2 - E) / s,  0.1 E ),    F = 2.8 sqrt(G E)
 
 G is what a ground of albedo 0.2 says, and a clear sun has some 6 times the irradiance of its sky.
 Both are poor, and their errors are independent; the geometric mean has the smaller one.
@@ -18,7 +18,7 @@ from envlights.kernels.image import LUMINANCE
 from envlights.sun.sky_image import SkyImage
 
 #: Constant of the formula, the median over the sunny maps of `benchmarks/sun.py`.
-FACTOR = 3.6
+FACTOR = 2.8
 #: Constant of the sky alone, where no ground is seen unclipped.
 _SKY_FACTOR = 6.0
 #: Albedo of the ground, and least irradiance by the ground over that of the sky.
@@ -28,8 +28,8 @@ _GROUND = 3.0
 #: Least unclipped fraction of the ground for a measurement.
 _LEAST_UNCLIPPED = 0.1
 
-#: Factors of the estimate between which two of three, and nine of ten, suns lie.
-INTERVAL, WIDE_INTERVAL = (0.5, 2.0), (1 / 6, 3.6)
+#: Factors of the estimate between which two of three, and nine of ten, suns of that benchmark lie.
+INTERVAL, WIDE_INTERVAL = (0.57, 1.5), (0.3, 2.0)
 
 #: Colour of a sun in a clear sky, before it is scaled to luminance 1.
 _COLOUR = np.array([1.0, 0.95, 0.85])

@@ -88,7 +88,7 @@ class _Estimate(NamedTuple):
 def _azimuth_by_symmetry(
     image: SkyImage, part: Part, shift: int, elevation: float
 ) -> _Estimate | None:
-    """Azimuth in turns by the meridian of the best symmetry, if the symmetry is clear."""
+    """Azimuth, a fraction of the circle, by the meridian of the best symmetry if that is clear."""
     if elevation >= _ZENITH:
         return None
     width = image.core.shape[1]
@@ -102,7 +102,7 @@ def _azimuth_by_symmetry(
 
 
 def _fit(image: SkyImage, azimuth: float, shift: int) -> MeridianFit | None:
-    """Fit of the sky about each place of the core on a meridian, at an azimuth in turns."""
+    """Fit of the sky about each place of the core on the meridian of an azimuth."""
     height, width = image.core.shape
     depth = image.depth[:, int(azimuth * width) % width]
     rows = np.flatnonzero(depth > 0)

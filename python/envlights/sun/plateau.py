@@ -31,7 +31,7 @@ def plateau_of(
     rows = np.minimum((v * len(part)).astype(int), len(part) - 1)
     columns = (u * part.shape[1]).astype(int) % part.shape[1]
     plateau = np.zeros((height, width), np.float32)
-    for row in np.flatnonzero(part.any(axis=1)[rows]):
+    for row in np.flatnonzero(np.asarray(part.any(axis=1))[rows]):
         clipped = radiance[row].max(axis=1) >= np.float32(_native.LEAST_WHITE * white)
         own = np.flatnonzero(part[rows[row], columns] & clipped)
         level = radiance[row, own] @ LUMINANCE

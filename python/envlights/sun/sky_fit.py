@@ -142,7 +142,7 @@ def robust_fits(functions: Array, values: Array, weight: Array) -> Fits:
         deviation = 1.4 * np.median(np.abs(residuals), axis=1) + 1e-3
         weights = weight / (1 + (residuals / (_OUTLIER * deviation[:, None])) ** 2)
     cost = _COST_SCALE * np.log1p((residuals / _COST_SCALE) ** 2) @ weight / weight.sum()
-    return Fits(coefficients, np.asarray(deviation, np.float64), cost + _NOISE)
+    return Fits(np.asarray(coefficients), np.asarray(deviation), cost + _NOISE)
 
 
 class MeridianFit(NamedTuple):

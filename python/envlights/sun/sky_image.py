@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -126,14 +127,14 @@ def sky_image(radiance: NDArray[np.float32], white: float) -> SkyImage:
         band = radiance[top:bottom]
         is_clipped: Mask = np.asarray(band >= least)
         means[row] = _means(band, columns) / white
-        clipped[row] = _means(is_clipped.all(axis=2)[..., None], columns)[..., 0]
-        touched[row] = _means(is_clipped.any(axis=2)[..., None], columns)[..., 0]
+        clipped[row] = _means(np.asarray(is_clipped.all(axis=2, keepdims=True)), columns)[..., 0]
+        touched[row] = _means(np.asarray(is_clipped.any(axis=2, keepdims=True)), columns)[..., 0]
         highest = (band @ LUMINANCE).max(axis=0) / white
         peak[row] = np.maximum.reduceat(highest, _starts(width, columns))
     return SkyImage(means, clipped, touched, peak)
 
 
-def _means(band: NDArray[np.generic], columns: int) -> Image:
+def _means(band: NDArray[Any], columns: int) -> Image:
     """Mean of a band of rows, (rows, width, channels), in each of some columns."""
     sums = band.sum(axis=0, dtype=np.float64)
     width = len(sums)
