@@ -7,6 +7,7 @@ irradiance of the sky alone to that of sky and sun.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, NamedTuple
@@ -21,6 +22,7 @@ from envlights._unseen import Unseen
 from envlights.envmap import EnvMap
 from envlights.fitting.request import Request, request_of
 from envlights.fitting.unseen_part import above_horizon, fill_for_fit
+from envlights.kernels import gloss
 from envlights.kernels.sphere import pixel_directions, pixel_solid_angles
 from envlights.lights import Lights, brightest_first
 from envlights.report import FitReport
@@ -50,6 +52,16 @@ class Ratios(NamedTuple):
     """Irradiance with everything behind a plane hidden, over all planes."""
 
 
+class SkyPixels(NamedTuple):
+    """Light of the sky, pixel by pixel."""
+
+    flux: NDArray[np.float64]
+    """Radiance times solid angle, (n, 3)."""
+
+    towards: NDArray[np.float64]
+    """Unit vectors, (n, 3)."""
+
+
 def fit_with_sun(
     fit: Callable[..., Rig], parts: SunSplit, lights: int | None, **options: Any
 ) -> Rig:
@@ -69,22 +81,35 @@ def fit_with_sun(
     if not len(parts.lights):
         return fit(parts.rest, lights, **options)
     shows = shown_by(target_names(options["target"]))
-    error, shadow_error = (options.pop(name) for name in ("error", "shadow_error"))
-    request = request_of(
-        lights, error, options["start"], options["fixed"], shadow_error=shadow_error
-    )
-    ratios = ratios_of(_sky(parts.rest, options["floor"], options["unseen"]), parts.lights)
+    goals = {name: options.pop(name) for name in ("error", "shadow_error", "gloss_error")}
+    placed = {name: options[name] for name in ("start", "fixed", "roughness")}
+    request = request_of(lights, **placed, **goals)
+    sky = pixels_of(_sky(parts.rest, options["floor"], options["unseen"]))
+    ratios = ratios_of(sky, parts.lights)
+
+    def gloss_goal() -> float | None:
+        """Accepted gloss error of the fit to the sky, from the energies of a fit without lights."""
+        if goals["gloss_error"] is None:
+            return None
+        alone = fit(parts.rest, 0, floor=options["floor"], unseen=options["unseen"])
+        (energies, _) = alone.report.gloss_bands
+        factors = gloss.factors(request.roughness, "metal", len(energies) - 1)
+        both = bands_with_sun(np.array(energies), sky, parts.lights)
+        ratio = math.sqrt(float(factors @ energies) / float(factors @ both))
+        return _of_sky(goals["gloss_error"], ratio)
+
     rig = fit(
         parts.rest,
         _lights_of_sky(request, lights, shows.lights),
-        error=_of_sky(error, ratios.probe),
-        shadow_error=_of_sky(shadow_error, ratios.shadows),
+        error=_of_sky(goals["error"], ratios.probe),
+        shadow_error=_of_sky(goals["shadow_error"], ratios.shadows),
+        gloss_error=gloss_goal(),
         **options,
     )
     sun = parts.lights
     if not options["sizes"] or shows.sizes != "spread":
         sun = replace(sun, angular_radius=np.zeros(len(sun)))
-    return _with_sun(rig, sun, ratios)
+    return _with_sun(rig, sun, ratios, sky)
 
 
 def _sky(rest: EnvMap, floor: bool, unseen: Unseen) -> EnvMap:
@@ -93,24 +118,42 @@ def _sky(rest: EnvMap, floor: bool, unseen: Unseen) -> EnvMap:
     return above_horizon(filled) if floor else filled
 
 
-def ratios_of(sky: EnvMap, sun: Lights) -> Ratios:
+def pixels_of(sky: EnvMap) -> SkyPixels:
+    """Pixels of the sky, reduced to 64 columns."""
+    small = sky.resized(_COLUMNS) if sky.width > _COLUMNS else sky
+    size = {"border_sampled": small.is_border_sampled}
+    angles = pixel_solid_angles(small.height, small.width, **size)
+    flux = (small.radiance * angles[..., None]).reshape(-1, 3).astype(np.float64)
+    return SkyPixels(flux, pixel_directions(small.height, small.width, **size).reshape(-1, 3))
+
+
+def ratios_of(sky: SkyPixels, sun: Lights) -> Ratios:
     """RMS irradiance of the sky over that of sky and sun, from the closed form for two sources.
 
     Integrated over all normals, the product of the irradiance of two directions at the angle g is
     G = 2/3 (sin g + (pi - g) cos g) (Cho and Saul 2009); with shadows it is G (1 - g / pi) / 2.
     """
-    small = sky.resized(_COLUMNS) if sky.width > _COLUMNS else sky
-    size = {"border_sampled": small.is_border_sampled}
-    angles = pixel_solid_angles(small.height, small.width, **size)
-    flux = (small.radiance * angles[..., None]).reshape(-1, 3).astype(np.float64)
-    towards = pixel_directions(small.height, small.width, **size).reshape(-1, 3)
-    probe, shadows = (
-        _energies(_angles(towards, sun.direction), _angles(towards, towards), flux, sun, shadow)
-        for shadow in (False, True)
-    )
+    to_sun, between = _angles(sky.towards, sun.direction), _angles(sky.towards, sky.towards)
+    probe, shadows = (_energies(to_sun, between, sky.flux, sun, shadow) for shadow in (False, True))
     channels = np.sqrt(probe[0] / np.where(probe[1] > 0, probe[1], 1))
     of_probe, of_shadows = (float(np.sqrt(e[0].sum() / e[1].sum())) for e in (probe, shadows))
     return Ratios(of_probe, tuple(channels.tolist()), of_shadows)
+
+
+def bands_with_sun(
+    energies: NDArray[np.float64], sky: SkyPixels, sun: Lights
+) -> NDArray[np.float64]:
+    """Energy of sky and sun in each degree, from that of the sky, summed over channels.
+
+    By the addition theorem a point of flux E in the direction w adds (2 l + 1) / (4 pi) times
+    E (2 s_l + E) to the degree l, where s_l is the integral of the sky times P_l of the angle to w.
+    """
+    (strength,), degrees = sun.irradiance, np.arange(len(energies))
+    cosines = sky.towards @ sun.direction[0]
+    sums = np.polynomial.legendre.legvander(cosines, len(energies) - 1).T @ sky.flux
+    return np.asarray(
+        energies + (2 * degrees + 1) / (4 * np.pi) * ((2 * sums + strength) @ strength)
+    )
 
 
 def _angles(one: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -154,7 +197,7 @@ def _of_sky(error: float | None, ratio: float) -> float | None:
     return None if error is None else min(error / (ratio or 1.0), 1.0)
 
 
-def _with_sun(rig: Rig, sun: Lights, ratios: Ratios) -> Rig:
+def _with_sun(rig: Rig, sun: Lights, ratios: Ratios, pixels: SkyPixels) -> Rig:
     """Rig with the sun, and errors against sky and sun."""
     sky = rig.lights
     irradiance = np.concatenate([sky.irradiance, sun.irradiance])
@@ -169,6 +212,9 @@ def _with_sun(rig: Rig, sun: Lights, ratios: Ratios) -> Rig:
     # The lights name the sun themselves.
     own = tuple(note for note in rig.notes if not note.endswith(sun.notes[0]))
     report = _report(rig.report, order, ratios)
+    energies, difference = rig.report.gloss_bands
+    both = bands_with_sun(np.array(energies), pixels, sun)
+    report = replace(report, gloss_bands=(tuple(both.tolist()), difference))
     error = ratios.probe * rig.error
     return replace(rig, lights=lights, error=error, report=report, notes=(*own, _NOTE))
 
