@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import enum
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -11,7 +11,7 @@ import numpy as np
 
 from envlights import _html
 from envlights._check import amount, check_choice, count
-from envlights._native import EnvLightsError
+from envlights._report_fields import bands, finite, number, optional, rgb
 from envlights._result import Result
 from envlights._tables import Table
 from envlights._times import time_lines, times_of
@@ -170,9 +170,9 @@ class FitReport(Result):
             "fitted_points_error": self.fitted_points_error,
             "target": list(self.target),
             "direction_tolerances": list(self.direction_tolerances),
-            "condition": _finite(self.condition),
-            "direction_errors": [_finite(error) for error in self.direction_errors],
-            "irradiance_errors": [[_finite(e) for e in rgb] for rgb in self.irradiance_errors],
+            "condition": finite(self.condition),
+            "direction_errors": [finite(error) for error in self.direction_errors],
+            "irradiance_errors": [[finite(e) for e in errors] for errors in self.irradiance_errors],
             "fixed": list(self.fixed),
             "at_max_radius": list(self.at_max_radius),
             "fewer_lights": self.fewer_lights,
@@ -189,7 +189,7 @@ class FitReport(Result):
                 count("lights", int(n)): amount("errors", error)
                 for n, error in data["errors"].items()
             },
-            sized_error=_optional("sized_error", data.get("sized_error")),
+            sized_error=optional("sized_error", data.get("sized_error")),
             steps=count("steps", data["steps"]),
             stop_reason=_stop_reason(data["stop_reason"]),
             seconds=times_of(data),
@@ -201,17 +201,17 @@ class FitReport(Result):
             },
             channel_errors=tuple(amount("channel_errors", e) for e in data["channel_errors"]),
             max_error=amount("max_error", data["max_error"]),
-            shadow_error=_optional("shadow_error", data.get("shadow_error")),
-            gloss_bands=_bands(data.get("gloss_bands", ((), ()))),
-            points_error=_optional("points_error", data.get("points_error")),
-            fitted_points_error=_optional("fitted_points_error", data.get("fitted_points_error")),
+            shadow_error=optional("shadow_error", data.get("shadow_error")),
+            gloss_bands=bands(data.get("gloss_bands", ((), ()))),
+            points_error=optional("points_error", data.get("points_error")),
+            fitted_points_error=optional("fitted_points_error", data.get("fitted_points_error")),
             target=tuple(str(name) for name in data.get("target", ())),
             direction_tolerances=tuple(
                 amount("direction_tolerances", t) for t in data.get("direction_tolerances", ())
             ),
-            condition=_number(data["condition"]),
-            direction_errors=tuple(_number(error) for error in data["direction_errors"]),
-            irradiance_errors=tuple(_rgb(rgb) for rgb in data["irradiance_errors"]),
+            condition=number(data["condition"]),
+            direction_errors=tuple(number(error) for error in data["direction_errors"]),
+            irradiance_errors=tuple(rgb(errors) for errors in data["irradiance_errors"]),
             fixed=tuple(count("fixed", row) for row in data.get("fixed", ())),
             at_max_radius=tuple(
                 count("at_max_radius", row) for row in data.get("at_max_radius", ())
@@ -368,14 +368,6 @@ class FitReport(Result):
         return ()
 
 
-def _bands(values: Sequence[Sequence[float]]) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Energies by degree of a file, or a refusal."""
-    rows = [tuple(amount("gloss_bands", value) for value in row) for row in values]
-    if len(rows) != 2 or len(rows[0]) != len(rows[1]):
-        raise EnvLightsError("gloss_bands must be two lists of the same length")
-    return rows[0], rows[1]
-
-
 def _percent(share: float) -> str:
     return f"{100 * share:.3g} %"
 
@@ -385,24 +377,6 @@ def _degrees(angles: tuple[float, ...]) -> str:
     return "  ".join(f"{each:.2g}°" if each < 100 else f"{each:.0f}°" for each in degrees)
 
 
-def _finite(value: float) -> float | str:
-    """`value`, or a word for infinity, which JSON cannot hold."""
-    return value if np.isfinite(value) else "infinite"
-
-
 def _stop_reason(name: object) -> StopReason:
     check_choice("stop_reason", name, tuple(StopReason.__members__))
     return StopReason[str(name)]
-
-
-def _optional(name: str, value: float | None) -> float | None:
-    return None if value is None else amount(name, value)
-
-
-def _number(value: float | str) -> float:
-    return np.inf if value == "infinite" else amount("report", value)
-
-
-def _rgb(values: list[float | str]) -> tuple[float, float, float]:
-    red, green, blue = (_number(value) for value in values)
-    return red, green, blue

@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use super::light_disc::Disc;
 use super::target::Picture;
 use crate::kernels::expansion::{DEGREE, disc_series, visit_degrees};
+use crate::kernels::fit::relative_rms::relative_error;
 use crate::kernels::fit::rig::Rig;
 use crate::kernels::sphere::angles;
 
@@ -30,7 +31,7 @@ impl Bands {
     /// Relative RMS error under a kernel with these factors; absolute if the map is black.
     pub fn error(&self, factors: &[f64]) -> f64 {
         let sum = |bands: &[f64]| bands.iter().zip(factors).map(|(band, factor)| band * factor).sum();
-        super::relative_error(sum(&self.difference), sum(&self.map))
+        relative_error(sum(&self.difference), sum(&self.map))
     }
 }
 
