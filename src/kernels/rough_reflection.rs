@@ -181,7 +181,9 @@ impl WithSimd for Reflection<'_> {
         // Smith's masking of the view, over twice its cosine.
         let square = f64::from(lobe.square);
         let masking = 1.0 / (towards + (square + (1.0 - square) * towards * towards).sqrt());
-        sums.iter_mut().for_each(|sum| *sum *= planes.scale * square * masking / PI);
+        for sum in sums {
+            *sum *= planes.scale * square * masking / PI;
+        }
     }
 }
 
