@@ -61,12 +61,13 @@ def test_rigs_are_compared_with_maps_of_the_same_name(folders):
 def test_tables_are_lossless(folders, tmp_path):
     table = el.compare_folders(*folders)
     table.save(tmp_path / "table.csv")
-    lines = (tmp_path / "table.csv").read_text().splitlines()
-    (row,) = csv.DictReader(line for line in lines if not line.startswith("#"))
+    with (tmp_path / "table.csv").open() as file:
+        row, *failed = csv.DictReader(file)
     numbers = {name: values[0] for name, values in table.columns().items()}
-    for name, value in row.items():
-        assert name == "name" or float(value) == numbers[name]
-    assert sum(line.startswith("# failed: ") for line in lines) == 3
+    assert {name: float(row[name]) for name in numbers} == numbers
+    assert row["failure"] == ""
+    assert {each["name"]: each["failure"] for each in failed} == table.failures
+    assert all(each[name] == "" for each in failed for name in numbers)
     table.save(tmp_path / "table.json")
     assert json.loads((tmp_path / "table.json").read_text()) == table.to_dict()
     frame = table.to_frame()
@@ -95,9 +96,9 @@ def test_the_command_prints_the_table_of_two_maps(folders, tmp_path):
     assert "map-0," in (tmp_path / "table.csv").read_text()
 
 
-def test_the_command_prints_json_of_a_protocol(folders):
+def test_the_command_prints_json_and_reports_failures_by_its_exit_code(folders):
     done = run(*folders, "--protocol", "stylelight", "--json")
-    assert done.exit_code == 0, done.output
+    assert done.exit_code == 1, done.output
     content = json.loads(done.stdout)
     assert content["protocol"] == "stylelight"
     # Each map is scaled to its own median.

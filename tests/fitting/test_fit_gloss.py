@@ -207,3 +207,14 @@ def test_an_error_curve_is_a_data_frame(hall):
 def test_an_error_curve_needs_a_number_of_lights(hall):
     with pytest.raises(el.EnvLightsError, match="at least one number"):
         el.error_curve(hall, [])
+
+
+def test_a_gloss_error_that_first_lights_raise_is_reached_by_more():
+    """Small lights for a wide sky raise the gloss error until enough of them cover it."""
+    sky = el.synthetic.Disc((0.3, 0.9, 0.3), 60.0, (3, 3, 3))
+    world = el.synthetic.scene(64, background=(0.1, 0.1, 0.1), shapes=[sky]).radiance
+    errors = [el.fit(world, n, max_radius=0.2).report.gloss_error() for n in range(3)]
+    assert errors[0] < min(errors[1:])
+    rig = el.fit(world, gloss_error=0.5, max_radius=0.2)
+    assert rig.report.gloss_error() <= 0.5
+    assert len(rig.lights) > 3

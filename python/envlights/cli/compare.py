@@ -35,7 +35,7 @@ def command(truth: str, guess: str, protocol: str, output: str | None, as_json: 
     """Compare the lighting GUESS with TRUTH.
 
     Both are maps (.hdr, .exr, .png, .jpg, .tif), rigs or lights (.json, .csv), or both are folders
-    of such files, which are paired by name.
+    of such files, which are paired by name. The exit code is 1 if a file of a folder failed.
     """
     if output is not None:
         check_output(output, TABLE_FILES, {"the truth": truth, "the guess": guess})
@@ -50,6 +50,8 @@ def command(truth: str, guess: str, protocol: str, output: str | None, as_json: 
         save_table(output, table.to_csv(), result.to_dict())
     click.echo(json.dumps(result.to_dict(), indent=2) if as_json else str(result))
     say_written([] if output is None else [output])
+    if table.failures:
+        raise SystemExit(1)
 
 
 def _are_folders(truth: str, guess: str) -> bool:

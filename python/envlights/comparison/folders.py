@@ -122,19 +122,20 @@ class FolderComparison(Result):
         return frame_of({"name": names, **self.columns()})
 
     def to_csv(self) -> str:
-        """Lossless table with a row for each pair, then failures as comments."""
+        """Lossless table with a row for each pair; the last column is the reason of a failure."""
         import csv
         import io
 
         text = io.StringIO()
         writer = csv.writer(text, lineterminator="\n")
         columns = self.columns()
-        writer.writerow(["name", *columns])
+        writer.writerow(["name", *columns, "failure"])
         for i, name in enumerate(self.comparisons):
             values = (float(column[i]) for column in columns.values())
-            writer.writerow([name, *("" if np.isnan(v) else repr(v) for v in values)])
-        failures = "".join(f"# failed: {name}: {why}\n" for name, why in self.failures.items())
-        return text.getvalue() + failures
+            writer.writerow([name, *("" if np.isnan(v) else repr(v) for v in values), ""])
+        for name, reason in self.failures.items():
+            writer.writerow([name, *("" for _ in columns), reason])
+        return text.getvalue()
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the table as ``.csv`` or ``.json``; a failure leaves no file."""

@@ -120,16 +120,26 @@ fn is_enough(problem: &Problem<'_>, options: &FitOptions, path: &[Trial]) -> boo
     if lights < problem.fixed {
         return false;
     }
-    let mut best = (f64::INFINITY, 0);
-    for trial in path.iter().filter(|trial| trial.state.lights() >= problem.fixed) {
-        if options.comparison_error(trial) < best.0 * (1.0 - WORTH_A_LIGHT) {
-            best = (options.comparison_error(trial), trial.state.lights());
-        }
-    }
+    let allowed: Vec<&Trial> = path.iter().filter(|trial| trial.state.lights() >= problem.fixed).collect();
+    // The first lights of a sky may raise the errors of shadows and of shiny objects while they lower that of the probe.
+    let useful = last_gain(&allowed, &|trial| options.comparison_error(trial))
+        .max(last_gain(&allowed, &|trial| trial.error))
+        .max(problem.fixed);
     last.state.stop == Some(StopReason::Exact)
         || last.error <= options.error_floor
         || options.is_reached(last)
-        || lights >= best.1.max(problem.fixed) + PATIENCE
+        || lights >= useful + PATIENCE
+}
+
+/// Number of lights of the last trial whose error is less than that of all before it.
+fn last_gain(path: &[&Trial], error: &dyn Fn(&Trial) -> f64) -> usize {
+    let mut best = (f64::INFINITY, 0);
+    for trial in path {
+        if error(trial) < best.0 * (1.0 - WORTH_A_LIGHT) {
+            best = (error(trial), trial.state.lights());
+        }
+    }
+    best.1
 }
 
 /// Index of the set with the fewest lights that reaches the errors of the options.
