@@ -56,7 +56,8 @@ def sun_position(image: SkyImage, part: Part, elevation: float | None = None) ->
     by_symmetry = _azimuth_by_symmetry(image, part, shift, level.value)
     if by_symmetry is not None:
         evidence.append("symmetry")
-        azimuth = azimuth.joined(by_symmetry, period=1.0)
+        turn = 360 * np.cos(np.radians(level.value))
+        azimuth = azimuth.joined(by_symmetry, turn, period=1.0)
     fit = _fit(image, azimuth.value, shift)
     usable = fit is not None and fit.fit.relative < _FITTING and by_symmetry is not None
     if fit is not None and usable and elevation is None:
@@ -74,14 +75,20 @@ class _Estimate(NamedTuple):
     value: float
     error: float
 
-    def joined(self, other: _Estimate, period: float = np.inf) -> _Estimate:
-        """Mean of two estimates, weighted by their errors."""
+    def joined(
+        self, other: _Estimate, degrees: float = 1.0, period: float = np.inf
+    ) -> _Estimate:
+        """Mean of two estimates, weighted by their errors; `degrees` is the size of a unit of both.
+
+        If they differ by more than both errors, the error grows by the ratio of Birge (1932).
+        """
         weight = 1 / other.error**2 / (1 / other.error**2 + 1 / self.error**2)
         step = other.value - self.value
         if np.isfinite(period):
             step = (step + period / 2) % period - period / 2
         value = self.value + weight * step
         error = 1 / np.sqrt(1 / self.error**2 + 1 / other.error**2)
+        error *= max(1.0, abs(step) * degrees / np.hypot(self.error, other.error))
         return _Estimate(value % period if np.isfinite(period) else value, float(error))
 
 
