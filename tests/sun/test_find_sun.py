@@ -5,12 +5,13 @@ import pytest
 
 import envlights as el
 from envlights.kernels.sphere import pixel_directions
-from envlights.sun.direction import sun_position
+from envlights.sun.direction import Estimate, sun_position
 from envlights.sun.parts import best_part
 from envlights.sun.sky_image import sky_image
 from envlights.sun.spots import single_spot
 from tests.helpers import angle_deg
 from tests.sun.skies import HEIGHT, cie_clear, codes, expose, sunny, towards
+from tests.sun.suns import photograph
 
 PLACE = towards(130, 38)
 
@@ -40,6 +41,46 @@ def test_the_clipped_pixel_of_a_sun_alone_is_found_to_half_a_pixel(elevation):
     assert answer.answer == "sun"
     assert angle_deg(answer.direction, sun) < 0.5 * 180 / HEIGHT
     assert np.degrees(answer.plateau_radius) < 0.5
+
+
+#: Rows, elevation in degrees, and fractions of the sphere that are white: the sun alone, a glow
+#: that is almost white, and wide glows.
+CLEAR = [
+    *((512, elevation, (0.002, 0.01)) for elevation in (10, 30, 50, 70)),
+    *((256, elevation, (0.001, 0.05)) for elevation in (20, 40, 60)),
+    (1024, 27, (0.001, 0.01)),
+    *(
+        pytest.param(height, elevation, (0.001, 0.003, 0.01, 0.03, 0.05), marks=pytest.mark.slow)
+        for height in (256, 512, 1024)
+        for elevation in (10, 20, 27, 30, 40, 50, 60, 70)
+    ),
+]
+
+
+@pytest.mark.parametrize(("height", "elevation", "shares"), CLEAR)
+def test_the_sun_of_a_clear_sky_is_found_at_all_sizes_within_three_uncertainties(
+    height, elevation, shares
+):
+    sun = towards(140, elevation)
+    radiance = el.synthetic.clear_sky(height, sun).radiance
+    for share in shares:
+        answer = el.find_sun(photograph(radiance, share)[0])
+        # At least 7 pixels of the disc are white in each of these pictures.
+        assert answer.answer == "sun"
+        error = angle_deg(answer.direction, sun)
+        assert error < 3 * np.degrees(answer.direction_uncertainty)
+        assert error < 0.7 or answer.plateau_radius > 0
+
+
+def test_the_joint_error_of_two_estimates_holds_their_difference():
+    # From equal errors, the mean has 1 / sqrt(2) of each, and half of any larger difference.
+    for value, error in ((0.5, np.sqrt(0.5)), (np.sqrt(2), np.sqrt(0.5)), (8.0, 4.0)):
+        joint = Estimate(0.0, 1.0).joined(Estimate(value, 1.0))
+        assert joint.value == pytest.approx(value / 2)
+        assert joint.error == pytest.approx(error)
+    turned = Estimate(0.99, 1.0).joined(Estimate(0.01, 1.0), 400.0, period=1.0)
+    assert np.cos(2 * np.pi * turned.value) == pytest.approx(1)
+    assert turned.error == pytest.approx(4.0)
 
 
 #: The glow of a low sun is wider towards the bright horizon, which every estimate follows a little.
@@ -174,6 +215,18 @@ def test_a_single_white_pixel_in_blue_is_the_spot_and_none_of_two_is():
     assert angle_deg(spot_of(picture), directions[60, 100]) < 1e-4
     picture[60, 400] = 255
     assert spot_of(picture) is None
+
+
+def test_a_pixel_below_white_is_no_spot_in_a_sky_with_a_white_channel():
+    picture = np.full((HEIGHT, 2 * HEIGHT, 3), (150, 200, 240), np.uint8)
+    picture[60, 100] = 251
+    # So that the map is clipped somewhere.
+    picture[200] = 255
+    assert spot_of(picture) is not None
+    picture[50:70, 90:110, 2] = 255
+    assert spot_of(picture) is None
+    picture[60, 100] = 255
+    assert spot_of(picture) is not None
 
 
 def spot_of(picture):

@@ -54,6 +54,15 @@ def test_a_guess_is_called_a_guess_with_its_interval():
         assert "± 1.1°" in text
 
 
+def test_the_lights_of_a_sun_alone_say_so_too_also_in_a_file(tmp_path):
+    lights = sun_of().lights
+    assert lights.notes == el.with_sun(sky(), sun_of()).lights.notes
+    for name in ("sun.json", "sun.py"):
+        lights.save(tmp_path / name)
+        assert "the irradiance is a guess" in (tmp_path / name).read_text()
+    assert sun_of(answer="no").lights.notes == ()
+
+
 def test_a_given_direction_is_no_guess():
     sun = sun_of(evidence=("given",), direction_uncertainty=0.0, interval=(1.0, 1.0))
     (note,) = el.with_sun(sky(), sun).lights.notes

@@ -48,46 +48,53 @@ def sun_position(image: SkyImage, part: Part, elevation: float | None = None) ->
     # Turn the part to the middle of the image, away from the seam.
     shift = width // 2 - int(u * width)
     error = depth_error(part.radius)
-    azimuth = _Estimate(float(u), error)
-    level = _Estimate(90 - 180 * float(v), error)
+    azimuth = Estimate(float(u), error)
+    level = Estimate(90 - 180 * float(v), error)
     if elevation is not None:
-        level = _Estimate(elevation, 0.0)
+        level = Estimate(elevation, 0.0)
     evidence = ["depth"]
     by_symmetry = _azimuth_by_symmetry(image, part, shift, level.value)
     if by_symmetry is not None:
         evidence.append("symmetry")
-        azimuth = azimuth.joined(by_symmetry, period=1.0)
+        turn = 360 * np.cos(np.radians(level.value))
+        azimuth = azimuth.joined(by_symmetry, turn, period=1.0)
     fit = _fit(image, azimuth.value, shift)
     usable = fit is not None and fit.fit.relative < _FITTING and by_symmetry is not None
     if fit is not None and usable and elevation is None:
         evidence.append("sky")
         by_fit = np.hypot(_FIT_ERROR + _FIT_SLOPE * fit.fit.relative, fit.spread)
-        level = level.joined(_Estimate(fit.mean, float(by_fit)))
+        level = level.joined(Estimate(fit.mean, float(by_fit)))
     direction = uv_to_direction(np.array([[azimuth.value, 0.5 - level.value / 180]]))[0]
     uncertainty = float(np.hypot(azimuth.error, level.error))
     return SunPosition(direction, uncertainty, tuple(evidence), fit)
 
 
-class _Estimate(NamedTuple):
+class Estimate(NamedTuple):
     """Value, and its error in degrees on the sphere."""
 
     value: float
     error: float
 
-    def joined(self, other: _Estimate, period: float = np.inf) -> _Estimate:
-        """Mean of two estimates, weighted by their errors."""
+    def joined(
+        self, other: Estimate, degrees: float = 1.0, period: float = np.inf
+    ) -> Estimate:
+        """Mean of two estimates, weighted by their errors; `degrees` is the size of a unit of both.
+
+        If they differ by more than both errors, the error grows by the ratio of Birge (1932).
+        """
         weight = 1 / other.error**2 / (1 / other.error**2 + 1 / self.error**2)
         step = other.value - self.value
         if np.isfinite(period):
             step = (step + period / 2) % period - period / 2
         value = self.value + weight * step
         error = 1 / np.sqrt(1 / self.error**2 + 1 / other.error**2)
-        return _Estimate(value % period if np.isfinite(period) else value, float(error))
+        error *= max(1.0, abs(step) * degrees / np.hypot(self.error, other.error))
+        return Estimate(value % period if np.isfinite(period) else value, float(error))
 
 
 def _azimuth_by_symmetry(
     image: SkyImage, part: Part, shift: int, elevation: float
-) -> _Estimate | None:
+) -> Estimate | None:
     """Azimuth, a fraction of the circle, by the meridian of the best symmetry if that is clear."""
     if elevation >= _ZENITH:
         return None
@@ -98,7 +105,7 @@ def _azimuth_by_symmetry(
         return None
     spread = meridian.spread * 360 / width * np.cos(np.radians(elevation))
     error = float(np.hypot(_SYMMETRY_ERROR, spread))
-    return _Estimate((meridian.column - shift) / width % 1, error)
+    return Estimate((meridian.column - shift) / width % 1, error)
 
 
 def _fit(image: SkyImage, azimuth: float, shift: int) -> MeridianFit | None:

@@ -17,6 +17,7 @@ from envlights._units import OWN_SCALE, checked_units, in_lux
 from envlights.kernels.image import LUMINANCE
 from envlights.light import azimuths, elevations
 from envlights.lights import Lights
+from envlights.sun import wording
 
 #: Angular radius of the sun and of the moon, in radians.
 SUN_RADIUS = math.radians(0.265)
@@ -99,11 +100,29 @@ class Sun(Result):
 
     @property
     def lights(self) -> Lights:
-        """The sun as a disc of uniform radiance; no light if the answer is not "sun"."""
+        """The sun as a disc of uniform radiance; no light if the answer is not "sun".
+
+        Its `notes` say what is a guess.
+        """
         if self.answer != "sun" or self.direction is None or self.irradiance is None:
             return Lights(np.zeros((0, 3)), np.zeros((0, 3)), units=self.units)
         radius = np.array([self.angular_radius])
-        return Lights(self.direction[None], self.irradiance[None], radius, units=self.units)
+        return Lights(
+            self.direction[None],
+            self.irradiance[None],
+            radius,
+            units=self.units,
+            notes=(self.light_note(),),
+        )
+
+    def light_note(self, measured: str = "") -> str:
+        """Note on the light, with the sources of direction and irradiance.
+
+        Words for a `measured` irradiance replace those for the estimate.
+        """
+        moon = " (or moon, which a picture cannot tell)" if self.points else ""
+        irradiance = measured or wording.of_irradiance(self.evidence, self.interval)
+        return wording.of_light(f"{self.in_short()}{moon}", self.evidence, irradiance)
 
     def sky(self, radiance: NDArray[np.float32]) -> NDArray[np.float32]:
         """Radiance of the map with the sky in place of the clipped part, each pixel in its colour.

@@ -13,9 +13,9 @@ from envlights.sun.sky_image import SkyImage
 _LEAST_PEAK = 0.96
 #: Angles in degrees between which the ring around a spot lies.
 _INNER, _OUTER = 1.5, 3.5
-#: Largest mean luminance in the ring over the peak of the spot: 95 % of the ring is below it.
-_MOST_RING = 0.9
-#: Largest deviation of log luminance in the ring from a plane: clouds have more.
+#: Largest luminance in the ring over the peak of the spot: 95 % of the ring is below it.
+_MOST_RING = 0.95
+#: Largest deviation of log luminance in the ring from an even slope and glow: clouds have more.
 _SMOOTH_RING = 0.03
 #: Largest fraction of clipped pixels in the ring; the noise of a bright sky clips a few.
 _MOST_CLIPPED = 0.02
@@ -66,19 +66,22 @@ def _is_lonely(image: SkyImage, row: int, column: int) -> bool:
     rows = slice(max(row - reach, 0), row + reach + 1)
     cosine = image.directions[rows] @ image.directions[row, column]
     ring = (cosine < np.cos(np.radians(_INNER))) & (cosine > np.cos(np.radians(_OUTER)))
-    if np.count_nonzero(ring) < 16 or image.clipped[rows][ring].mean() > _MOST_CLIPPED:
+    # JPEG darkens a lonely pixel; then pixels clipped in one channel count, too.
+    clipped = image.clipped if image.clipped[row, column] else image.touched
+    if np.count_nonzero(ring) < 16 or clipped[rows][ring].mean() > _MOST_CLIPPED:
         return False
     if np.quantile(image.luminance[rows][ring], 0.95) > _MOST_RING * image.peak[row, column]:
         return False
     red, blue = image.radiance[rows][ring][:, [0, 2]].mean(axis=0)
-    return bool(blue > red and _deviation(image, rows, ring) < _SMOOTH_RING)
+    return bool(blue > red and _deviation(image, rows, ring, cosine) < _SMOOTH_RING)
 
 
-def _deviation(image: SkyImage, rows: slice, ring: NDArray[np.bool_]) -> float:
-    """Robust deviation of log luminance in a ring from a plane."""
-    plane = image.directions[rows][ring]
+def _deviation(image: SkyImage, rows: slice, ring: NDArray[np.bool_], cosine: Array) -> float:
+    """Robust deviation of log luminance in a ring from a plane and a cone, the glow of a sun."""
+    cone = np.arccos(cosine[ring])
+    functions = np.column_stack([image.directions[rows][ring], cone])
     values = image.log[rows][ring]
-    residual = values - plane @ np.linalg.lstsq(plane, values, rcond=None)[0]
+    residual = values - functions @ np.linalg.lstsq(functions, values, rcond=None)[0]
     return float(1.48 * np.median(np.abs(residual)))
 
 

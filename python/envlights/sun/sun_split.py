@@ -18,7 +18,6 @@ from envlights.detection.split import split
 from envlights.envmap import AnyMap, EnvMap, as_envmap
 from envlights.kernels.image import LUMINANCE
 from envlights.lights import Lights
-from envlights.sun import wording
 from envlights.sun.choice import AUTO, AnySun, is_of_map, sun_of
 from envlights.sun.result import Sun
 
@@ -151,7 +150,7 @@ def parts_of(
     if parts is not None:
         sun, rest = parts
     elif is_of_map(sun) or not len(sun.lights):
-        note = wording.without_sun(sun)
+        note = _without_sun(sun)
         notes = (*env.notes, note)
         none = replace(sun.lights[:0], notes=(note,))
         return SunSplit(none, env.with_radiance(env.radiance, notes))
@@ -160,7 +159,7 @@ def parts_of(
     lights, measured = sun.lights, ""
     if irradiance is not None or ratio is not None:
         lights, measured = _of_reading(sun, rest, irradiance, ratio, unseen)
-    note = wording.of_sun(sun, measured)
+    note = sun.light_note(measured)
     notes = (*rest.notes, f"as a light of its own: {note}")
     return SunSplit(replace(lights, notes=(note,)), rest.with_radiance(rest.radiance, notes))
 
@@ -194,3 +193,12 @@ def _of_reading(
     colour = guess / luminance if luminance > 0 else np.ones(3)
     lights = replace(sun.lights, irradiance=missing / float(towards[1]) * colour[None])
     return lights, f"its irradiance is that of the {name} of {reading:.4g}"
+
+
+def _without_sun(sun: Sun) -> str:
+    """Note on a map for which no sun was added."""
+    if sun.answer == "sun":
+        return "no sun was added, because it is not the brightest light of the map; use `split`"
+    why = f": {sun.notes[0]}" if sun.notes else ""
+    hint = "; give its direction to add it" if sun.answer == "perhaps" else ""
+    return f"no sun was added, because the answer is {sun.answer!r} ({sun.in_short()}){why}{hint}"

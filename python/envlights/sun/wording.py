@@ -2,28 +2,24 @@
 
 from __future__ import annotations
 
-from envlights.sun.result import Sun
+def of_light(sun: str, evidence: tuple[str, ...], irradiance: str) -> str:
+    """Note on a sun as a light, with words for the sun and for its irradiance."""
+    return f"{sun}: {_of_direction(evidence)}; {irradiance}"
 
 
-def of_sun(sun: Sun, measured: str) -> str:
-    """Note on the light of a sun, whose irradiance may be `measured`."""
-    moon = " (or moon, which a picture cannot tell)" if sun.points else ""
-    measures = measured or _of_irradiance(sun)
-    return f"{sun.in_short()}{moon}: {_of_direction(sun)}; {measures}"
-
-
-def _of_direction(sun: Sun) -> str:
-    if "map" in sun.evidence:
+def _of_direction(evidence: tuple[str, ...]) -> str:
+    if "map" in evidence:
         return "direction measured in the map"
-    if not sun.evidence or "given" in sun.evidence:
+    if not evidence or "given" in evidence:
         return "direction as given"
-    return f"the direction is a guess, by {' and '.join(sun.evidence)}"
+    return f"the direction is a guess, by {' and '.join(evidence)}"
 
 
-def _of_irradiance(sun: Sun) -> str:
-    if "map" in sun.evidence:
+def of_irradiance(evidence: tuple[str, ...], interval: tuple[float, float]) -> str:
+    """Source of the irradiance of a sun, and its interval."""
+    if "map" in evidence:
         return "irradiance measured in the map"
-    low, high = sun.interval
+    low, high = interval
     if low == high:
         return "irradiance as given"
     return f"the irradiance is a guess, in two of three maps true times {low:.2g} to {high:.2g}"
@@ -31,12 +27,3 @@ def _of_irradiance(sun: Sun) -> str:
 
 #: Note on a repair of a map that holds its own sun.
 HOLDS_SUN = "no sun was added, because the map is not clipped and holds its own"
-
-
-def without_sun(sun: Sun) -> str:
-    """Note on a map for which no sun was added."""
-    if sun.answer == "sun":
-        return "no sun was added, because it is not the brightest light of the map; use `split`"
-    why = f": {sun.notes[0]}" if sun.notes else ""
-    hint = "; give its direction to add it" if sun.answer == "perhaps" else ""
-    return f"no sun was added, because the answer is {sun.answer!r} ({sun.in_short()}){why}{hint}"
