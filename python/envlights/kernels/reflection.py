@@ -49,11 +49,11 @@ def rough_reflection(
 
     Examples
     --------
-    A white world loses light at a rough metal, because facets hide each other:
+    A white world seen in the roughest metal is 1 - ln 2 of white, because facets hide each other:
 
     >>> white = np.ones((64, 128, 3), np.float32)
     >>> rough_reflection(white, [[0, 1, 0]], [[0, 1, 0]], 1.0).round(2)
-    array([[0.69, 0.69, 0.69]])
+    array([[0.31, 0.31, 0.31]])
     """
     return _native.rough_reflection(
         float_image("radiance", radiance, 3),
