@@ -20,7 +20,7 @@ __all__ = [
     "are_clipped", "blur", "bounding_volume_hierarchy", "bresenham_line", "clipped_depth",
     "clipped_light_shares", "clipped_share", "code_histogram_8", "code_histogram_16",
     "decode_8", "decode_16", "detect_tree", "direction_to_uv", "disc_map", "even_sphere",
-    "face_radiance", "fill_unseen", "fit_reduced", "fit_samples", "form_factors", "halton",
+    "face_radiance", "fill_unseen", "fit_reduced", "fit_samples", "form_factors", "gloss_spectrum", "halton",
     "hammersley", "harmonic_irradiance", "harmonic_radiance", "hidden_shares", "icosphere",
     "irradiance", "luminance", "map_energy", "merge_along_lines", "neighbour_maximum",
     "pack_lights", "pixel_directions", "pixel_solid_angles", "plane_threshold",

@@ -23,7 +23,7 @@ out vec4 colour;
 const int FLOOR = 0, BALL = 1, BOX = 2, MODEL = 3, SKY = 4;
 //MODEL
 // Tilt below the horizon of the ray that finds the floor point of a thing, and sine and cosine of the least radius of
-// the lights there; see src/kernels/occluder/reflected.rs.
+// the lights there; see src/kernels/occluder/reflection.rs.
 const float TILT = 0.45;
 const vec2 BLUR = vec2(0.3428978, 0.9393727);
 // Corners of the silhouette of a box by the side of each pair of planes on which the point lies: their number, and
