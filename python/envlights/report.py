@@ -86,6 +86,11 @@ class FitReport(Result):
     It is the error of the irradiance at every normal with everything behind a plane hidden,
     integrated over all planes. Each pixel of the map is a square of one radiance."""
 
+    objective_error: float | None = None
+    """Relative RMS error that the fit minimised: of its `objective`, or `Rig.error` of points.
+
+    None if it was not measured, or if a sun was put beside the fitted lights."""
+
     gloss_bands: tuple[tuple[float, ...], tuple[float, ...]] = ((), ())
     """Energy of the map in each degree of spherical harmonics, and of its difference from the rig.
 
@@ -164,6 +169,7 @@ class FitReport(Result):
             "channel_errors": list(self.channel_errors),
             "max_error": self.max_error,
             "shadow_error": self.shadow_error,
+            "objective_error": self.objective_error,
             "gloss_error": self.gloss_error(),
             "gloss_bands": [list(band) for band in self.gloss_bands],
             "points_error": self.points_error,
@@ -202,6 +208,7 @@ class FitReport(Result):
             channel_errors=tuple(amount("channel_errors", e) for e in data["channel_errors"]),
             max_error=amount("max_error", data["max_error"]),
             shadow_error=optional("shadow_error", data.get("shadow_error")),
+            objective_error=optional("objective_error", data.get("objective_error")),
             gloss_bands=bands(data.get("gloss_bands", ((), ()))),
             points_error=optional("points_error", data.get("points_error")),
             fitted_points_error=optional("fitted_points_error", data.get("fitted_points_error")),
