@@ -78,7 +78,9 @@ class FitReport(Result):
     max_error: float = 0.0
     """Largest error of any channel at the measured normals, relative to the RMS irradiance.
 
-    A map is measured at 5120 or more normals. Between them the error was up to a fifth larger."""
+    A map is measured at 5120 or more normals. Normals whose horizon cuts a small sun have larger
+    errors: on 100 generated maps, the largest error of others was 1.02 times as large in the
+    median, at most 1.6 times on 90 of them, and up to 3.5 times."""
 
     shadow_error: float | None = None
     """Relative RMS error of shadowed irradiance, or None if it was not measured.

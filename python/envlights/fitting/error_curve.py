@@ -165,13 +165,13 @@ def error_curve(
         options = {"objective": objective, "ambient": ambient, "floor": floor, "unseen": unseen}
         rig = fit(world, number, sizes=sizes, **options)  # type: ignore[arg-type]
         seconds[number] = perf_counter() - start
-        least = rig if least is None or _minimised(rig) < _minimised(least) else least
+        least = rig if least is None or _objective_error(rig) < _objective_error(least) else least
         best[number] = least
     rigs = [best[number] for number in numbers]
     return ErrorCurve(
         tuple(numbers),
         tuple(len(rig.lights) for rig in rigs),
-        tuple(_minimised(rig) for rig in rigs),
+        tuple(_objective_error(rig) for rig in rigs),
         tuple(rig.error for rig in rigs),
         tuple(rig.report.shadow_error or 0.0 for rig in rigs),
         tuple(rig.report.gloss_error(roughness) or 0.0 for rig in rigs),
@@ -180,7 +180,7 @@ def error_curve(
     )
 
 
-def _minimised(rig: Rig) -> float:
+def _objective_error(rig: Rig) -> float:
     """Error that the fit of a rig minimised."""
     return rig.report.objective_error or 0.0
 
