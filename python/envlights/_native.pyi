@@ -117,6 +117,7 @@ class FitAnswer:
     angular_radii: list[float]
     at_bound: list[int]
     shadow_error: float
+    objective_error: float
     bands: list[list[float]]
     points_error: float
     fitted_points_error: float

@@ -78,13 +78,20 @@ class FitReport(Result):
     max_error: float = 0.0
     """Largest error of any channel at the measured normals, relative to the RMS irradiance.
 
-    A map is measured at 5120 or more normals. Between them the error was up to a fifth larger."""
+    A map is measured at 5120 or more normals. Normals whose horizon cuts a small sun have larger
+    errors: on 100 generated maps, the largest error of others was 1.02 times as large in the
+    median, at most 1.6 times on 90 of them, and up to 3.5 times."""
 
     shadow_error: float | None = None
     """Relative RMS error of shadowed irradiance, or None if it was not measured.
 
     It is the error of the irradiance at every normal with everything behind a plane hidden,
     integrated over all planes. Each pixel of the map is a square of one radiance."""
+
+    objective_error: float | None = None
+    """Relative RMS error that the fit minimised: of its `objective`, or `Rig.error` of points.
+
+    None if it was not measured, or if a sun was put beside the fitted lights."""
 
     gloss_bands: tuple[tuple[float, ...], tuple[float, ...]] = ((), ())
     """Energy of the map in each degree of spherical harmonics, and of its difference from the rig.
@@ -164,6 +171,7 @@ class FitReport(Result):
             "channel_errors": list(self.channel_errors),
             "max_error": self.max_error,
             "shadow_error": self.shadow_error,
+            "objective_error": self.objective_error,
             "gloss_error": self.gloss_error(),
             "gloss_bands": [list(band) for band in self.gloss_bands],
             "points_error": self.points_error,
@@ -202,6 +210,7 @@ class FitReport(Result):
             channel_errors=tuple(amount("channel_errors", e) for e in data["channel_errors"]),
             max_error=amount("max_error", data["max_error"]),
             shadow_error=optional("shadow_error", data.get("shadow_error")),
+            objective_error=optional("objective_error", data.get("objective_error")),
             gloss_bands=bands(data.get("gloss_bands", ((), ()))),
             points_error=optional("points_error", data.get("points_error")),
             fitted_points_error=optional("fitted_points_error", data.get("fitted_points_error")),

@@ -64,6 +64,12 @@ impl FitAnswer {
         self.result.shadow_error
     }
 
+    /// Relative RMS error that the lights minimise.
+    #[getter]
+    fn objective_error(&self) -> f64 {
+        self.result.objective_error
+    }
+
     /// Energy of the map in each degree of spherical harmonics, and of its difference from the rig; empty without a map.
     #[getter]
     fn bands(&self) -> [Vec<f64>; 2] {

@@ -4,6 +4,14 @@ import numpy as np
 import pytest
 
 import envlights as el
+from envlights.fitting import error_curve as curves
+from tests.conftest import real_maps
+
+OBJECTIVES = ({"sizes": False}, *({"objective": name} for name in ("probe", "shadows", "mixed")))
+
+
+def name_of(options):
+    return options.get("objective", "points")
 
 
 def discs(seed, count=12):
@@ -32,3 +40,46 @@ def test_one_more_light_lowers_the_error_of_shadows():
 def test_one_more_point_never_raises_the_error(seed):
     errors = [el.fit(discs(seed), k, sizes=False).error for k in range(9)]
     assert (np.diff(errors) <= 1e-3 * np.array(errors[:-1])).all(), errors
+
+
+@pytest.mark.parametrize("options", OBJECTIVES, ids=name_of)
+def test_an_error_curve_never_rises(options):
+    curve = el.error_curve(discs(1), range(7), **options)
+    assert (np.diff(curve.objective) <= 0).all(), curve
+    assert all(used <= lights for used, lights in zip(curve.used, curve.lights, strict=True))
+
+
+@pytest.mark.slow
+@real_maps("hdr/*.hdr", "exr/*.exr")
+@pytest.mark.parametrize("options", OBJECTIVES, ids=name_of)
+def test_an_error_curve_of_a_real_map_never_rises(path, options):
+    curve = el.error_curve(path, range(13), **options)
+    assert (np.diff(curve.objective) <= 0).all(), curve
+
+
+def test_a_row_holds_a_rig_of_fewer_lights_if_that_is_better(monkeypatch):
+    """Three lights are fixed in wrong directions."""
+    rigs = {count: el.fit(discs(1), count) for count in range(5)}
+    rigs[3] = el.fit(discs(1), 3, fixed=np.eye(3))
+    assert rigs[3].report.objective_error > rigs[2].report.objective_error
+    monkeypatch.setattr(curves, "fit", lambda _, count, **__: rigs[count])
+    curve = el.error_curve(discs(1), [4, 3, 2, 0])
+    assert curve.used == (4, 2, 2, 0)
+    assert curve.objective[1] == curve.objective[2] == rigs[2].report.objective_error
+    assert curve.probe[1] == rigs[2].error
+
+
+def test_the_error_that_a_fit_minimises_is_that_of_its_objective():
+    env = discs(2)
+    reports = {name: el.fit(env, 3, objective=name) for name in ("probe", "shadows", "mixed")}
+    shadows = reports["shadows"].report
+    assert shadows.objective_error == pytest.approx(shadows.shadow_error, rel=1e-12)
+    probe = reports["probe"]
+    assert probe.report.objective_error == pytest.approx(probe.error, rel=0.01)
+    mixed = reports["mixed"]
+    # Its square is a weighted mean of both squares.
+    assert mixed.error < mixed.report.objective_error < mixed.report.shadow_error
+    points = el.fit(env, 3, sizes=False)
+    assert points.report.objective_error == points.error
+    again = el.FitReport.from_dict(points.report.to_dict())
+    assert again.objective_error == points.error

@@ -99,13 +99,20 @@ def _sun_of_the_probe(row, column):
     return _relative(el.EnvMap(radiance).probe(normals), wanted)
 
 
-def _sun_that_is_found(find, row, column, times=1):
-    radiance, towards, flux = _sun(row, column, times)
-    return lights_apart(find(radiance), towards[None], flux[None])
+def _sun_that_is_detected(row, column):
+    radiance, towards, flux = _sun(row, column)
+    return lights_apart(el.detect(radiance), towards[None], flux[None])
 
 
-def _fitted_point(radiance):
-    return el.fit(radiance, 1, ambient="none", sizes=False).lights
+def _sun_that_is_fitted(row, column):
+    """The light of a pixel comes from its middle azimuth, and from the mean of its row."""
+    radiance, _, flux = _sun(row, column, times=4)
+    (row,), (column,) = np.nonzero(radiance[..., 0])
+    towards = cells.vector_solid_angle(row, column, *radiance.shape[:2])
+    towards[[0, 2]] /= np.sinc(1 / radiance.shape[1])
+    towards /= np.linalg.norm(towards)
+    found = el.fit(radiance, 1, ambient="none", sizes=False).lights
+    return lights_apart(found, towards[None], flux[None])
 
 
 def _probe_error(case, lights):
@@ -185,7 +192,7 @@ CASES = [
         "detection, a sun of one pixel at ",
         1e-9,
         "one pixel is one direction",
-        partial(_sun_that_is_found, el.detect),
+        _sun_that_is_detected,
         PLACES,
     ),
     *cases_of(
@@ -193,7 +200,7 @@ CASES = [
         "fit, a sun of one pixel at ",
         1e-9,
         "one pixel of 512 columns is one direction",
-        partial(_sun_that_is_found, _fitted_point, times=4),
+        _sun_that_is_fitted,
         PLACES,
     ),
     Case(

@@ -18,6 +18,7 @@ from envlights._unseen import Unseen
 from envlights.envmap import AnyMap, as_envmap
 from envlights.fitting.fit import fit
 from envlights.kernels import gloss
+from envlights.rig import Rig
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -25,13 +26,18 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ErrorCurve(Result):
-    """Errors of a map's fits, one for each number of lights."""
+    """Errors of a map's rigs with at most each of some numbers of lights."""
 
     lights: tuple[int, ...]
-    """Largest number of lights of each fit."""
+    """Largest number of lights of each rig."""
 
     used: tuple[int, ...]
-    """Lights that each fit has; fewer if more would not lower the error."""
+    """Lights that each rig has; fewer if no fit with more has a lower error."""
+
+    objective: tuple[float, ...]
+    """Relative RMS error that the fits minimise; `FitReport.objective_error`.
+
+    It never rises from one number of lights to a larger one."""
 
     probe: tuple[float, ...]
     """Relative RMS error of shading; `Rig.error`."""
@@ -53,6 +59,7 @@ class ErrorCurve(Result):
         return {
             "lights": list(self.lights),
             "used": list(self.used),
+            "objective": list(self.objective),
             "probe": list(self.probe),
             "shadows": list(self.shadows),
             "gloss": list(self.gloss),
@@ -61,7 +68,7 @@ class ErrorCurve(Result):
 
     def to_frame(self) -> pd.DataFrame:
         """Data frame with a row for each number of lights; needs pandas."""
-        names = ("lights", "used", "probe", "shadows", "gloss", "seconds")
+        names = ("lights", "used", "objective", "probe", "shadows", "gloss", "seconds")
         return frame_of({name: np.array(getattr(self, name)) for name in names})
 
     def in_short(self) -> str:
@@ -85,8 +92,9 @@ class ErrorCurve(Result):
         return self._table().html(), _html.lines(f"gloss: metal of roughness {self.roughness:g}")
 
     def _table(self) -> Table:
-        names = ["lights", "used", "probe", "shadows", "gloss", "seconds"]
-        columns = (self.lights, self.used, self.probe, self.shadows, self.gloss, self.seconds)
+        names = ["lights", "used", "objective", "probe", "shadows", "gloss", "seconds"]
+        errors = (self.objective, self.probe, self.shadows, self.gloss)
+        columns = (self.lights, self.used, *errors, self.seconds)
         rows = [
             [str(lights), str(used), *map(_percent, errors), f"{seconds:.2f}"]
             for lights, used, *errors, seconds in zip(*columns, strict=True)
@@ -107,8 +115,10 @@ def error_curve(
 ) -> ErrorCurve:
     """Fit a map with several numbers of lights, and compare the errors.
 
-    Each fit is a full search of its own, so that each row is the best rig of `fit` with that many
-    lights. To get the fewest lights for an error, call `fit` with that error instead.
+    Each fit is a full search of its own. A row holds the rig with the least error that the fits
+    minimise, among those of all rows with at most as many lights: so one more light never raises
+    that error. `used` tells if a rig of fewer lights was the best. To get the fewest lights for an
+    error, call `fit` with that error instead.
 
     Parameters
     ----------
@@ -148,21 +158,31 @@ def error_curve(
     roughness, numbers = gloss.checked_roughness(roughness), counts("lights", lights)
     if not numbers:
         raise EnvLightsError("lights must hold at least one number; got none")
-    world, rigs, seconds = as_envmap(env), [], []
-    for number in numbers:
+    world, best, seconds = as_envmap(env), {}, {}
+    least: Rig | None = None
+    for number in sorted(set(numbers)):
         start = perf_counter()
         options = {"objective": objective, "ambient": ambient, "floor": floor, "unseen": unseen}
-        rigs.append(fit(world, number, sizes=sizes, **options))  # type: ignore[arg-type]
-        seconds.append(perf_counter() - start)
+        rig = fit(world, number, sizes=sizes, **options)  # type: ignore[arg-type]
+        seconds[number] = perf_counter() - start
+        least = rig if least is None or _objective_error(rig) < _objective_error(least) else least
+        best[number] = least
+    rigs = [best[number] for number in numbers]
     return ErrorCurve(
         tuple(numbers),
         tuple(len(rig.lights) for rig in rigs),
+        tuple(_objective_error(rig) for rig in rigs),
         tuple(rig.error for rig in rigs),
         tuple(rig.report.shadow_error or 0.0 for rig in rigs),
         tuple(rig.report.gloss_error(roughness) or 0.0 for rig in rigs),
         roughness,
-        tuple(seconds),
+        tuple(seconds[number] for number in numbers),
     )
+
+
+def _objective_error(rig: Rig) -> float:
+    """Error that the fit of a rig minimised."""
+    return rig.report.objective_error or 0.0
 
 
 def _percent(share: float) -> str:

@@ -40,6 +40,7 @@ def rig_of(
         stop_reason=_stop_reason(answer, request),
         channel_errors=tuple(answer.channel_errors),
         max_error=answer.max_error,
+        objective_error=answer.objective_error,
         gloss_bands=(tuple(answer.bands[0]), tuple(answer.bands[1])),
         points_error=answer.points_error,
         fitted_points_error=answer.fitted_points_error,

@@ -236,6 +236,7 @@ def _report(report: FitReport, order: NDArray[np.intp], ratios: Ratios) -> FitRe
         channel_errors=tuple(np.multiply(report.channel_errors, ratios.channels).tolist()),
         max_error=scale * report.max_error,
         shadow_error=times(report.shadow_error, ratios.shadows),
+        objective_error=None,
         points_error=times(report.points_error),
         fitted_points_error=times(report.fitted_points_error),
         direction_tolerances=tuple(tolerances[j] for j in order) if has_tolerances else (),

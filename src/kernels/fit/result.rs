@@ -24,6 +24,8 @@ pub struct FitResult {
     pub probe_error: Judged,
     /// Relative RMS error of the irradiance with shadows, under a map: `discs/`.
     pub shadow_error: f64,
+    /// Relative RMS error that the discs minimise; of the irradiance if the lights are points.
+    pub objective_error: f64,
     /// Energies by degree under a map, for the errors of shiny objects.
     pub bands: Bands,
     /// Relative RMS error of the rig in a program that shows its lights as points.
@@ -107,19 +109,25 @@ impl Evaluator<'_> {
         if self.options.has_goal() || self.options.sizes.is_none() || sized.radii.is_empty() {
             errors[chosen].1 = probe_error.error;
         }
-        let cost = probe_error.error.powi(2) * problem.objective.reference().energy;
+        let reference = problem.objective.reference();
+        let objective_error = match (&self.sizes, self.options.sizes) {
+            (Some(sizes), Some(_)) => sizes.objective_error(reference, &sized.rig, &sized.radii),
+            _ => probe_error.error,
+        };
+        let cost = probe_error.error.powi(2) * reference.energy;
         let of_points = || self.sizes.as_ref().map(|_| tolerances(&problem.descent(), &trial.state, cost));
         let tolerances = sized.tolerances.or_else(of_points).unwrap_or_default();
         let bands = self.sizes.as_ref().map(|sizes| sizes.bands(&sized.rig, &sized.radii));
         FitResult {
             bands: bands.unwrap_or_default(),
             points_error: self.samples.error(&sized.rig),
-            fitted_points_error: self.samples.error(&trial.state.rig(problem.objective.reference())),
+            fitted_points_error: self.samples.error(&trial.state.rig(reference)),
             rig: sized.rig,
             radii: sized.radii,
             at_bound: sized.at_bound,
             probe_error,
             shadow_error: trial.shadow_error,
+            objective_error,
             evaluation_normals: self.samples.normals.len(),
             errors,
             channels: problem.objective.reference().channels.len(),

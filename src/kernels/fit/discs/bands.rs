@@ -46,7 +46,10 @@ impl Coefficients {
     fn of_discs(discs: &[DiscOfFlux]) -> Self {
         let (theta, phi): (Vec<f64>, Vec<f64>) = discs.iter().map(|disc| angles(disc.0)).unzip();
         let (sines, cosines): (Vec<f64>, Vec<f64>) = theta.iter().map(|theta| theta.sin_cos()).unzip();
-        let factors: Vec<Vec<f64>> = discs.iter().map(|disc| disc_series(disc.1, BAND_DEGREE + 1)).collect();
+        let series: Vec<Vec<f64>> = discs.iter().map(|disc| disc_series(disc.1, BAND_DEGREE + 1)).collect();
+        // Of each degree, the factors of all discs, because a sum runs over the discs.
+        let factors: Vec<Vec<f64>> =
+            (0..=BAND_DEGREE).map(|l| series.iter().map(|series| series[l]).collect()).collect();
         let order = |m: usize| {
             let wave = |(phi, disc): (&f64, &DiscOfFlux)| {
                 let (sine, cosine) = (m as f64 * phi).sin_cos();
@@ -56,9 +59,12 @@ impl Coefficients {
             let waves: Vec<[f64; 6]> = phi.iter().zip(discs).map(wave).collect();
             let mut out = vec![[0.0; 6]; BAND_DEGREE + 1 - m];
             visit_degrees(m, BAND_DEGREE, &cosines, &sines, &mut |l, values| {
-                for ((value, factors), wave) in values.iter().zip(&factors).zip(&waves) {
-                    (0..6).for_each(|i| out[l - m][i] += value * factors[l] * wave[i]);
+                let mut sum = [0.0; 6];
+                for ((value, factor), wave) in values.iter().zip(&factors[l]).zip(&waves) {
+                    let weight = value * factor;
+                    (0..6).for_each(|i| sum[i] += weight * wave[i]);
                 }
+                out[l - m] = sum;
             });
             out
         };

@@ -8,6 +8,7 @@ use glam::DVec3;
 
 use super::light_disc::Disc;
 use super::shadows::Shadows;
+use crate::kernels::expansion::DiscSum;
 use crate::kernels::fit::damped_newton::Descent;
 use crate::kernels::fit::state::State;
 use crate::kernels::sampling::even_sphere;
@@ -17,34 +18,51 @@ use crate::kernels::sphere::to_vectors;
 const RADIUS: f64 = 0.2;
 
 /// A minimum with `count` discs, if each lowers the cost: `fixed` directions first, then one disc at a time.
+///
+/// Descents end at the first tolerance while discs are added, and the last at the second.
 pub fn forward_selection(
     shadows: &Shadows<'_>,
     descent: &Descent<'_>,
     fixed: &[DVec3],
     count: usize,
-    tolerance: f64,
+    [rough, fine]: [f64; 2],
 ) -> Option<State> {
     let discs = fixed.iter().map(|&direction| shadows.disc(direction, RADIUS)).collect();
-    let mut state = descent.run(shadows.state(discs), tolerance);
+    let candidates = CandidateDiscs::new(shadows);
+    let mut state = descent.run(shadows.state(discs), rough);
     while state.lights() < count {
-        let larger = descent.run(with_another(shadows, &state)?, tolerance);
+        let larger = descent.run(candidates.added_to(&state)?, rough);
         if larger.cost >= state.cost {
             return None;
         }
         state = State { steps: state.steps + larger.steps, ..larger };
     }
-    Some(state)
+    Some(descent.run(state.resume(), fine))
 }
 
-/// The state with the disc, of those in a few directions, that lowers the cost most.
-pub fn with_another(shadows: &Shadows<'_>, state: &State) -> Option<State> {
-    /// Directions that are tried, some 22 degrees apart.
-    const DIRECTIONS: usize = 80;
-    let candidates: Vec<Disc> = to_vectors(even_sphere(DIRECTIONS).view())
-        .into_iter()
-        .map(|direction| shadows.disc(direction, RADIUS))
-        .collect();
-    let decreases = shadows.decreases(&candidates, state);
-    let best = candidates.into_iter().zip(decreases).max_by(|(_, a), (_, b)| a.total_cmp(b));
-    best.map(|(best, _)| shadows.state(state.moments.discs.iter().copied().chain([best]).collect()))
+/// Discs in a few directions that may be added to a state, with their products with the map.
+#[derive(Debug)]
+pub struct CandidateDiscs<'a> {
+    shadows: &'a Shadows<'a>,
+    discs: Vec<Disc>,
+    products: Vec<DiscSum>,
+}
+
+impl<'a> CandidateDiscs<'a> {
+    /// Discs spread evenly over the sphere.
+    pub fn new(shadows: &'a Shadows<'a>) -> Self {
+        /// Directions that are tried, some 22 degrees apart.
+        const DIRECTIONS: usize = 80;
+        let directions = to_vectors(even_sphere(DIRECTIONS).view()).into_iter();
+        let discs: Vec<Disc> = directions.map(|direction| shadows.disc(direction, RADIUS)).collect();
+        let products = shadows.with_map(&discs);
+        Self { shadows, discs, products }
+    }
+
+    /// The `state` with the disc that lowers the cost most.
+    pub fn added_to(&self, state: &State) -> Option<State> {
+        let decreases = self.shadows.decreases(&self.discs, &self.products, state);
+        let best = self.discs.iter().zip(decreases).max_by(|(_, a), (_, b)| a.total_cmp(b));
+        best.map(|(&best, _)| self.shadows.state(state.moments.discs.iter().copied().chain([best]).collect()))
+    }
 }

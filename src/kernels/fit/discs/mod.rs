@@ -110,20 +110,17 @@ impl<'a> Sizes<'a> {
     /// Relative RMS error of the irradiance behind every plane, under a rig whose lights have these radii. A pixel of
     /// the map is the square that it is.
     pub fn shadow_error(&self, reference: &Reference, rig: &Rig, radii: &[f64]) -> f64 {
-        let discs = discs_of(rig, radii);
-        let (gram, rhs) = self.shadows.products(&discs);
-        let flux =
-            rig.irradiance.iter().zip(&discs).map(|(&irradiance, disc)| irradiance / (1.0 - disc.share));
-        let x: Vec<DVec3> = rig.ambient.iter().copied().chain(flux).collect();
-        let x = DMatrix::from_fn(x.len(), 3, |i, c| x[i][c]);
-        let used = &gram * &x;
-        let left = |c: usize| {
-            self.shadows.energy[c] + used.column(c).dot(&x.column(c)) - 2.0 * rhs.column(c).dot(&x.column(c))
-        };
-        let counted = |c: &usize| reference.like[*c].is_some();
-        let left: f64 = (0..3).filter(counted).map(left).sum();
-        let energy: f64 = (0..3).filter(counted).map(|c| self.shadows.energy[c]).sum();
-        relative_error(left.max(0.0), energy)
+        error_under(&self.shadows, reference, rig, radii)
+    }
+
+    /// Relative RMS error of the kernel that [`Self::fit`] minimises, under a rig whose lights have these radii.
+    pub fn objective_error(&self, reference: &Reference, rig: &Rig, radii: &[f64]) -> f64 {
+        error_under(self.target(), reference, rig, radii)
+    }
+
+    /// The map under the kernel of the fit.
+    fn target(&self) -> &Target {
+        self.other.as_ref().unwrap_or(&self.shadows)
     }
 
     /// Energies of the map and of its difference from a rig whose lights have these radii.
@@ -144,13 +141,12 @@ impl<'a> Sizes<'a> {
     ) -> Sized {
         /// Fewest lights of a forward selection: with 4, it lowers the error of none of nine real maps.
         const FEWEST: usize = 5;
-        let target = self.other.as_ref().unwrap_or(&self.shadows);
-        let shadows = Shadows::new(target, reference).up_to(self.greatest_radius);
+        let shadows = Shadows::new(self.target(), reference).up_to(self.greatest_radius);
         let descent = Descent { objective: &shadows, fixed, max_steps };
         let selected = || {
             let first = rigs.first().filter(|rig| can_select && rig.directions.len() >= FEWEST)?;
             let (fixed, count) = (&first.directions[..fixed], first.directions.len());
-            forward_selection(&shadows, &descent, fixed, count, FINE)
+            forward_selection(&shadows, &descent, fixed, count, [ROUGH, FINE])
         };
         let (near, selected) = rayon::join(|| near(&shadows, &descent, self.map, rigs), selected);
         let Some(near) = near else { return Sized::points(Rig::default()) };
@@ -192,6 +188,23 @@ fn near(shadows: &Shadows<'_>, descent: &Descent<'_>, map: &WorkingMap, rigs: &[
     let has_harmonics = shadows.reference().free() > 0;
     let state = if has_harmonics { exchange(shadows, descent, state, [ROUGH, FINE]) } else { state };
     Some(State { steps: steps + state.steps, ..state })
+}
+
+/// Relative RMS error of a rig, whose lights have these radii, under the kernel of a `target`.
+fn error_under(target: &Target, reference: &Reference, rig: &Rig, radii: &[f64]) -> f64 {
+    let discs = discs_of(rig, radii);
+    let (gram, rhs) = target.products(&discs);
+    let flux = rig.irradiance.iter().zip(&discs).map(|(&irradiance, disc)| irradiance / (1.0 - disc.share));
+    let x: Vec<DVec3> = rig.ambient.iter().copied().chain(flux).collect();
+    let x = DMatrix::from_fn(x.len(), 3, |i, c| x[i][c]);
+    let used = &gram * &x;
+    let left = |c: usize| {
+        target.energy[c] + used.column(c).dot(&x.column(c)) - 2.0 * rhs.column(c).dot(&x.column(c))
+    };
+    let counted = |c: &usize| reference.like[*c].is_some();
+    let left: f64 = (0..3).filter(counted).map(left).sum();
+    let energy: f64 = (0..3).filter(counted).map(|c| target.energy[c]).sum();
+    relative_error(left.max(0.0), energy)
 }
 
 /// The lights of a rig as discs.

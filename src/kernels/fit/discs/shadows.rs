@@ -9,6 +9,7 @@ use nalgebra::DMatrix;
 use super::jet::Jet;
 use super::light_disc::Disc;
 use super::target::Target;
+use crate::kernels::expansion::DiscSum;
 use crate::kernels::fit::objective::{
     Constraint, Derivatives, Moments, Objective, Reference, column_weights,
 };
@@ -56,9 +57,17 @@ impl<'a> Shadows<'a> {
         State::at(self, self.moments(discs), 0, &[])
     }
 
+    /// Products of discs of flux 1 with the map.
+    pub fn with_map(&self, discs: &[Disc]) -> Vec<DiscSum> {
+        self.target.values(discs)
+    }
+
     /// Decrease of the cost that each of some discs, alone, adds to a state whose other radiances stay.
-    pub fn decreases(&self, candidates: &[Disc], state: &State) -> Vec<f64> {
-        self.target.falls(&self.reference, candidates, &state.moments.discs, &state.x)
+    ///
+    /// Their `products` with the map are those of [`Self::with_map`].
+    pub fn decreases(&self, candidates: &[Disc], products: &[DiscSum], state: &State) -> Vec<f64> {
+        let sides = candidates.iter().zip(products);
+        self.target.falls(&self.reference, sides, &state.moments.discs, &state.x)
     }
 
     /// The disc nearest to one of that direction and radius.

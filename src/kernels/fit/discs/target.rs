@@ -156,14 +156,16 @@ impl Target {
     }
 
     /// The fall of the cost if one of some candidates, alone, joins the `discs` with the coefficients `x`, which stay.
-    pub fn falls(
+    ///
+    /// Each of the `candidates` is a disc and its products with the map.
+    pub fn falls<'a>(
         &self,
         reference: &Reference,
-        candidates: &[Disc],
+        candidates: impl Iterator<Item = (&'a Disc, &'a DiscSum)>,
         discs: &[Disc],
         x: &DMatrix<f64>,
     ) -> Vec<f64> {
-        let fall = |(candidate, sides): (&Disc, DiscSum)| {
+        let fall = |(candidate, sides): (&Disc, &DiscSum)| {
             let with_ambient = self.with_ambient(candidate).into_iter().map(|product| product.value);
             let with_discs = discs.iter().map(|disc| self.pair::<0>(candidate, disc).value);
             let products: Vec<f64> = with_ambient.chain(with_discs).collect();
@@ -174,11 +176,11 @@ impl Target {
             let own = self.pair::<0>(candidate, candidate).value;
             (0..reference.channels.len()).map(square).sum::<f64>() / own
         };
-        candidates.iter().zip(self.values(candidates)).map(fall).collect()
+        candidates.map(fall).collect()
     }
 
     /// Products of discs with the map.
-    fn values(&self, discs: &[Disc]) -> Vec<DiscSum> {
+    pub fn values(&self, discs: &[Disc]) -> Vec<DiscSum> {
         self.sides::<0>(discs, &vec![[0.0; 3]; discs.len()])
     }
 

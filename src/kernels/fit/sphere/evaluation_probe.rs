@@ -62,7 +62,6 @@ pub fn evaluation_probe(map: &WorkingMap, expansion: &Expansion, fewest: usize) 
     // Sum the part that is equal at opposite normals.
     let mut even = &*TURNS * rings.coefficients(&expansion.rest);
     Arch::new().dispatch(BrightHalves { halves: &rings.halves, bright: &bright, even: even.as_mut_slice() });
-    add_spread(rings.upper(), &bright, even.as_mut_slice());
     // Add the part that changes its sign there.
     let mut whole = [0, 1, 2].map(|channel| expansion.rest.moments(channel).1);
     for (c, whole) in whole.iter_mut().enumerate() {
@@ -91,6 +90,8 @@ struct BrightPart {
     irradiance: [f64; 3],
     /// Angular radius of the disc with the spread of the part.
     radius: f64,
+    /// Half the sine of the radius.
+    half_sine: f64,
 }
 
 impl BrightPart {
@@ -103,14 +104,28 @@ impl BrightPart {
         let direction = vectors.iter().sum::<DVec3>().normalize_or(DVec3::Y);
         let irradiance = vectors.map(DVec3::length);
         if (0..3).all(|c| (vectors[c] - irradiance[c] * direction).length() <= SAME * irradiance[c]) {
-            return vec![Self { direction, irradiance, radius }];
+            return vec![Self::new(direction, irradiance, radius)];
         }
         let channel = |c: usize| {
             let mut own = [0.0; 3];
             own[c] = irradiance[c];
-            Self { direction: vectors[c].normalize_or(DVec3::Y), irradiance: own, radius }
+            Self::new(vectors[c].normalize_or(DVec3::Y), own, radius)
         };
         (0..3).map(channel).collect()
+    }
+
+    fn new(direction: DVec3, irradiance: [f64; 3], radius: f64) -> Self {
+        Self { direction, irradiance, radius, half_sine: 0.5 * radius.sin() }
+    }
+
+    /// Add the even irradiance that the radius adds at the normals of a ring whose horizon cuts the disc.
+    ///
+    /// The `halves` are half the cosines between normals and disc.
+    fn add_spread(&self, halves: &[f64; AZIMUTHS], even: &mut [f64; 3 * AZIMUTHS]) {
+        for (i, half) in halves.iter().enumerate().filter(|(_, half)| **half < self.half_sine) {
+            let more = irradiance_share(2.0 * half, self.radius) - 2.0 * half;
+            (0..3).for_each(|c| even[c * AZIMUTHS + i] += self.irradiance[c] * more);
+        }
     }
 }
 
@@ -192,32 +207,24 @@ impl WithSimd for BrightHalves<'_> {
     }
 }
 
-/// Add `|n.f| / 2` of all bright parts to the `even` part of each ring, channel and normal.
+/// Add `|n.f| / 2` of all bright parts to the `even` part of each ring, channel and normal, and what their radius adds.
 #[inline(always)]
 fn add_bright(halves: &[Vec<f64>; 3], bright: &[BrightPart], even: &mut [f64]) {
     for (ring, even) in even.as_chunks_mut::<{ 3 * AZIMUTHS }>().0.iter_mut().enumerate() {
         let [x, y, z] = [0, 1, 2].map(|axis| &halves[axis].as_chunks::<AZIMUTHS>().0[ring]);
-        for BrightPart { direction: l, irradiance: [red, green, blue], .. } in bright {
+        for part @ BrightPart { direction: l, irradiance: [red, green, blue], half_sine, .. } in bright {
+            let mut cosines = [0.0; AZIMUTHS];
+            let mut cut = 0_u32;
             for i in 0..AZIMUTHS {
                 let cosine = (x[i] * l.x + y[i] * l.y + z[i] * l.z).abs();
+                cosines[i] = cosine;
+                cut += u32::from(cosine < *half_sine);
                 even[i] += red * cosine;
                 even[AZIMUTHS + i] += green * cosine;
                 even[2 * AZIMUTHS + i] += blue * cosine;
             }
-        }
-    }
-}
-
-/// Add the even irradiance of each bright part that its radius adds at normals whose horizon cuts it.
-fn add_spread(upper: &[DVec3], bright: &[BrightPart], even: &mut [f64]) {
-    for BrightPart { direction, irradiance, radius } in bright {
-        let sine = radius.sin();
-        for (i, normal) in upper.iter().enumerate() {
-            let cosine = normal.dot(*direction).abs();
-            if cosine < sine {
-                let more = irradiance_share(cosine, *radius) - cosine;
-                let ring = &mut even[i / AZIMUTHS * 3 * AZIMUTHS + i % AZIMUTHS..];
-                (0..3).for_each(|c| ring[c * AZIMUTHS] += irradiance[c] * more);
+            if cut > 0 {
+                part.add_spread(&cosines, even);
             }
         }
     }
