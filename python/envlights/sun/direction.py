@@ -75,9 +75,7 @@ class Estimate(NamedTuple):
     value: float
     error: float
 
-    def joined(
-        self, other: Estimate, degrees: float = 1.0, period: float = np.inf
-    ) -> Estimate:
+    def joined(self, other: Estimate, degrees: float = 1.0, period: float = np.inf) -> Estimate:
         """Mean of two estimates, weighted by their errors; `degrees` is the size of a unit of both.
 
         If they differ by more than both errors, the error grows by the ratio of Birge (1932).

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+
 def of_light(sun: str, evidence: tuple[str, ...], irradiance: str) -> str:
     """Note on a sun as a light, with words for the sun and for its irradiance."""
     return f"{sun}: {_of_direction(evidence)}; {irradiance}"
