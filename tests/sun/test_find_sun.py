@@ -217,6 +217,15 @@ def test_a_single_white_pixel_in_blue_is_the_spot_and_none_of_two_is():
     assert spot_of(picture) is None
 
 
+def test_a_spot_is_found_in_a_steep_even_glow():
+    directions = pixel_directions(HEIGHT, 2 * HEIGHT)
+    angle = np.arccos(np.clip(directions @ directions[60, 100], -1, 1))
+    # In the ring, luminance falls by a fifth.
+    radiance = np.array([0.5, 0.6, 0.8]) * np.exp(-6 * angle)[..., None]
+    radiance[60, 100] = 1
+    assert angle_deg(spot_of(codes(radiance)), directions[60, 100]) < 1e-4
+
+
 def test_a_pixel_below_white_is_no_spot_in_a_sky_with_a_white_channel():
     picture = np.full((HEIGHT, 2 * HEIGHT, 3), (150, 200, 240), np.uint8)
     picture[60, 100] = 251

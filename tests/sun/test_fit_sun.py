@@ -127,11 +127,15 @@ def test_a_requested_error_is_one_against_sky_and_sun(goal):
 
 def test_over_a_floor_the_sky_above_counts():
     env, plateau = clipped(128)
-    rig = el.fit(env, 2, sun=sun_of(plateau), floor=True)
+    # A bright ground and a weak sun, so that the ground would change the ratio of sky to sun.
+    radiance = env.radiance.copy()
+    radiance[64:] = 0.95
+    env, weak = el.EnvMap(radiance, white=1.0), IRRADIANCE / 20
+    rig = el.fit(env, 2, sun=sun_of(plateau, irradiance=weak), floor=True)
     above = el.with_sun(env, sun_of(plateau)).rest.radiance.copy()
     above[64:] = 0
     normals, weights = kernels.icosphere(5120)
-    sun = el.Rig([0, 0, 0], el.Lights([TOWARDS], [IRRADIANCE], [np.radians(0.265)]), error=0.0)
+    sun = el.Rig([0, 0, 0], el.Lights([TOWARDS], [weak], [np.radians(0.265)]), error=0.0)
     wanted = el.EnvMap(above).probe(normals) + sun.probe(normals)
     error = kernels.relative_rms(rig.probe(normals), wanted, weights)
     assert rig.error == pytest.approx(error, rel=0.02, abs=2e-4)
@@ -151,7 +155,8 @@ def test_four_lights_are_three_and_the_sun():
     env = el.EnvMap(el.synthetic.hall(64).radiance)
     sun = sun_of()
     assert len(el.fit(env, sun=sun).lights) == 4
-    assert len(el.fit(env, sun=sun, target="mujoco").lights) <= 7
+    # More lights would be needed for this error; MuJoCo shows 7.
+    assert len(el.fit(env, error=1e-6, sun=sun, target="mujoco").lights) == 7
     assert len(el.fit(env, 1, sun=sun).lights) == 1
     with pytest.raises(el.EnvLightsError, match="lights must be at least 1 with a sun"):
         el.fit(env, 0, sun=sun)

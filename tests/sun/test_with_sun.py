@@ -37,9 +37,11 @@ def test_the_light_is_a_disc_of_the_sun_and_the_rest_has_sky_behind_it():
 @pytest.mark.parametrize("answer", ["perhaps", "no"])
 def test_without_the_answer_sun_there_is_no_light_and_the_map_stays(answer):
     env, plateau = clipped()
+    env = env.with_radiance(env.radiance, ("a picture of May",))
     lights, rest = el.with_sun(env, sun_of(plateau, answer, notes=("too many clouds",)))
     assert len(lights) == 0
     assert rest == env
+    assert rest.notes[0] == "a picture of May"
     assert repr(answer) in rest.notes[-1]
     assert "too many clouds" in rest.notes[-1]
     assert rest.notes[-1] in str(lights)
