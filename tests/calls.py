@@ -202,6 +202,7 @@ CALLS = {
             "rank": st.one_of(st.integers(1, 9), SHARE),
             "ridge": st.one_of(SHARE, st.just("loo")),
             "error": st.one_of(st.none(), SHARE),
+            "nonnegative": FLAG,
             "notebook": FLAG,
         },
     ),

@@ -11,6 +11,9 @@ A model is learnt from pairs of images of one scene under many lights. These are
 | both as tasks of Dask, for more than one machine | `cluster.py`       |
 | the summary of the pairs that a model keeps      | `learnt.py`        |
 | from direct light to coefficients; the ridge     | `ridge.py`         |
+| blocks of texels in the basis                    | `blocks.py`        |
+| the non-negative operator to these blocks        | `nonnegative.py`   |
+| the ridge around a prior mean; folds             | `remainder.py`     |
 | errors on lights outside the pairs               | `leave_one_out.py` |
 | all of these in order                            | `training.py`      |
 | size, times and errors                           | `report.py`        |

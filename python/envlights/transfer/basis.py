@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _native
-from envlights._check import amount, check_choice, count
+from envlights._check import amount, check_choice, count, flag
 from envlights._native import EnvLightsError
 from envlights.transfer.gram import Gram, is_for_kernels, parts, texel_rows
 from envlights.transfer.pairs import Pairs
@@ -71,12 +71,15 @@ class BasisSize:
         return most
 
 
-def check_parameters(rank: object, ridge: object, error: object) -> BasisSize:
+def check_parameters(
+    rank: object, ridge: object, error: object, nonnegative: object = False
+) -> BasisSize:
     """Check the parameters of `TransferModel.fit`."""
     if isinstance(ridge, str):
         check_choice("ridge", ridge, ("loo",))
     else:
         amount("ridge", ridge)
+    flag("nonnegative", nonnegative)
     return BasisSize.checked(rank, error)
 
 
