@@ -211,6 +211,11 @@ CALLS = {
         {"direct": st.just(DIRECT), "error": SHARE, "region": st.none()},
     ),
     "TransferModel.project": (method_of(MODEL, "project"), {"indirect": st.just(INDIRECT)}),
+    "TransferModel.unfamiliar": (method_of(MODEL, "unfamiliar"), {"direct": st.just(DIRECT)}),
+    "TransferModel.next_lights": (
+        method_of(MODEL, "next_lights"),
+        {"candidates": st.just(DIRECT), "count": st.integers(0, 2)},
+    ),
     "TransferModel.add": (
         method_of(MODEL, "add"),
         {"direct": st.just(DIRECT[:1]), "indirect": st.just(INDIRECT[:1])},

@@ -151,7 +151,10 @@ IMPOSSIBLE = [
     (lambda model: {"size": (16, 8)}, r"transfer must .* \(3, 128, 32\); got"),
     (lambda model: {"size": (16,)}, "size must be two numbers, height and width"),
     (lambda model: {"size": (16, 16.0)}, "size must be a whole number"),
-    (lambda model: {"parameters": {"rank": 3}}, "parameters must be error, nonnegative, rank, ridge; got rank"),
+    (
+        lambda model: {"parameters": {"rank": 3}},
+        "parameters must be error, nonnegative, rank, ridge; got rank",
+    ),
     (lambda model: {"parameters": {**model.parameters, "ridge": -1}}, "ridge must be a finite"),
     (lambda model: {"learnt": None}, "learnt must be a PairSummary"),
     (lambda model: {"report": {}}, "report a TransferReport"),

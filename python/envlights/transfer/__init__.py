@@ -20,8 +20,10 @@ A model is learnt from pairs of images of one scene under many lights. These are
 | more pairs, without starting over                | `grow.py`          |
 | images from coefficients, and back               | `expand.py`        |
 | the basis in bytes or halves, for faster frames  | `compact.py`       |
+| lights unlike those of the pairs                 | `familiarity.py`   |
 | refusals of fields that do not fit together      | `consistency.py`   |
 | one file for a model                             | `archive.py`       |
+| fields and predictions of a model                | `predictor.py`     |
 | the model                                        | `model.py`         |
 | pairs on disk                                    | `database.py`      |
 """

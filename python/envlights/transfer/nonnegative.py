@@ -63,10 +63,9 @@ def minimiser(
 ) -> NDArray[np.float64]:
     """Non-negative least squares ``direct @ N = sums`` of one channel, (direct texels, blocks)."""
     # Scale every texel to norm 1, for which few steps suffice.
-    scale = 1 / np.sqrt(np.sum(direct**2, axis=0) + _DAMPING)[:, None]
-    scaled = direct * scale.T
-    hessian = product(scaled.T, scaled) + np.diag(_DAMPING * scale[:, 0] ** 2)
-    solve = np.linalg.inv(hessian + _WEIGHT * np.eye(len(hessian)))
+    scale = 1 / np.sqrt(np.sum(direct**2, axis=0) + _DAMPING)
+    scaled = direct * scale
+    solve = _inverse(scaled, _DAMPING * scale**2 + _WEIGHT)
     ridge = product(solve, product(scaled.T, sums)).astype(np.float32)
     towards = (_WEIGHT * solve).astype(np.float32)
     # Alternate between the regression and its part that is not negative.
@@ -76,4 +75,14 @@ def minimiser(
         moved += (1 - _RELAXATION) * point + price
         point = np.maximum(moved, 0)
         price = moved - point
-    return point * scale
+    return point * scale[:, None]
+
+
+def _inverse(rows: NDArray[np.float64], diagonal: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Inverse of ``rows.T @ rows + diag(diagonal)``, by the smaller side of the rows (Woodbury)."""
+    if len(rows) >= rows.shape[1]:
+        whole: NDArray[np.float64] = np.linalg.inv(product(rows.T, rows) + np.diag(diagonal))
+        return whole
+    right = rows / diagonal
+    inner = np.linalg.solve(product(right, rows.T) + np.eye(len(rows)), right)
+    return np.diag(1 / diagonal) - product(right.T, inner)
