@@ -26,13 +26,16 @@ from envlights.transfer.blocks import Blocks
 from envlights.transfer.products import product
 from envlights.transfer.ridge import Regression
 
-#: Added to the squared norm of each direct texel over all images; direct images have norm 1. On the
-#: noise-free room with 128 pairs, 1e-4 makes the median error for new lights a tenth larger.
+#: Added to the squared norm of each direct texel over all images; direct images have norm 1. 1e-4
+#: raises the 90th percentile of errors for new lights from 8.7 to 10.1 %, on the noise-free room
+#: with 128 pairs.
 _DAMPING = 1e-6
-#: Weight of the last non-negative point, for texels of norm 1.
+#: Weight of the last non-negative point, for texels of norm 1. 0.3 raises the median error for new
+#: lights from 5.0 to 5.8 %, on the noise-free room with 64 pairs.
 _WEIGHT = 0.03
 #: Over-relaxation, within the range that Boyd et al. recommend.
 _RELAXATION = 1.7
+#: 5 steps raise that error to 5.7 %; 200 lower it to 4.8 %.
 _STEPS = 20
 
 

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from envlights.transfer.products import product
 from envlights.transfer.ridge import Regression, regression
 
-#: Number of parts of the pairs, each of which is left out once.
+#: Parts of the pairs that are left out, one after the other.
 _FOLDS = 8
 
 #: Prior mean, (3, direct texels, rank), from the direct images and the coefficients of pairs.
