@@ -55,6 +55,12 @@ SMALL, LARGE = oblong(4)
         ),
         (SMALL, with_value(LARGE, np.inf), {}, r"indirect must be finite; image 2 holds inf"),
         (SMALL, np.full((4, 256, 256, 3), 1e30, np.float32), {}, r"overflow float32"),
+        (
+            np.ldexp(SMALL, -100),
+            np.ldexp(LARGE, 97).astype(np.float32),
+            {"notebook": True},
+            r"the mean of indirect .* overflows float32",
+        ),
         (0 * SMALL, LARGE, {}, r"direct is black in every image"),
         (SMALL, 0 * LARGE, {}, r"indirect is black in every image"),
         (SMALL, LARGE, {"rank": 0}, r"rank must be a whole number, 1 or more; got 0"),

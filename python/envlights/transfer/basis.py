@@ -138,11 +138,18 @@ def basis(
     # Fill the rows of the basis part by part.
     columns = np.empty((np.count_nonzero(measured.lit), weights.shape[1]), pairs.dtype)
     end = 0
-    for where, part in parts(pairs, progress):
-        mixed = mixtures(pairs, part, measured.lit[where], weights)
-        begin, end = end, end + len(mixed)
-        columns[begin:end] = mixed
+    # Refuse an overflow of the mean below.
+    with np.errstate(over="ignore", invalid="ignore"):
+        for where, part in parts(pairs, progress):
+            mixed = mixtures(pairs, part, measured.lit[where], weights)
+            begin, end = end, end + len(mixed)
+            columns[begin:end] = mixed
     if centred:
+        if not np.isfinite(columns).all():
+            raise EnvLightsError(
+                f"the mean of indirect at direct light of norm 1 overflows {pairs.dtype}; scale the"
+                " images or give float64"
+            )
         return np.ascontiguousarray(columns[:, :-1]), columns[:, -1].copy()
     return columns, np.zeros(0, pairs.dtype)
 

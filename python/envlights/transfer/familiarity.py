@@ -29,12 +29,14 @@ def residuals(pairs: NDArray[np.float64], direct: NDArray[np.float64]) -> NDArra
     directions = product(solver.vectors.swapaxes(1, 2), solver.features)
     images = direct.swapaxes(0, 1)
     explained = product(product(images, directions.swapaxes(1, 2)) / values, directions)
-    return direct - explained.swapaxes(0, 1)
+    left: NDArray[np.float64] = direct - explained.swapaxes(0, 1)
+    return left
 
 
 def unfamiliarity(pairs: NDArray[np.float64], direct: NDArray[np.float64]) -> NDArray[np.float64]:
     """Norm of the residual over the norm of each image, (n,); 0 for black images."""
-    return np.linalg.norm(residuals(pairs, at_norm_1(direct)), axis=(1, 2))
+    sizes: NDArray[np.float64] = np.linalg.norm(residuals(pairs, at_norm_1(direct)), axis=(1, 2))
+    return sizes
 
 
 def most_unfamiliar(
@@ -59,4 +61,5 @@ def most_unfamiliar(
 def at_norm_1(direct: NDArray[np.float64]) -> NDArray[np.float64]:
     """Images (n, 3, texels) at norm 1; a black one stays black."""
     norm = np.linalg.norm(direct, axis=(1, 2), keepdims=True)
-    return np.divide(direct, norm, out=np.zeros_like(direct), where=norm > 0)
+    scaled: NDArray[np.float64] = np.divide(direct, norm, out=np.zeros_like(direct), where=norm > 0)
+    return scaled

@@ -78,7 +78,8 @@ def minimiser(
         moved += (1 - _RELAXATION) * point + price
         point = np.maximum(moved, 0)
         price = moved - point
-    return point * scale[:, None]
+    found: NDArray[np.float64] = point * scale[:, None]
+    return found
 
 
 def _inverse(rows: NDArray[np.float64], diagonal: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -88,4 +89,5 @@ def _inverse(rows: NDArray[np.float64], diagonal: NDArray[np.float64]) -> NDArra
         return whole
     right = rows / diagonal
     inner = np.linalg.solve(product(right, rows.T) + np.eye(len(rows)), right)
-    return np.diag(1 / diagonal) - product(right.T, inner)
+    inverse: NDArray[np.float64] = np.diag(1 / diagonal) - product(right.T, inner)
+    return inverse

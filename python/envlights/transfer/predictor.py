@@ -212,7 +212,7 @@ class Predictor(Result):
         >>> room = el.synthetic.room(32, width=16)
         >>> model = el.TransferModel.fit(room.direct[:24], room.indirect[:24])
         >>> model.next_lights(room.direct[20:], count=3)
-        array([...])
+        array([ 9, 11,  7])
         """
         stack, _ = image_stack("candidates", candidates, self.size)
         if whole_number("count", count) > len(stack):
