@@ -1,7 +1,7 @@
 """Run time against error, ours and others', in one run: data, pictures and a page.
 
-Usage: python -m benchmarks [lights] [probe] [detection] [transfer] [scale] [stress] [skipping]
-           [--quick] [--out FOLDER] [--threads N]
+Usage: python -m benchmarks [lights] [probe] [detection] [transfer] [pairs] [scale] [stress]
+           [skipping] [--quick] [--out FOLDER] [--threads N]
        python -m benchmarks --against FOLDER [--out FOLDER]
 
 With `ENVLIGHTS_MAPS` set to a folder of maps, on those as well; `ENVLIGHTS_TRANSFER_DB` names a
@@ -28,6 +28,7 @@ _PARTS = {
     "probe": "curves.probe",
     "detection": "curves.detection",
     "transfer": "curves.transfer",
+    "pairs": "tables.pairs",
     "scale": "curves.scale",
     "stress": "tables.stress",
     "skipping": "tables.skipping",

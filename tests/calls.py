@@ -14,6 +14,7 @@ from tests.call_comparisons import COMPARISON_CALLS
 from tests.call_gloss import GLOSS_CALLS
 from tests.call_solids import SOLID_CALLS
 from tests.call_suns import SUN_CALLS
+from tests.call_transfer import TRANSFER_CALLS
 from tests.call_values import (
     AMBIENT,
     AMBIENT_MODEL,
@@ -23,7 +24,6 @@ from tests.call_values import (
     COLOURS,
     COUNT,
     DETECTED,
-    DIRECT,
     ENGINE,
     FEW,
     FITTED,
@@ -31,9 +31,7 @@ from tests.call_values import (
     GREY,
     HEIGHT,
     IMAGE,
-    INDIRECT,
     LIGHTS,
-    MODEL,
     NORMALS,
     PAPER,
     PHOTOGRAPHS,
@@ -194,29 +192,7 @@ CALLS = {
             "max_steps": COUNT,
         },
     ),
-    "TransferModel.fit": (
-        el.TransferModel.fit,
-        {
-            "direct": st.one_of(array(6, 2, 3, 3), st.just(DIRECT)),
-            "indirect": st.one_of(array(6, 4, 2, 3), st.just(INDIRECT)),
-            "rank": st.one_of(st.integers(1, 9), SHARE),
-            "ridge": st.one_of(SHARE, st.just("loo")),
-            "error": st.one_of(st.none(), SHARE),
-            "notebook": FLAG,
-        },
-    ),
-    "TransferModel.predict": (
-        method_of(MODEL, "predict"),
-        {"direct": st.just(DIRECT), "error": SHARE, "region": st.none()},
-    ),
-    "TransferModel.project": (method_of(MODEL, "project"), {"indirect": st.just(INDIRECT)}),
-    "TransferModel.add": (
-        method_of(MODEL, "add"),
-        {"direct": st.just(DIRECT[:1]), "indirect": st.just(INDIRECT[:1])},
-    ),
-    "TransferModel.compressed": (method_of(MODEL, "compressed"), {"error": SHARE}),
-    "TransferModel.load": (el.TransferModel.load, {"path": st.just("none.npz")}),
-    "TransferModel.save": (method_of(MODEL, "save"), {"path": st.just("no-folder/m.npz")}),
+    **TRANSFER_CALLS,
     "read_pairs": (el.read_pairs, {"pairs": st.just("no-folder")}),
     "io.read_image": (io.read_image, {"source": st.just("none.png"), "max_pixels": COUNT}),
     "io.check_writable": (io.check_writable, {"path": st.just("no-folder/file.exr")}),

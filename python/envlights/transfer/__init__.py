@@ -11,14 +11,19 @@ A model is learnt from pairs of images of one scene under many lights. These are
 | both as tasks of Dask, for more than one machine | `cluster.py`       |
 | the summary of the pairs that a model keeps      | `learnt.py`        |
 | from direct light to coefficients; the ridge     | `ridge.py`         |
+| blocks of texels in the basis                    | `blocks.py`        |
+| the non-negative operator to these blocks        | `nonnegative.py`   |
+| the ridge around a prior mean; folds             | `remainder.py`     |
 | errors on lights outside the pairs               | `leave_one_out.py` |
 | all of these in order                            | `training.py`      |
 | size, times and errors                           | `report.py`        |
 | more pairs, without starting over                | `grow.py`          |
 | images from coefficients, and back               | `expand.py`        |
 | the basis in bytes or halves, for faster frames  | `compact.py`       |
+| lights unlike those of the pairs                 | `familiarity.py`   |
 | refusals of fields that do not fit together      | `consistency.py`   |
 | one file for a model                             | `archive.py`       |
+| fields and predictions of a model                | `predictor.py`     |
 | the model                                        | `model.py`         |
 | pairs on disk                                    | `database.py`      |
 """

@@ -45,9 +45,9 @@ _DAMAGE = (
 )
 
 _FORMAT = "envlights transfer model"
-_VERSION = 2
-#: Version 1 had wall times in its report.
-_READABLE_VERSIONS = (1, 2)
+_VERSION = 3
+#: Version 1 had wall times in its report; no model before version 3 was non-negative.
+_READABLE_VERSIONS = (1, 2, 3)
 
 #: Arrays of a model file beside format and version; `scales` for a compact basis.
 _NAMES = (
@@ -191,7 +191,7 @@ def _fields(data: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
         "learnt": PairSummary(
             *(data[name] for name in ("direct", "coefficients", "outside", "energy"))
         ),
-        "parameters": json.loads(str(data["parameters"])),
+        "parameters": {"nonnegative": False, **json.loads(str(data["parameters"]))},
         "report": TransferReport.from_dict(printable_parts(json.loads(str(data["report"])))),
     }
 

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _native
-from envlights._check import amount, check_choice, count
+from envlights._check import amount, check_choice, count, flag
 from envlights._native import EnvLightsError
 from envlights.transfer.gram import Gram, is_for_kernels, parts, texel_rows
 from envlights.transfer.pairs import Pairs
@@ -71,12 +71,15 @@ class BasisSize:
         return most
 
 
-def check_parameters(rank: object, ridge: object, error: object) -> BasisSize:
+def check_parameters(
+    rank: object, ridge: object, error: object, nonnegative: object = False
+) -> BasisSize:
     """Check the parameters of `TransferModel.fit`."""
     if isinstance(ridge, str):
         check_choice("ridge", ridge, ("loo",))
     else:
         amount("ridge", ridge)
+    flag("nonnegative", nonnegative)
     return BasisSize.checked(rank, error)
 
 
@@ -135,11 +138,18 @@ def basis(
     # Fill the rows of the basis part by part.
     columns = np.empty((np.count_nonzero(measured.lit), weights.shape[1]), pairs.dtype)
     end = 0
-    for where, part in parts(pairs, progress):
-        mixed = mixtures(pairs, part, measured.lit[where], weights)
-        begin, end = end, end + len(mixed)
-        columns[begin:end] = mixed
+    # Refuse an overflow of the mean below.
+    with np.errstate(over="ignore", invalid="ignore"):
+        for where, part in parts(pairs, progress):
+            mixed = mixtures(pairs, part, measured.lit[where], weights)
+            begin, end = end, end + len(mixed)
+            columns[begin:end] = mixed
     if centred:
+        if not np.isfinite(columns).all():
+            raise EnvLightsError(
+                f"the mean of indirect at direct light of norm 1 overflows {pairs.dtype}; scale the"
+                " images or give float64"
+            )
         return np.ascontiguousarray(columns[:, :-1]), columns[:, -1].copy()
     return columns, np.zeros(0, pairs.dtype)
 

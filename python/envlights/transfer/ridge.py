@@ -49,7 +49,7 @@ class Regression:
 
     def left_out(self, ridge: float, coefficients: NDArray[np.float64]) -> NDArray[np.float64]:
         """Coefficients less what a fit without their image gives, (k, 3, rank)."""
-        own = np.einsum("cik,ck->ci", self.vectors**2, 1 / self._regularised_eigenvalues(ridge))
+        own = np.einsum("cik,ck->ci", self.vectors**2, 1 / self.regularised_eigenvalues(ridge))
         missed = product(self.vectors, self._weighted(ridge, coefficients))
         missed /= own[..., None]
         return missed.swapaxes(0, 1)
@@ -60,10 +60,10 @@ class Regression:
         The inverse matrix would lose all digits for nearly equal images.
         """
         turned = product(self.vectors.swapaxes(1, 2), coefficients.swapaxes(0, 1))
-        weighted: NDArray[np.float64] = turned / self._regularised_eigenvalues(ridge)[..., None]
+        weighted: NDArray[np.float64] = turned / self.regularised_eigenvalues(ridge)[..., None]
         return weighted
 
-    def _regularised_eigenvalues(self, ridge: float) -> NDArray[np.float64]:
+    def regularised_eigenvalues(self, ridge: float) -> NDArray[np.float64]:
         """Eigenvalues of ``X X^T + ridge I``, with a ridge of at least the rounding error."""
         k = self.values.shape[1]
         least = k * np.finfo(np.float64).eps * self.values.max(axis=1, keepdims=True)
