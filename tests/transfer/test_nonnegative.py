@@ -155,6 +155,7 @@ def test_pairs_can_be_added_and_models_saved_and_compressed(model, tmp_path):
         for each in (model, grown)
     ]
     assert errors[1] < 1.15 * errors[0]
+    assert sum("8 folds" in note for note in grown.report.notes) == 1
     grown.save(tmp_path / "model.npz")
     assert el.TransferModel.load(tmp_path / "model.npz") == grown
     frames = grown.compressed(0.01).predict(room().direct[NEW])
