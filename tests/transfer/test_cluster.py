@@ -22,7 +22,9 @@ def small_blocks():
 
 
 @pytest.mark.parametrize("chunks", [(1, 32, 32, 3), (32, 5, 32, 3), (7, 6, 9, 2)])
-@pytest.mark.parametrize("options", [{}, {"ridge": "loo"}, {"notebook": True}])
+@pytest.mark.parametrize(
+    "options", [{}, {"ridge": "loo"}, {"notebook": True}, {"nonnegative": True}]
+)
 def test_the_model_is_that_of_numpy(chunks, options):
     direct, indirect = room().direct[:32], room().indirect[:32]
     lazy = da.from_array(indirect, chunks=chunks)

@@ -10,6 +10,7 @@ import envlights as el
 from envlights.transfer.blocks import blocks
 from envlights.transfer.nonnegative import minimiser
 from envlights.transfer.remainder import estimator_around
+from envlights.transfer.ridge import regression
 from tests.helpers import oblong, pairs_of_room, relative_errors
 
 room = partial(pairs_of_room, 80, 32)
@@ -128,10 +129,13 @@ def test_permuted_channels_give_permuted_images(model):
     np.testing.assert_array_less(relative_errors(seen, truth), 1e-4)
 
 
-def test_without_the_argument_nothing_changes():
-    plain = el.TransferModel.fit(*scene(), rank=32)
-    named = el.TransferModel.fit(*scene(), rank=32, ridge=1e-3, nonnegative=False)
-    assert plain == named
+@pytest.mark.parametrize("notebook", [False, True])
+def test_without_the_argument_the_matrix_is_that_of_the_ridge_alone_to_the_bit(notebook):
+    model = el.TransferModel.fit(*scene(), rank=32, notebook=notebook)
+    solver = regression(model.learnt.direct, channelwise=not notebook)
+    truth = solver.transfer(1e-3, model.learnt.coefficients)
+    np.testing.assert_array_equal(model.transfer, truth)
+    assert model.report.ridge == 1e-3
 
 
 @pytest.mark.parametrize("stops", [-100, 100])
@@ -151,6 +155,7 @@ def test_pairs_can_be_added_and_models_saved_and_compressed(model, tmp_path):
         for each in (model, grown)
     ]
     assert errors[1] < 1.15 * errors[0]
+    assert sum("8 folds" in note for note in grown.report.notes) == 1
     grown.save(tmp_path / "model.npz")
     assert el.TransferModel.load(tmp_path / "model.npz") == grown
     frames = grown.compressed(0.01).predict(room().direct[NEW])

@@ -36,7 +36,8 @@ class TransferReport(Result):
     """Ridge for direct images of norm 1."""
 
     unseen_errors: tuple[float, ...]
-    """Leave-one-out error of each pair, which new lights of the same kind will have."""
+    """Leave-one-out error of each pair, which new lights of the same kind will have; with
+    ``nonnegative=True`` its error without its fold."""
 
     training_errors: tuple[float, ...]
     """Error of each pair in the model that was trained on it; says little about new lights."""

@@ -28,6 +28,10 @@ _BLOCKS = 256
 _FOLD_BLOCKS = 64
 
 
+#: Note of a report without leave-one-out errors.
+_FOLDS = "errors for new lights are those of 8 folds instead of leave-one-out"
+
+
 class Training(NamedTuple):
     """Result of training: a basis, and a summary of the pairs."""
 
@@ -98,6 +102,7 @@ def solve(
         solver = estimator(direct, coefficients, channelwise)
     else:
         solver = estimator_around(direct, coefficients, *priors)
+        notes = (*(note for note in notes if note != _FOLDS), _FOLDS)
     chosen = _best_ridge(solver, apart) if isinstance(ridge, str) else ridge
     if apart.copies:
         notes = (*notes, f"{apart.copies} pairs are copies of others: left out together with them")
