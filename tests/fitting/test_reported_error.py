@@ -57,3 +57,17 @@ def test_the_error_is_that_of_other_normals(start):
 def test_the_error_of_many_maps_is_that_of_other_normals(start):
     for seed in range(start, start + 40):
         assert_error_is_right(seed)
+
+
+@pytest.mark.parametrize("start", range(0, 120, 20))
+def test_the_shadow_error_of_a_small_map_is_that_of_its_harmonics(start):
+    """Harmonics end at degree 100, where corners of bright pixels of 11 degrees leave 1e-3."""
+    maps = {seed: generated_map(seed) for seed in range(start, start + 20)}
+    for seed, radiance in maps.items():
+        if not 4 <= len(radiance) <= 16:
+            continue
+        rig = el.fit(radiance, (1, 2, 4, 8)[seed % 4])
+        repeats = 256 // len(radiance)
+        fine = radiance.repeat(repeats, axis=0).repeat(repeats, axis=1)
+        expected = el.compare(fine, rig).shadow_error
+        assert rig.report.shadow_error == pytest.approx(expected, rel=0.02, abs=1e-3)
