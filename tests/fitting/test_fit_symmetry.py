@@ -7,6 +7,7 @@ import envlights as el
 from envlights import kernels
 from tests.conftest import real_maps
 from tests.helpers import NORMALS, printed_by_threads
+from tests.reference import cells
 
 #: The probe under the map is looked up on the faces of a cube, which do not turn with the map but
 #: at every quarter: lights move within what the table leaves out.
@@ -133,8 +134,8 @@ def hot_pixels(count, seed):
     rows = kernels.uv_to_pixel(kernels.direction_to_uv(towards), *size)
     radiance[tuple(rows.T)] = rng.uniform(1, 10, (count, 3))
     flux = radiance * kernels.pixel_solid_angles(*size)[..., None]
-    directions = kernels.pixel_directions(*size)
-    return radiance, el.Lights(directions[tuple(rows.T)], flux[tuple(rows.T)])
+    directions = np.array([cells.mean_of_row(*pixel, *size) for pixel in rows])
+    return radiance, el.Lights(directions, flux[tuple(rows.T)])
 
 
 @pytest.mark.parametrize("seed", [1, 2])

@@ -49,3 +49,14 @@ def vector_solid_angle(row, column, height, width):
     polar = (np.sin(t1) ** 2 - np.sin(t0) ** 2) / 2
     x, z = np.cos(p0) - np.cos(p1), np.sin(p0) - np.sin(p1)
     return np.array([x * equatorial, polar * (p1 - p0), z * equatorial])
+
+
+def mean_of_row(row, column, height, width):
+    """Direction of a pixel at its middle azimuth, and the mean height of its row.
+
+    The light of a fitted pixel has it. Its integral over the azimuth too is shorter in x and z by
+    the sinc of half a pixel, 6e-6 at 512 columns.
+    """
+    towards = vector_solid_angle(row, column, height, width)
+    towards[[0, 2]] /= np.sinc(1 / width)
+    return towards / np.linalg.norm(towards)

@@ -108,9 +108,7 @@ def _sun_that_is_fitted(row, column):
     """The light of a pixel comes from its middle azimuth, and from the mean of its row."""
     radiance, _, flux = _sun(row, column, times=4)
     (row,), (column,) = np.nonzero(radiance[..., 0])
-    towards = cells.vector_solid_angle(row, column, *radiance.shape[:2])
-    towards[[0, 2]] /= np.sinc(1 / radiance.shape[1])
-    towards /= np.linalg.norm(towards)
+    towards = cells.mean_of_row(row, column, *radiance.shape[:2])
     found = el.fit(radiance, 1, ambient="none", sizes=False).lights
     return lights_apart(found, towards[None], flux[None])
 
