@@ -42,6 +42,15 @@ def test_a_model_is_learnt_and_predicts_what_the_functions_do(folder, tmp_path):
     np.testing.assert_array_equal(io.read_image(out).pixels, predicted)
 
 
+@pytest.mark.parametrize(("options", "ridge"), [((), 1e-3), (("--nonnegative",), None)])
+def test_the_ridge_has_the_default_of_the_library(folder, tmp_path, options, ridge):
+    result = run("fit", folder, "-o", tmp_path / "m.npz", *options)
+    assert result.exit_code == 0, result.stderr
+    parameters = el.TransferModel.load(tmp_path / "m.npz").parameters
+    assert parameters["ridge"] == (ridge or "loo")
+    assert parameters["nonnegative"] == bool(options)
+
+
 def test_rank_is_a_number_or_a_share_and_ridge_a_number(tmp_path):
     folder = write_pairs(tmp_path / "room", room().direct, room().indirect)
     for rank, wanted in (("3", 3), ("0.9", 0.9)):

@@ -35,16 +35,26 @@ def _rank(text: str) -> int | float:
 )
 @click.option(
     "--ridge",
-    default=str(default_of(TransferModel.fit, "ridge")),
-    show_default=True,
-    help="Regularisation: a number, or loo for the best one.",
+    metavar="RIDGE",
+    help="Regularisation: a number, or loo for the best one. [default: 0.001; loo if nonnegative]",
+)
+@click.option(
+    "--nonnegative",
+    is_flag=True,
+    help="No light darkens a texel: smaller errors for new lights, and a slower fit.",
 )
 @click.option(
     "--error", type=float, help="Largest error; the fewest directions that reach it are used."
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the report as JSON.")
 def command(
-    folder: str, output: str, rank: int | float, ridge: str, error: float | None, as_json: bool
+    folder: str,
+    output: str,
+    rank: int | float,
+    ridge: str | None,
+    nonnegative: bool,
+    error: float | None,
+    as_json: bool,
 ) -> None:
     """Learn a model from the pairs in FOLDER.
 
@@ -57,7 +67,13 @@ def command(
     for note in pairs.notes:
         click.echo(f"note: {note}", err=True)
     model = TransferModel.fit(
-        pairs.direct, pairs.indirect, rank, _ridge(ridge), error=error, progress=True
+        pairs.direct,
+        pairs.indirect,
+        rank,
+        None if ridge is None else _ridge(ridge),
+        error=error,
+        nonnegative=nonnegative,
+        progress=True,
     )
     model.save(output)
     click.echo(json.dumps(model.report.to_dict(), indent=2) if as_json else str(model))
