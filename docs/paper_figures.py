@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 
 import envlights as el
-from envlights._srgb import encode_srgb
 from envlights.io.image_output import write_png
 from envlights.scene.camera import Camera
 from envlights.scene.closed_form import shade, shade_with_hard_shadows
@@ -26,8 +25,7 @@ BALL = 140
 def save(name: str, rows: list[list[np.ndarray]], white: float) -> None:
     """Save a table of images of radiance, with one exposure."""
     picture = np.concatenate([np.concatenate(row, axis=1) for row in rows])
-    codes = np.round(255 * encode_srgb(np.clip(picture / white, 0, 1))).astype(np.uint8)
-    write_png(HERE / name, codes)
+    write_png(HERE / name, np.clip(picture / white, 0, 1).astype(np.float32))
 
 
 def probe(light: el.EnvMap | el.Rig, azimuth: float) -> np.ndarray:
