@@ -24,7 +24,7 @@ from answers import FLOOR, detected_row, pairs_of_lights
 
 import envlights as el
 from envlights import _native, synthetic
-from envlights.fitting import fit
+from envlights.fitting import ambient_terms, map_fit
 from envlights.fitting.options import FitOptions
 from envlights.fitting.reduction import reduction_of
 
@@ -88,11 +88,11 @@ def fits(maps, lights, ambient, is_plain):
     """Errors of the fits, and their processor time together."""
     nowhere = np.zeros((0, 3))
     options = FitOptions(
-        fit.AMBIENTS[ambient],
+        ambient_terms.AMBIENTS[ambient],
         nowhere,
         0,
         lights,
-        error_floor=fit.RENDERING_ERROR,
+        error_floor=map_fit.RENDERING_ERROR,
         is_plain=is_plain,
     )
     start = process_time()

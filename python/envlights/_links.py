@@ -65,13 +65,58 @@ def save_with_map(
     return tuple(paths_of(files))
 
 
-def save_parts(
-    lights: Any, environment: EnvMap, paths: tuple[str | os.PathLike[str], ...]
-) -> tuple[Path, ...]:
-    """`save_with_map` for one path or more."""
-    if not paths:
-        raise EnvLightsError("there is no path; give one or several, such as 'sun.usda'")
-    return save_with_map(lights, environment, paths)
+class LinkedParts:
+    """Lights, `lights`, and the map around them, `rest`, which are saved and shown together."""
+
+    __slots__ = ()
+
+    lights: Any
+    rest: EnvMap
+
+    def save(self, *paths: str | os.PathLike[str]) -> tuple[Path, ...]:
+        """Write the lights with the rest around them, for one program or several.
+
+        A scene loads the rest by a relative name. Blender, OpenUSD, Unity and Unreal name the file
+        of the rest among `paths`, or one that is written beside the first scene,
+        ``sun.ambient.exr`` beside ``sun.usda``; glTF names it in its extras. Mitsuba, pbrt and
+        Radiance get a map of their own form beside the scene; three.js has it in its file. JSON and
+        CSV hold the lights alone.
+
+        Parameters
+        ----------
+        *paths : path-like
+            Scenes (`el.export.TARGETS` lists the suffixes), and files of the rest (.exr, .hdr).
+
+        Returns
+        -------
+        tuple of Path
+            All written files.
+
+        Raises
+        ------
+        EnvLightsError
+            If there is no path, a suffix is unknown, two files have the same path, or one cannot be
+            written.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> import envlights as el
+        >>> parts = el.split(el.synthetic.plain(0, 128).radiance)
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     paths = Path(folder, "rest.exr"), Path(folder, "sun.py")
+        ...     [path.name for path in parts.save(*paths)]
+        ['rest.exr', 'sun.py']
+        """
+        if not paths:
+            raise EnvLightsError("there is no path; give one or several, such as 'sun.usda'")
+        return save_with_map(self.lights, self.rest, paths)
+
+    def _repr_pretty_(self, printer: Any, _: bool) -> None:
+        printer.text(repr(self) if printer.indentation else str(self))
+
+    def _repr_html_(self) -> str:
+        return f"{self.lights._repr_html_()}{self.rest._repr_html_()}"
 
 
 def plan(environment: EnvMap, paths: Iterable[str | os.PathLike[str]]) -> list[LinkedFile]:

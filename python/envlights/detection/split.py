@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import fields, replace
-from pathlib import Path
 from time import perf_counter
 from typing import Any, NamedTuple
 
@@ -13,7 +11,7 @@ from numpy.typing import NDArray
 
 from envlights import _native
 from envlights._check import amount, count, describe
-from envlights._links import save_parts
+from envlights._links import LinkedParts
 from envlights._native import EnvLightsError
 from envlights.detection.component_tree import detect_with_luminance
 from envlights.detection.lights import DetectedLights, DetectionReport
@@ -51,8 +49,8 @@ class LightPixels(NamedTuple):
     """Mean luminance of each block, row after row."""
 
 
-class Split(NamedTuple):
-    """Lights, and the map without them."""
+class _SplitFields(NamedTuple):
+    """Fields of a `Split`."""
 
     lights: RemovedLights
     """Lights that were removed, brightest first."""
@@ -60,51 +58,14 @@ class Split(NamedTuple):
     rest: EnvMap
     """The map without them, of the same size and nowhere negative."""
 
-    def save(self, *paths: str | os.PathLike[str]) -> tuple[Path, ...]:
-        """Write the lights with the rest around them, for one program or several.
 
-        A scene loads the rest by a relative name. Blender, OpenUSD, Unity and Unreal name the file
-        of the rest among `paths`, or one that is written beside the first scene,
-        ``sun.ambient.exr`` beside ``sun.usda``; glTF names it in its extras. Mitsuba, pbrt and
-        Radiance get a map of their own form beside the scene; three.js has it in its file. JSON and
-        CSV hold the lights alone.
+class Split(_SplitFields, LinkedParts):
+    """Lights, and the map without them."""
 
-        Parameters
-        ----------
-        *paths : path-like
-            Scenes (`el.export.TARGETS` lists the suffixes), and files of the rest (.exr, .hdr).
-
-        Returns
-        -------
-        tuple of Path
-            All written files.
-
-        Raises
-        ------
-        EnvLightsError
-            If there is no path, a suffix is unknown, two files have the same path, or one cannot be
-            written.
-
-        Examples
-        --------
-        >>> import tempfile
-        >>> import envlights as el
-        >>> parts = el.split(el.synthetic.plain(0, 128).radiance)
-        >>> with tempfile.TemporaryDirectory() as folder:
-        ...     paths = Path(folder, "rest.exr"), Path(folder, "sun.py")
-        ...     [path.name for path in parts.save(*paths)]
-        ['rest.exr', 'sun.py']
-        """
-        return save_parts(self.lights, self.rest, paths)
+    __slots__ = ()
 
     def __str__(self) -> str:
         return f"{self.lights}\n\nthe map without these lights: {self.rest}"
-
-    def _repr_pretty_(self, printer: Any, _: bool) -> None:
-        printer.text(repr(self) if printer.indentation else str(self))
-
-    def _repr_html_(self) -> str:
-        return self.lights._repr_html_() + self.rest._repr_html_()
 
 
 def split(

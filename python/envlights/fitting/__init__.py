@@ -7,7 +7,9 @@
 | options of the kernel, as one object                                | `options.py` |
 | rig and report from the kernel's result                             | `result.py`  |
 | sentences of the report                                             | `wording.py` |
-| `fit` and `fit_probe`: check, call the kernel, report               | `fit.py`     |
+| arguments of `fit`, as one object                                   | `arguments.py` |
+| the fit to a map: check, reduce, call the kernel, report            | `map_fit.py` |
+| `fit` and `fit_probe`                                               | `fit.py`     |
 | errors by number of lights                                          | `error_curve.py` |
 | the sun as one light, and the fit to the sky around it              | `sun_light.py` |
 | the fit of Madsen et al. (2003), for comparison                     | `madsen.py`  |

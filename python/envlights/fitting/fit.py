@@ -5,39 +5,26 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from envlights import _native
-from envlights._check import check_choice, flag, reals
-from envlights._native import EnvLightsError, FitAnswer
-from envlights._targets import shown_by, target_names
-from envlights._unseen import Unseen, checked_unseen
-from envlights.envmap import AnyMap, EnvMap, apply_to_map
+from envlights._check import check_choice, reals
+from envlights._native import EnvLightsError
+from envlights._unseen import Unseen
+from envlights.envmap import AnyMap
 from envlights.fitting import wording
-from envlights.fitting.ambient_terms import (
-    AMBIENTS,
-    AUTO,
-    ambient_for,
-    ambient_names,
-    check_over_floor,
-)
+from envlights.fitting.ambient_terms import AMBIENTS
+from envlights.fitting.arguments import FitArguments
 from envlights.fitting.clock import Clock
+from envlights.fitting.map_fit import fit_map
 from envlights.fitting.options import FitOptions
-from envlights.fitting.reduction import Reduction, is_file, reduction_of, reduction_of_file
-from envlights.fitting.request import STARTS_WITHOUT_MAP, Request, check_radius, request_of
+from envlights.fitting.request import STARTS_WITHOUT_MAP, request_of
 from envlights.fitting.result import rig_of
 from envlights.fitting.sun_light import fit_with_sun
 from envlights.lights import Lights
 from envlights.rig import Rig
 from envlights.sun.choice import AnySun
 from envlights.sun.sun_split import with_sun
-
-#: Errors that lights with sizes can minimise.
-OBJECTIVES = ("mixed", "shadows", "probe")
-
-#: Relative RMS error of the reduced map's irradiance: 3e-5 to 1.4e-4 on 14 real maps. Lights that
-#: lower the error further would only fit the error of the reduction.
-RENDERING_ERROR = 1e-4
 
 
 def fit(
@@ -183,99 +170,25 @@ def fit(
     >>> rig.error < 0.01
     True
     """
-    if sun is not None:
-        return fit_with_sun(
-            fit,
-            with_sun(env, sun),
-            lights,
-            error=error,
-            shadow_error=shadow_error,
-            gloss_error=gloss_error,
-            roughness=roughness,
-            sizes=sizes,
-            max_radius=max_radius,
-            objective=objective,
-            ambient=ambient,
-            start=start,
-            fixed=fixed,
-            floor=floor,
-            unseen=unseen,
-            target=target,
-        )
-    check_choice("objective", objective, OBJECTIVES)
-    target = target_names(target)
-    shows = shown_by(target)
-    request = request_of(
+    arguments = FitArguments(
         lights,
         error,
+        shadow_error,
+        gloss_error,
+        roughness,
+        sizes,
+        max_radius,
+        objective,
+        ambient,
         start,
         fixed,
-        shadow_error=shadow_error,
-        gloss_error=gloss_error,
-        roughness=roughness,
-        most_lights=shows.lights,
+        floor,
+        unseen,
+        target,
     )
-    check_radius(max_radius, flag("sizes", sizes))
-    of_discs = objective if sizes and shows.sizes == "spread" else None
-    checked_unseen(unseen)
-    ambient = ambient_for(ambient, bool(target), shows)
-    if flag("floor", floor):
-        check_over_floor(ambient, request, shows)
-    names = ambient_names(floor, shows) if ambient == AUTO else (ambient,)
-    clock = Clock()
-
-    def answers_under(world: EnvMap) -> tuple[Reduction, dict[str, FitAnswer]]:
-        first = request.first_directions_under(world, floor)
-        clock.lap("start")
-        return answers_for(reduction_of(world, floor, unseen), first)
-
-    def answers_for(
-        reduction: Reduction, first: NDArray[np.float64]
-    ) -> tuple[Reduction, dict[str, FitAnswer]]:
-        answers = {
-            name: _answer(reduction, request, first, name, of_discs, max_radius) for name in names
-        }
-        return reduction, answers
-
-    of_file = None
-    if is_file(env) and not request.needs_map:
-        of_file = reduction_of_file(env, floor)
-        clock.lap("read")
-    if of_file is not None:
-        reduction, answers = answers_for(of_file, request.first_directions_under(None, floor))
-    else:
-        _, (reduction, answers) = apply_to_map(env, answers_under)
-    clock.lap("fit")
-    chosen = request.best_of(answers, RENDERING_ERROR) if ambient == AUTO else ambient
-    answer = answers[chosen]
-    rig = rig_of(
-        answer,
-        request,
-        notes=(*reduction.notes, *wording.clipping(reduction.clipped_flux_share)),
-        units=reduction.units,
-        floor=floor,
-        # With a requested error, all numbers of lights have sizes.
-        sized_error=answer.error if of_discs and answer.lights and not request.has_goal else None,
-        # The report shares this dictionary, which gets its last entry below.
-        seconds=clock.laps,
-        measured_on=wording.measured_on(answer.evaluation_normals, floor),
-        shadow_error=answer.shadow_error,
-        target=target,
-        has_max_radius=max_radius is not None,
-        ambient=chosen,
-        ambients={name: (one.lights, one.error) for name, one in answers.items()}
-        if ambient == AUTO
-        else {},
-        fewer_lights=wording.fewer_lights(answer, request, RENDERING_ERROR),
-        seen_share=reduction.seen_share,
-        unseen_spread=reduction.unseen_spread,
-        skipped=(
-            *wording.working_map(reduction.width, answer.points, RENDERING_ERROR),
-            *wording.channels(answer),
-        ),
-    )
-    clock.lap("report")
-    return rig
+    if sun is None:
+        return fit_map(env, arguments)
+    return fit_with_sun(with_sun(env, sun), arguments)
 
 
 def fit_probe(
@@ -369,29 +282,3 @@ def fit_probe(
     )
     clock.lap("report")
     return rig
-
-
-def _answer(
-    reduction: Reduction,
-    request: Request,
-    first: NDArray[np.float64],
-    ambient: str,
-    objective: str | None,
-    max_radius: float | None,
-) -> FitAnswer:
-    """Best rig with one kind of `ambient` term; points without an `objective`."""
-    options = FitOptions(
-        AMBIENTS[ambient],
-        np.concatenate([request.fixed, first]),
-        len(request.fixed),
-        request.lights,
-        request.error,
-        request.shadow_error,
-        request.gloss_error,
-        request.gloss_factors,
-        sizes=objective,
-        max_radius=max_radius,
-        floor=reduction.cells.floor,
-        error_floor=RENDERING_ERROR,
-    )
-    return _native.fit_reduced(reduction.cells, options)

@@ -8,9 +8,8 @@ irradiance of the sky alone to that of sky and sun.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +19,8 @@ from envlights._native import EnvLightsError
 from envlights._targets import shown_by, target_names
 from envlights._unseen import Unseen
 from envlights.envmap import EnvMap
+from envlights.fitting.arguments import FitArguments
+from envlights.fitting.map_fit import fit_map
 from envlights.fitting.request import Request, request_of
 from envlights.fitting.unseen_part import above_horizon, fill_for_fit
 from envlights.kernels import gloss
@@ -62,54 +63,55 @@ class SkyPixels(NamedTuple):
     """Unit vectors, (n, 3)."""
 
 
-def fit_with_sun(
-    fit: Callable[..., Rig], parts: SunSplit, lights: int | None, **options: Any
-) -> Rig:
-    """Rig of the sun and of a fit to the sky around it; without a sun, a fit to the map.
-
-    Parameters
-    ----------
-    fit : callable
-        `envlights.fit`.
-    parts : SunSplit
-        Sun and sky.
-    lights : int, optional
-        Largest number of lights, the sun included.
-    **options
-        Other arguments of `fit`.
-    """
+def fit_with_sun(parts: SunSplit, arguments: FitArguments) -> Rig:
+    """Rig of the sun and of a fit to the sky around it; without a sun, a fit to the map."""
     if not len(parts.lights):
-        return fit(parts.rest, lights, **options)
-    shows = shown_by(target_names(options["target"]))
-    goals = {name: options.pop(name) for name in ("error", "shadow_error", "gloss_error")}
-    placed = {name: options[name] for name in ("start", "fixed", "roughness")}
-    request = request_of(lights, **placed, **goals)
-    sky = pixels_of(_sky(parts.rest, options["floor"], options["unseen"]))
-    ratios = ratios_of(sky, parts.lights)
-
-    def gloss_goal() -> float | None:
-        """Accepted gloss error of the fit to the sky, from the energies of a fit without lights."""
-        if goals["gloss_error"] is None:
-            return None
-        alone = fit(parts.rest, 0, floor=options["floor"], unseen=options["unseen"])
-        (energies, _) = alone.report.gloss_bands
-        factors = gloss.factors(request.roughness, "metal", len(energies) - 1)
-        both = bands_with_sun(np.array(energies), sky, parts.lights)
-        ratio = math.sqrt(float(factors @ energies) / float(factors @ both))
-        return _of_sky(goals["gloss_error"], ratio)
-
-    rig = fit(
-        parts.rest,
-        _lights_of_sky(request, lights, shows.lights),
-        error=_of_sky(goals["error"], ratios.probe),
-        shadow_error=_of_sky(goals["shadow_error"], ratios.shadows),
-        gloss_error=gloss_goal(),
-        **options,
+        return fit_map(parts.rest, arguments)
+    shows = shown_by(target_names(arguments.target))
+    request = request_of(
+        arguments.lights,
+        arguments.error,
+        arguments.start,
+        arguments.fixed,
+        shadow_error=arguments.shadow_error,
+        gloss_error=arguments.gloss_error,
+        roughness=arguments.roughness,
     )
-    sun = parts.lights
-    if not options["sizes"] or shows.sizes != "spread":
+    sky = pixels_of(_sky(parts.rest, arguments.floor, arguments.unseen))
+    ratios = ratios_of(sky, parts.lights)
+    of_sky = replace(
+        arguments,
+        lights=_lights_of_sky(request, arguments.lights, shows.lights),
+        error=_of_sky(arguments.error, ratios.probe),
+        shadow_error=_of_sky(arguments.shadow_error, ratios.shadows),
+        gloss_error=_gloss_of_sky(parts, arguments, sky, request.roughness),
+    )
+    rig, sun = fit_map(parts.rest, of_sky), parts.lights
+    if not arguments.sizes or shows.sizes != "spread":
         sun = replace(sun, angular_radius=np.zeros(len(sun)))
     return _with_sun(rig, sun, ratios, sky)
+
+
+def _gloss_of_sky(
+    parts: SunSplit, arguments: FitArguments, sky: SkyPixels, roughness: float
+) -> float | None:
+    """Accepted gloss error of the fit to the sky, from the energies of a fit without lights."""
+    if arguments.gloss_error is None:
+        return None
+    alone = replace(
+        arguments,
+        lights=0,
+        error=None,
+        shadow_error=None,
+        gloss_error=None,
+        start="greedy",
+        fixed=None,
+    )
+    (energies, _) = fit_map(parts.rest, alone).report.gloss_bands
+    factors = gloss.factors(roughness, "metal", len(energies) - 1)
+    both = bands_with_sun(np.array(energies), sky, parts.lights)
+    ratio = math.sqrt(float(factors @ energies) / float(factors @ both))
+    return _of_sky(arguments.gloss_error, ratio)
 
 
 def _sky(rest: EnvMap, floor: bool, unseen: Unseen) -> EnvMap:

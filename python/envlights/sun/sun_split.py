@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import math
-import os
 from dataclasses import replace
-from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from envlights._check import amount
-from envlights._links import save_parts
+from envlights._links import LinkedParts
 from envlights._native import EnvLightsError
 from envlights._unseen import Unseen
 from envlights.detection.split import split
@@ -25,8 +23,8 @@ from envlights.sun.result import Sun
 _SAME = math.cos(math.radians(3))
 
 
-class SunSplit(NamedTuple):
-    """Sun as a light, and the map without it."""
+class _SunSplitFields(NamedTuple):
+    """Fields of a `SunSplit`."""
 
     lights: Lights
     """The sun as a disc; no light if there is none. `notes` say how sure it is."""
@@ -34,35 +32,14 @@ class SunSplit(NamedTuple):
     rest: EnvMap
     """The map with the sky in place of the clipped part around the sun."""
 
-    def save(self, *paths: str | os.PathLike[str]) -> tuple[Path, ...]:
-        """Write the sun with the rest around it, for one program or several; see `Split.save`.
 
-        Parameters
-        ----------
-        *paths : path-like
-            Scenes (`el.export.TARGETS` lists the suffixes), and files of the rest (.exr, .hdr).
+class SunSplit(_SunSplitFields, LinkedParts):
+    """Sun as a light, and the map without it."""
 
-        Returns
-        -------
-        tuple of Path
-            All written files.
-
-        Raises
-        ------
-        EnvLightsError
-            If there is no path, a suffix is unknown, two files have the same path, or one cannot be
-            written.
-        """
-        return save_parts(self.lights, self.rest, paths)
+    __slots__ = ()
 
     def __str__(self) -> str:
         return f"{self.lights}\n\nthe map around it: {self.rest}"
-
-    def _repr_pretty_(self, printer: Any, _: bool) -> None:
-        printer.text(repr(self) if printer.indentation else str(self))
-
-    def _repr_html_(self) -> str:
-        return self.lights._repr_html_() + self.rest._repr_html_()
 
 
 def with_sun(

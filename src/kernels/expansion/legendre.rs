@@ -33,16 +33,18 @@ pub struct AssociatedLegendre<T = f64> {
 
 /// `1 / a_l`, `a_(l-1) / a_l` and `(2l + 1) a_l` for each order and degree.
 pub static RECURRENCE: LazyLock<Vec<[[f64; 3]; DEGREES]>> = LazyLock::new(|| {
-    let factor = |l: usize, m: usize| {
-        let (l, m) = (l as f64, m as f64);
-        ((l * l - m * m) / (4.0 * l * l - 1.0)).max(0.0).sqrt()
-    };
     let factors = |l: usize, m: usize| {
         let (before, a) = (factor(l.saturating_sub(1), m), factor(l, m));
         [1.0 / a, before / a, (2 * l + 1) as f64 * a]
     };
     (0..DEGREES).map(|m| std::array::from_fn(|l| factors(l, m))).collect()
 });
+
+/// `a_l` of the order m; 0 below it.
+fn factor(l: usize, m: usize) -> f64 {
+    let (l, m) = (l as f64, m as f64);
+    ((l * l - m * m) / (4.0 * l * l - 1.0)).max(0.0).sqrt()
+}
 
 impl<T: Number> AssociatedLegendre<T> {
     /// Start at the order 0, at the height `x` above the equator.
@@ -75,7 +77,7 @@ impl<T: Number> AssociatedLegendre<T> {
 
 /// Call `visit` with each degree from the order `m` to `degree`, and with `P_lm` at all heights.
 ///
-/// For more degrees than [`DEGREE`]; by the recurrence of [`AssociatedLegendre`].
+/// It serves more degrees than [`DEGREE`], by the recurrence of [`AssociatedLegendre`].
 pub fn visit_degrees(
     m: usize,
     degree: usize,
@@ -83,18 +85,14 @@ pub fn visit_degrees(
     sines: &[f64],
     visit: &mut dyn FnMut(usize, &[f64]),
 ) {
-    let factor = |l: usize| {
-        let (l, m) = (l as f64, m as f64);
-        ((l * l - m * m) / (4.0 * l * l - 1.0)).sqrt()
-    };
     let first = if m == 0 { 0.25 / PI } else { 0.5 / PI };
     let sectoral: f64 = (1..=m).map(|k| (2 * k + 1) as f64 / (2 * k) as f64).product::<f64>() * first;
     let mut last: Vec<f64> = sines.iter().map(|sine| sectoral.sqrt() * sine.powi(m as i32)).collect();
     let mut before = vec![0.0; last.len()];
     for l in m..=degree {
         visit(l, &last);
-        let next = 1.0 / factor(l + 1);
-        let back = if l == m { 0.0 } else { factor(l) * next };
+        let next = 1.0 / factor(l + 1, m);
+        let back = if l == m { 0.0 } else { factor(l, m) * next };
         for ((before, last), x) in before.iter_mut().zip(&mut last).zip(heights) {
             (*before, *last) = (*last, next * x * *last - back * *before);
         }

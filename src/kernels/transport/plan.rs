@@ -28,7 +28,7 @@ pub struct TransportPlan {
 /// Optimal transport of the shares of `from_weights` to those of `to_weights`.
 ///
 /// The cost of a pair is the angle between its directions, (n, 3) and (m, 3). The plan has at most n + m - 1 pairs.
-/// Of several plans at the least cost, it is one of the least mean square angle. A weight of 0 takes no part.
+/// Its mean square angle is the least among plans of this cost. A weight of 0 takes no part.
 ///
 /// # Errors
 ///

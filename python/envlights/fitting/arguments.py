@@ -1,0 +1,32 @@
+"""Arguments of `fit` beside the map, as one object."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from numpy.typing import ArrayLike
+
+from envlights._unseen import Unseen
+from envlights.lights import Lights
+from envlights.rig import Rig
+
+
+@dataclass(frozen=True)
+class FitArguments:
+    """Arguments of `fit`, as they were given; its signature has their defaults."""
+
+    lights: int | None
+    error: float | None
+    shadow_error: float | None
+    gloss_error: float | None
+    roughness: float
+    sizes: bool
+    max_radius: float | None
+    objective: str
+    ambient: str | None
+    start: str | Rig | Lights
+    fixed: ArrayLike | Lights | None
+    floor: bool
+    unseen: Unseen
+    target: str | Iterable[str] | None
