@@ -40,7 +40,7 @@ def read(path):
 
 
 def directions(height, width):
-    """Directions of pixel centres, written out: +y is up, the centre looks to +z, its left to +x."""
+    """Directions of pixel centres, written out: +y up, the centre looks to +z, its left to +x."""
     polar = np.pi * (np.arange(height) + 0.5) / height
     azimuth = 2 * np.pi * (0.5 - (np.arange(width) + 0.5) / width)
     sine = np.sin(polar)[:, None]

@@ -1,7 +1,7 @@
-"""Detector, probe, fit, split and transfer on real files, against sums that are written out here.
+"""Detector, probe, fit, split and transfer on real files, against sums that are written out.
 
-The files are read by another library, and nothing is shared with the package: a map that is mirrored,
-upside down or seven times as bright is noticed.
+The files are read by another library, and nothing is shared with the package: a map that is
+mirrored, upside down or seven times as bright is noticed.
 """
 
 import numpy as np
@@ -85,7 +85,7 @@ def test_a_split_changes_a_part_of_the_map(path):
 
 @public_maps("city")
 def test_transfer_learns_the_irradiance_of_turned_maps(path):
-    """Direct images are the map, turned and small; indirect ones its irradiance: a linear operator."""
+    """Direct images are the map, turned and small; indirect ones are its irradiance."""
     env = el.EnvMap.open(path).resized(64)
     normals = directions(4, 8).reshape(-1, 3)
     rng = np.random.default_rng(5)
