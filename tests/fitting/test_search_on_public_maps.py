@@ -34,14 +34,14 @@ STORED = Path(__file__).with_name("search_on_public_maps.json")
 
 
 @functools.cache
-def opened(path):
+def env_of(path):
     """Map of a file, read once for all cases."""
     return el.EnvMap.open(path)
 
 
 def rig_of(path, case):
     """Rig of a case."""
-    env = opened(path)
+    env = env_of(path)
     if "known normals" in case:
         normals, _ = el.kernels.icosphere(80)
         return el.fit_probe(normals, env.probe(normals), **CASES[case])
