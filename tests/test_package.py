@@ -91,5 +91,5 @@ def test_the_constraints_of_the_lowest_versions_are_those_of_the_package():
 
 
 def test_the_release_notes_are_the_newest_entry_of_the_changelog():
-    log = "# Log\n\n## 0.3.0 (unreleased)\n\n- c\n\n## 0.2.0 - 2026-03-04\n\n- b\n\n## 0.1.0 - 2026-01-02\n"
-    assert release_notes.newest(log) == ("0.2.0", "- b")
+    entries = ("# Log", "## 0.3.0 (unreleased)", "- c", "## 0.2.0 - 2026-03-04", "- b")
+    assert release_notes.newest("\n\n".join(entries)) == ("0.2.0", "- b")
