@@ -21,7 +21,7 @@ UNIT = st.tuples(st.floats(0, 1), st.floats(0, 1))
 
 def a_rig():
     report = el.FitReport(
-        errors={0: 0.5, 1: 0.3},
+        search_errors={0: 0.5, 1: 0.3},
         sized_error=0.25,
         steps=7,
         stop_reason=el.StopReason.CONVERGED,
@@ -172,7 +172,10 @@ def test_the_table_says_where_each_light_is_and_how_wrong_the_rig_is():
     assert "a floor hides ambient light from below the horizon" in text
     assert "note: alpha was ignored" in text
     report = a_rig().report.verbose()
-    assert "error by number of lights, as points: 0: 50 %  1: 30 %; with sizes: 25 %" in report
+    assert (
+        "error in the search by number of lights, as points: 0: 50 %  1: 30 %; with sizes: 25 %"
+        in report
+    )
     assert "\nerror with shadows 3.1 %\n" in report
     assert "error in red, green, blue: 20 %  25 %  30 %; largest 50 %" in report
     assert (
@@ -322,3 +325,11 @@ def test_harmonics_over_a_floor_are_refused():
         el.Rig(np.zeros((9, 3)), a_rig().lights, 0.0, floor=True)
     with pytest.raises(el.EnvLightsError, match=r"shape \(3,\) where there is a floor"):
         el.kernels.rig_irradiance(NORMALS, np.zeros((9, 3)), [], [], floor=True)
+
+
+def test_the_old_name_of_the_errors_in_the_search_works_with_a_warning():
+    report = el.FitReport({0: 0.5})
+    with pytest.warns(DeprecationWarning, match=r"search_errors.*el\.error_curve"):
+        assert report.errors == report.search_errors == {0: 0.5}
+    assert "errors" not in report.to_dict()
+    assert el.FitReport.from_dict(report.to_dict()) == report

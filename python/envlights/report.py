@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -47,12 +48,14 @@ class FitReport(Result):
     `str` gives the part for users; `verbose` gives everything.
     """
 
-    errors: Mapping[int, float] = field(default_factory=dict)
-    """Relative RMS error for each number of lights in the search. Without a requested error, these
-    lights are points, and only the last number was searched in full; see `sized_error`."""
+    search_errors: Mapping[int, float] = field(default_factory=dict)
+    """Relative RMS error of the sets that the search passed, by their number of lights.
+
+    Without a requested error, these lights are points, and only the last number was searched in
+    full; see `sized_error`. `error_curve` compares full fits."""
 
     sized_error: float | None = None
-    """Relative RMS error of the rig, if its lights have sizes and `errors` are those of points."""
+    """Relative RMS error of the rig, if its lights have sizes and `search_errors` are those of points."""
 
     steps: int = 0
     """Number of steps of the solver."""
@@ -158,7 +161,7 @@ class FitReport(Result):
     def to_dict(self) -> dict[str, Any]:
         """All fields except the times as plain numbers, lists and strings."""
         return {
-            "errors": {str(lights): error for lights, error in self.errors.items()},
+            "search_errors": {str(n): error for n, error in self.search_errors.items()},
             "sized_error": self.sized_error,
             "steps": self.steps,
             "stop_reason": self.stop_reason.name,
@@ -193,9 +196,9 @@ class FitReport(Result):
     def from_dict(cls, data: Mapping[str, Any]) -> FitReport:
         """Report that `to_dict` wrote; fields that an older version did not write get defaults."""
         return cls(
-            errors={
-                count("lights", int(n)): amount("errors", error)
-                for n, error in data["errors"].items()
+            search_errors={
+                count("lights", int(n)): amount("search_errors", error)
+                for n, error in _search_errors(data).items()
             },
             sized_error=optional("sized_error", data.get("sized_error")),
             steps=count("steps", data["steps"]),
@@ -266,11 +269,22 @@ class FitReport(Result):
         """
         return gloss.error(self.gloss_bands, gloss.checked_roughness(roughness), material)
 
+    @property
+    def errors(self) -> Mapping[int, float]:
+        """Old name of `search_errors`."""
+        warnings.warn(
+            "FitReport.errors is now FitReport.search_errors: errors of points that the search"
+            " tried; el.error_curve compares full fits",
+            DeprecationWarning,
+            stacklevel=2,
+        )
+        return self.search_errors
+
     def in_short(self) -> str:
         """Number of lights, error, and reason why the solver stopped."""
-        if not self.errors:
+        if not self.search_errors:
             return self.stop_reason.value
-        lights, error = list(self.errors.items())[-1]
+        lights, error = list(self.search_errors.items())[-1]
         error = error if self.sized_error is None else self.sized_error
         plural = "" if lights == 1 else "s"
         return f"{lights} light{plural}, {_percent(error)}; {self.stop_reason.value}"
@@ -284,18 +298,20 @@ class FitReport(Result):
 
     def _html_parts(self) -> tuple[str, ...]:
         has_sizes = self.sized_error is not None
-        columns = ["lights", *map(str, self.errors), *(["with sizes"] if has_sizes else [])]
+        columns = ["lights", *map(str, self.search_errors), *(["with sizes"] if has_sizes else [])]
         each = [
-            *self.errors.values(),
+            *self.search_errors.values(),
             *([self.sized_error] if self.sized_error is not None else []),
         ]
-        curve = Table(columns, [["error", *map(_percent, each)]]).html() if self.errors else ""
+        curve = (
+            Table(columns, [["error", *map(_percent, each)]]).html() if self.search_errors else ""
+        )
         return curve, _html.lines("\n".join(filter(None, self._short())))
 
     def _short(self) -> list[str]:
         """Lines for users, below the error of each number of lights."""
         # A rig shows the stop reason of its fit itself.
-        unfitted = "" if self.errors else self.stop_reason.value
+        unfitted = "" if self.search_errors else self.stop_reason.value
         made_for = f"fitted for {', '.join(self.target)}" if self.target else ""
         lines = [made_for, self._radius_bound(), self._unseen(), self.fewer_lights, unfitted]
         return [*self._choice(), *lines]
@@ -309,7 +325,7 @@ class FitReport(Result):
             f"error {self.with_gloss()}" if self.with_gloss() else "",
             *self._accuracy(),
             f"{self.steps} steps of the solver" if self.steps else "",
-            self.stop_reason.value if self.errors else "",
+            self.stop_reason.value if self.search_errors else "",
             *self.skipped,
             *time_lines(self.seconds),
         ]
@@ -325,13 +341,15 @@ class FitReport(Result):
 
     def _by_number(self) -> str:
         """Error of each number of lights, and of the last number with sizes."""
-        if not self.errors:
+        if not self.search_errors:
             return ""
-        curve = "  ".join(f"{lights}: {_percent(error)}" for lights, error in self.errors.items())
+        curve = "  ".join(
+            f"{lights}: {_percent(error)}" for lights, error in self.search_errors.items()
+        )
         if self.sized_error is None:
-            return f"error by number of lights: {curve}"
+            return f"error in the search by number of lights: {curve}"
         sized = _percent(self.sized_error)
-        return f"error by number of lights, as points: {curve}; with sizes: {sized}"
+        return f"error in the search by number of lights, as points: {curve}; with sizes: {sized}"
 
     def _radius_bound(self) -> str:
         """Lights at the largest radius, counted from 1 like the rows of a rig; empty if none is."""
@@ -384,6 +402,12 @@ def _percent(share: float) -> str:
 def _degrees(angles: tuple[float, ...]) -> str:
     degrees = np.degrees(angles)
     return "  ".join(f"{each:.2g}°" if each < 100 else f"{each:.0f}°" for each in degrees)
+
+
+def _search_errors(data: Mapping[str, Any]) -> Mapping[str, float]:
+    """Field of a file, which rigs up to version 4 call "errors"."""
+    errors: Mapping[str, float] = data["errors" if "errors" in data else "search_errors"]
+    return errors
 
 
 def _stop_reason(name: object) -> StopReason:

@@ -28,9 +28,10 @@ from envlights.lights import Lights, lights_of, lights_of_table
 from envlights.report import FitReport, StopReason
 
 _KIND = "rig"
-_VERSION = 4
-#: Version 2 had neither sizes nor floors; version 3 had wall times, and no scale.
-_READABLE_VERSIONS = (2, 3, 4)
+_VERSION = 5
+#: Version 2 had neither sizes nor floors; version 3 had wall times, and no scale; version 4 named
+#: `FitReport.search_errors` "errors".
+_READABLE_VERSIONS = (2, 3, 4, 5)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

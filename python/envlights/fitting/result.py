@@ -35,7 +35,7 @@ def rig_of(
     order = brightest_first(irradiance)
     ambient = answer.ambient * scale
     report = FitReport(
-        errors=dict(answer.errors),
+        search_errors=dict(answer.errors),
         steps=answer.steps,
         stop_reason=_stop_reason(answer, request),
         channel_errors=tuple(answer.channel_errors),
