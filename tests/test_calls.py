@@ -36,6 +36,7 @@ LEFT_OUT = {
     "DamagedFileError": "is a refusal",
     "EnvLightsError": "is the refusal",
     "MissingFileError": "is a refusal",
+    "FileError": "is a refusal",
     "FilePairs": "comes from read_pairs",
     "FitReport": "comes from fit",
     "ErrorCurve": "comes from error_curve",

@@ -196,7 +196,7 @@ def test_the_table_says_where_each_light_is_and_how_wrong_the_rig_is():
     [
         ({"format": "another"}, "is not a rig"),
         ({"version": 1}, "version 1; this package reads 2, 3, 4"),
-        ({"version": 5}, "version 5; this package reads 2, 3, 4"),
+        ({"version": 6}, "version 6; this package reads 2, 3, 4, 5"),
         ({"floor": 1}, "floor must be True or False; got 1"),
         (
             {"lights": {**a_rig().lights.to_dict(), "angular_radius": [0.1]}},
@@ -254,7 +254,7 @@ REPORT = a_rig().to_dict()["report"]
         {"error": -1},
         {"error": 10**400},
         {"error": True},
-        {"report": {**REPORT, "errors": {"1": float("nan")}}},
+        {"report": {**REPORT, "search_errors": {"1": float("nan")}}},
         {"report": {**REPORT, "steps": "x"}},
         {"report": {**REPORT, "seconds": {"fit": -1}}},
         {"report": {**REPORT, "direction_tolerances": [-1]}},
@@ -267,7 +267,7 @@ def test_files_with_impossible_numbers_are_refused(tmp_path, change):
     path.write_text(json.dumps({**a_rig().to_dict(), **change}))
     with pytest.raises(
         el.EnvLightsError,
-        match=r"holds an impossible rig: (error|steps|seconds|direction_tol|lights|shadow_error)",
+        match=r"holds an impossible rig: (search_errors|error|steps|seconds|direction_tol|lights|shadow_error)",
     ):
         el.Rig.load(path)
 

@@ -24,11 +24,11 @@ from envlights.detection.split import Split, split
 from envlights.envmap import EnvMap
 from envlights.excess import Limit, limit
 from envlights.fitting.fit import fit, fit_probe
-from envlights.io.errors import DamagedFileError, MissingFileError
+from envlights.io.errors import DamagedFileError, FileError, MissingFileError
 from envlights.lights import Lights
 from envlights.occluders import Ball, Box, Polyhedron
 from envlights.report import FitReport, StopReason
-from envlights.rig import Rig
+from envlights.rig import Rig, rigs_to_frame
 
 __all__ = [
     "BakedPairs",
@@ -42,6 +42,7 @@ __all__ = [
     "EnvLightsError",
     "EnvMap",
     "ErrorCurve",
+    "FileError",
     "FilePairs",
     "FitReport",
     "FolderComparison",
@@ -86,6 +87,7 @@ __all__ = [
     "kernels",
     "limit",
     "read_pairs",
+    "rigs_to_frame",
     "shadow_overlay",
     "split",
     "synthetic",

@@ -6,7 +6,7 @@ import enum
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,9 +14,12 @@ from envlights import _html
 from envlights._check import amount, check_choice, count
 from envlights._report_fields import bands, finite, number, optional, rgb
 from envlights._result import Result
-from envlights._tables import Table
+from envlights._tables import Table, frame_of
 from envlights._times import time_lines, times_of
 from envlights.kernels import gloss
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 class StopReason(enum.Enum):
@@ -55,7 +58,7 @@ class FitReport(Result):
     full; see `sized_error`. `error_curve` compares full fits."""
 
     sized_error: float | None = None
-    """Relative RMS error of the rig, if its lights have sizes and `search_errors` are those of points."""
+    """Relative RMS error of the rig, if its lights have sizes and those of `search_errors` have not."""
 
     steps: int = 0
     """Number of steps of the solver."""
@@ -191,6 +194,27 @@ class FitReport(Result):
             "unseen_spread": self.unseen_spread,
             "skipped": list(self.skipped),
         }
+
+    def row(self) -> dict[str, Any]:
+        """Single numbers and words of the report; NaN for what was not measured."""
+        numbers = {
+            name: float("nan") if getattr(self, name) is None else getattr(self, name)
+            for name in ("shadow_error", "objective_error", "max_error", "points_error")
+        }
+        gloss_error = self.gloss_error()
+        return {
+            **numbers,
+            "gloss_error": float("nan") if gloss_error is None else gloss_error,
+            "ambient": self.ambient,
+            "steps": self.steps,
+            "stop_reason": self.stop_reason.name,
+            "seen_share": self.seen_share,
+            "seconds": float(sum(self.seconds.values())),
+        }
+
+    def to_frame(self) -> pd.DataFrame:
+        """Data frame with one row of the errors and the choices of the fit; needs pandas."""
+        return frame_of({name: np.array([value]) for name, value in self.row().items()})
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> FitReport:

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from envlights._native import EnvLightsError
+from envlights.io.errors import FileError
 from envlights.io.raw_image import Part
 
 #: Component of a colour for each name of a channel, in lower case, without its layer.
@@ -154,7 +155,7 @@ def _of_part(
     if not found:
         found = [one for one in layers if one.name.lower().rpartition(".")[2] == said]
     if not found:
-        raise EnvLightsError(
+        raise FileError(
             f"cannot read {name}: there is no part {part!r}; it has {_in_words(parts, layers)}"
         )
     return found, [layer.part for layer in found]
@@ -167,7 +168,7 @@ def _best(name: str, layers: list[_Layer], *, is_named: bool) -> _Layer | None:
     ranks = {layer: layer.rank for layer in layers}
     lights = {layer: rank for layer, rank in ranks.items() if rank is not None}
     if layers and not lights:
-        raise EnvLightsError(
+        raise FileError(
             f"cannot read {name}: none of its layers is a picture by its name: {_names(layers)};"
             " choose one with part=, or channels="
         )
@@ -176,7 +177,7 @@ def _best(name: str, layers: list[_Layer], *, is_named: bool) -> _Layer | None:
     others = [layer for layer in best if layer.view == best[0].view or not layer.view]
     is_unnamed = bool(best) and not best[0].name
     if len(others) > 1 and not is_unnamed:
-        raise EnvLightsError(
+        raise FileError(
             f"cannot read {name}: several of its layers may be the picture: {_names(others)};"
             " choose one with part="
         )
@@ -194,7 +195,7 @@ def _by_hand(
         if set(names) <= set(parts[place].channels):
             return Choice(place, tuple(colours), alpha)
     known = [channel for place in wanted for channel in parts[place].channels]
-    raise EnvLightsError(
+    raise FileError(
         f"cannot read {name}: it has not all of the channels {', '.join(names)};"
         f" it has {_some(known)}"
     )
@@ -221,7 +222,7 @@ def _grey(name: str, parts: Sequence[Part], wanted: list[int]) -> Choice:
     for place in wanted:
         names = parts[place].channels
         if {"RY", "BY"} <= {channel.rpartition(".")[2] for channel in names}:
-            raise EnvLightsError(
+            raise FileError(
                 f"cannot read {name}: it holds luminance and chroma (Y, RY, BY), which are not"
                 " converted; give R, G and B"
             )
