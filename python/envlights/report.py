@@ -58,7 +58,8 @@ class FitReport(Result):
     full; see `sized_error`. `error_curve` compares full fits."""
 
     sized_error: float | None = None
-    """Relative RMS error of the rig, if its lights have sizes and those of `search_errors` have not."""
+    """Relative RMS error of the rig, if its lights have sizes and those of the search
+    have none."""
 
     steps: int = 0
     """Number of steps of the solver."""
