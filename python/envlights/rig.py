@@ -321,7 +321,9 @@ def rigs_to_frame(rigs: Iterable[Rig] | Mapping[str, Rig]) -> pd.DataFrame:
         if not isinstance(rig, Rig):
             raise EnvLightsError(f"rigs must hold rigs of `fit`; got {describe(rig)}")
     rows = [{**_row(rig), **rig.report.row()} for rig in each]
-    columns = rows[0] if rows else _row(Rig(np.zeros(3), Lights([], []), 0.0))
+    columns = (
+        rows[0] if rows else _row(Rig(np.zeros(3), Lights(np.zeros((0, 3)), np.zeros((0, 3))), 0.0))
+    )
     frame = frame_of({name: np.array([row[name] for row in rows]) for name in columns})
     return frame if names is None else frame.set_axis(names)
 

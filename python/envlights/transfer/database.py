@@ -118,7 +118,7 @@ def read_pairs(
         with tempfile.TemporaryFile() as spool:
             return _read(paths, spool, progress)
     except OSError as error:
-        raise EnvLightsError(
+        raise FileError(
             f"cannot keep the images in a temporary file: {error.strerror or error};"
             " set TMPDIR to a folder with room for all of them"
         ) from error
