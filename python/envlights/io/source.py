@@ -183,7 +183,7 @@ def _obstacle(text: str) -> str:
     if not text or not path.exists():
         raise FileNotFoundError
     if path.is_dir():
-        return "it is a folder; give a file of it, or for six faces of a cube a list of six files"
+        return "it is a folder; give a file in it"
     if not path.is_file():
         return "it is not a regular file"
     if path.stat().st_size == 0:
