@@ -45,6 +45,7 @@ LEFT_OUT = {
     "LightSetDifference": "comes from compare_lights",
     "Limit": "comes from limit",
     "MitsubaScene": "is Mitsuba's answer to a scene",
+    "Note": "is a text",
     "PaperFit": "comes from fit_paper",
     "PhotographLight": "comes from detect_photograph",
     "PhotographLights": "comes from detect_photograph",

@@ -12,6 +12,7 @@ from importlib import import_module as _import_module
 
 from envlights import _map_repair, _targets, kernels
 from envlights._native import EnvLightsError
+from envlights._notes import Note
 from envlights._threads import threads
 from envlights.detection.component_tree import detect_tree
 from envlights.detection.detect import detect
@@ -53,6 +54,7 @@ __all__ = [
     "MissingFileError",
     "MitsubaScene",
     "Model",
+    "Note",
     "PaperFit",
     "PhotographLight",
     "PhotographLights",

@@ -56,7 +56,8 @@ def map_harmonics(radiance: NDArray[np.float32], border_sampled: bool) -> NDArra
         -both[sin_3],
         x_2 - y_2,
     ]
-    return FACTORS[:, None] * np.stack(polynomials)
+    coefficients: NDArray[np.float64] = FACTORS[:, None] * np.stack(polynomials)
+    return coefficients
 
 
 def in_convention(harmonics: NDArray[np.float64], convention: str) -> NDArray[np.float64]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import enum
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -11,8 +10,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from envlights import _html
-from envlights._check import amount, check_choice, count
-from envlights._report_fields import bands, finite, number, optional, rgb
+from envlights._check import amount, count
+from envlights._report_fields import (
+    StopReason,
+    bands,
+    degrees,
+    finite,
+    number,
+    optional,
+    percent,
+    rgb,
+    search_errors,
+    stop_reason,
+)
 from envlights._result import Result
 from envlights._tables import Table, frame_of
 from envlights._times import time_lines, times_of
@@ -20,24 +30,6 @@ from envlights.kernels import gloss
 
 if TYPE_CHECKING:
     import pandas as pd
-
-
-class StopReason(enum.Enum):
-    """Reason why the solver stopped; the value is its text."""
-
-    NOT_FITTED = "not fitted"
-    CONVERGED = "converged: the error no longer falls"
-    EXACT = "exact: the lights reproduce the irradiance"
-    OUT_OF_STEPS = "stopped at the step limit; a better set of lights may exist"
-    ERROR_NOT_REACHED = "the requested error was not reached; allow more lights"
-    RAN_AWAY = "stopped because the next step is not finite; the lights are those before it"
-    NOTHING_TO_FIT = "the map is black, so there is no light to fit"
-
-    @property
-    def is_success(self) -> bool:
-        """True if more steps would change nothing."""
-        successes = (StopReason.CONVERGED, StopReason.EXACT, StopReason.NOTHING_TO_FIT)
-        return self in successes
 
 
 #: Roughness of the metal in the text of a report: the matte silver of published comparisons.
@@ -223,11 +215,11 @@ class FitReport(Result):
         return cls(
             search_errors={
                 count("lights", int(n)): amount("search_errors", error)
-                for n, error in _search_errors(data).items()
+                for n, error in search_errors(data).items()
             },
             sized_error=optional("sized_error", data.get("sized_error")),
             steps=count("steps", data["steps"]),
-            stop_reason=_stop_reason(data["stop_reason"]),
+            stop_reason=stop_reason(data["stop_reason"]),
             seconds=times_of(data),
             measured_on=str(data["measured_on"]),
             ambient=str(data.get("ambient", "")),
@@ -312,7 +304,7 @@ class FitReport(Result):
         lights, error = list(self.search_errors.items())[-1]
         error = error if self.sized_error is None else self.sized_error
         plural = "" if lights == 1 else "s"
-        return f"{lights} light{plural}, {_percent(error)}; {self.stop_reason.value}"
+        return f"{lights} light{plural}, {percent(error)}; {self.stop_reason.value}"
 
     def __str__(self) -> str:
         return "\n".join(filter(None, [self._by_number(), *self._short()]))
@@ -329,7 +321,7 @@ class FitReport(Result):
             *([self.sized_error] if self.sized_error is not None else []),
         ]
         curve = (
-            Table(columns, [["error", *map(_percent, each)]]).html() if self.search_errors else ""
+            Table(columns, [["error", *map(percent, each)]]).html() if self.search_errors else ""
         )
         return curve, _html.lines("\n".join(filter(None, self._short())))
 
@@ -357,23 +349,23 @@ class FitReport(Result):
 
     def with_shadows(self) -> str:
         """Error with shadows in words; empty if it was not measured."""
-        return "" if self.shadow_error is None else f"with shadows {_percent(self.shadow_error)}"
+        return "" if self.shadow_error is None else f"with shadows {percent(self.shadow_error)}"
 
     def with_gloss(self) -> str:
         """Error of rough metal in words; empty if it was not measured."""
         error = self.gloss_error()
-        return "" if error is None else f"on metal of roughness 0.33 {_percent(error)}"
+        return "" if error is None else f"on metal of roughness 0.33 {percent(error)}"
 
     def _by_number(self) -> str:
         """Error of each number of lights, and of the last number with sizes."""
         if not self.search_errors:
             return ""
         curve = "  ".join(
-            f"{lights}: {_percent(error)}" for lights, error in self.search_errors.items()
+            f"{lights}: {percent(error)}" for lights, error in self.search_errors.items()
         )
         if self.sized_error is None:
             return f"error in the search by number of lights: {curve}"
-        sized = _percent(self.sized_error)
+        sized = percent(self.sized_error)
         return f"error in the search by number of lights, as points: {curve}; with sizes: {sized}"
 
     def _radius_bound(self) -> str:
@@ -387,22 +379,22 @@ class FitReport(Result):
         if self.seen_share == 1:
             return ""
         return (
-            f"{_percent(self.seen_share)} of the sphere is seen; a black or a harmonic fill of the"
-            f" rest changes the probe by {_percent(self.unseen_spread)}"
+            f"{percent(self.seen_share)} of the sphere is seen; a black or a harmonic fill of the"
+            f" rest changes the probe by {percent(self.unseen_spread)}"
         )
 
     def _by_channel(self) -> tuple[str, ...]:
         if not self.channel_errors:
             return ()
-        channels = "  ".join(_percent(error) for error in self.channel_errors)
-        return (f"error in red, green, blue: {channels}; largest {_percent(self.max_error)}",)
+        channels = "  ".join(percent(error) for error in self.channel_errors)
+        return (f"error in red, green, blue: {channels}; largest {percent(self.max_error)}",)
 
     def _choice(self) -> tuple[str, ...]:
         """Selected ambient term, with lights and error of each."""
         if not self.ambients:
             return ()
         each = "  ".join(
-            f"{name}: {lights} light{'' if lights == 1 else 's'}, {_percent(error)}"
+            f"{name}: {lights} light{'' if lights == 1 else 's'}, {percent(error)}"
             for name, (lights, error) in self.ambients.items()
         )
         return (f"ambient term {self.ambient!r} selected from  {each}",)
@@ -410,31 +402,11 @@ class FitReport(Result):
     def _accuracy(self) -> tuple[str, ...]:
         """Accuracy of the directions."""
         if self.direction_tolerances:
-            angles = _degrees(self.direction_tolerances)
+            angles = degrees(self.direction_tolerances)
             return (f"direction tolerance (10 % more error): {angles}",)
         if self.direction_errors:
             return (
                 f"condition number {self.condition:.3g}",
-                f"standard error of the directions: {_degrees(self.direction_errors)}",
+                f"standard error of the directions: {degrees(self.direction_errors)}",
             )
         return ()
-
-
-def _percent(share: float) -> str:
-    return f"{100 * share:.3g} %"
-
-
-def _degrees(angles: tuple[float, ...]) -> str:
-    degrees = np.degrees(angles)
-    return "  ".join(f"{each:.2g}°" if each < 100 else f"{each:.0f}°" for each in degrees)
-
-
-def _search_errors(data: Mapping[str, Any]) -> Mapping[str, float]:
-    """Field of a file, which rigs up to version 4 call "errors"."""
-    errors: Mapping[str, float] = data["errors" if "errors" in data else "search_errors"]
-    return errors
-
-
-def _stop_reason(name: object) -> StopReason:
-    check_choice("stop_reason", name, tuple(StopReason.__members__))
-    return StopReason[str(name)]

@@ -16,6 +16,7 @@ from envlights._blocks import in_blocks
 from envlights._check import amount, describe, flag, one_or_more, rotation, texts
 from envlights._light_arrays import LARGEST_LIGHT
 from envlights._native import EnvLightsError
+from envlights._notes import Note
 from envlights._result import Result
 from envlights._tables import frame_of
 from envlights._units import in_nits, statement
@@ -68,7 +69,7 @@ class Rig(Result):
     """Report of the fit."""
 
     notes: tuple[str, ...] = ()
-    """Remarks on samples of the map that were changed, and on assumptions."""
+    """Remarks on samples of the map that were changed, and on assumptions, as `Note`."""
 
     floor: bool = False
     """True if a floor hides the ambient light from below the horizon."""
@@ -77,6 +78,7 @@ class Rig(Result):
         object.__setattr__(self, "ambient", freeze(_ambient(self.ambient)))
         if flag("floor", self.floor) and self.ambient.ndim == 2:
             raise EnvLightsError("ambient must be one radiance where there is a floor; got (9, 3)")
+        object.__setattr__(self, "notes", tuple(map(Note, self.notes)))
         object.__setattr__(self, "error", amount("error", self.error))
 
     @property

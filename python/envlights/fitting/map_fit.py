@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from envlights import _native
 from envlights._check import check_choice, flag
 from envlights._native import FitAnswer
+from envlights._notes import LOG, log
 from envlights._targets import shown_by, target_names
 from envlights._unseen import checked_unseen
 from envlights.envmap import AnyMap, EnvMap, apply_to_map
@@ -64,7 +65,10 @@ def fit_map(env: AnyMap, arguments: FitArguments) -> Rig:
     """Rig for a map; see `fit`."""
     plan, clock = _plan(arguments), Clock()
     reduction, answers = _answers(env, plan, clock)
-    return _clocked_rig(plan, reduction, answers, clock)
+    rig = _clocked_rig(plan, reduction, answers, clock)
+    LOG.info("fit: %s in %.3g seconds", rig.in_short(), sum(rig.report.seconds.values()))
+    log(rig.notes)
+    return rig
 
 
 def fit_map_for(env: AnyMap, each: Sequence[FitArguments]) -> Iterator[Rig]:
