@@ -51,7 +51,7 @@ def some_maps():
     yield {"limited"}, el.limit(el.synthetic.hall(64).radiance, 1.0)[1]
 
 
-@pytest.mark.parametrize(("codes", "env"), some_maps(), ids=lambda value: str(value)[:40])
+@pytest.mark.parametrize(("codes", "env"), [*some_maps()], ids=lambda value: str(value)[:40])
 def test_the_notes_of_maps_have_codes(codes, env):
     assert {note.code for note in env.notes} == codes
     assert {note.code for note in el.fit(env, 1).notes} >= codes

@@ -13,6 +13,7 @@ from importlib import import_module as _import_module
 from envlights import _map_repair, _targets, kernels
 from envlights._native import EnvLightsError
 from envlights._notes import Note
+from envlights._report_fields import StopReason
 from envlights._threads import threads
 from envlights.detection.component_tree import detect_tree
 from envlights.detection.detect import detect
@@ -28,7 +29,7 @@ from envlights.fitting.fit import fit, fit_probe
 from envlights.io.errors import DamagedFileError, FileError, MissingFileError
 from envlights.lights import Lights
 from envlights.occluders import Ball, Box, Polyhedron
-from envlights.report import FitReport, StopReason
+from envlights.report import FitReport
 from envlights.rig import Rig, rigs_to_frame
 
 __all__ = [

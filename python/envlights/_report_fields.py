@@ -80,3 +80,21 @@ def stop_reason(name: object) -> StopReason:
     """Reason of a file, by its name."""
     check_choice("stop_reason", name, tuple(StopReason.__members__))
     return StopReason[str(name)]
+
+
+def row_of(report: Any) -> dict[str, Any]:
+    """Single numbers and words of the report; NaN for what was not measured."""
+    numbers = {
+        name: float("nan") if getattr(report, name) is None else getattr(report, name)
+        for name in ("shadow_error", "objective_error", "max_error", "points_error")
+    }
+    gloss_error = report.gloss_error()
+    return {
+        **numbers,
+        "gloss_error": float("nan") if gloss_error is None else gloss_error,
+        "ambient": report.ambient,
+        "steps": report.steps,
+        "stop_reason": report.stop_reason.name,
+        "seen_share": report.seen_share,
+        "seconds": float(sum(report.seconds.values())),
+    }

@@ -20,6 +20,7 @@ from envlights._report_fields import (
     optional,
     percent,
     rgb,
+    row_of,
     search_errors,
     stop_reason,
 )
@@ -190,20 +191,7 @@ class FitReport(Result):
 
     def row(self) -> dict[str, Any]:
         """Single numbers and words of the report; NaN for what was not measured."""
-        numbers = {
-            name: float("nan") if getattr(self, name) is None else getattr(self, name)
-            for name in ("shadow_error", "objective_error", "max_error", "points_error")
-        }
-        gloss_error = self.gloss_error()
-        return {
-            **numbers,
-            "gloss_error": float("nan") if gloss_error is None else gloss_error,
-            "ambient": self.ambient,
-            "steps": self.steps,
-            "stop_reason": self.stop_reason.name,
-            "seen_share": self.seen_share,
-            "seconds": float(sum(self.seconds.values())),
-        }
+        return row_of(self)
 
     def to_frame(self) -> pd.DataFrame:
         """Data frame with one row of the errors and the choices of the fit; needs pandas."""

@@ -17,6 +17,7 @@ from envlights._check import amount, describe, flag, one_or_more, rotation, text
 from envlights._light_arrays import LARGEST_LIGHT
 from envlights._native import EnvLightsError
 from envlights._notes import Note
+from envlights._report_fields import StopReason
 from envlights._result import Result
 from envlights._tables import frame_of
 from envlights._units import in_nits, statement
@@ -29,7 +30,7 @@ from envlights.kernels import probe
 from envlights.kernels.image import LUMINANCE
 from envlights.kernels.sphere import FRAME
 from envlights.lights import Lights, lights_of, lights_of_table
-from envlights.report import FitReport, StopReason
+from envlights.report import FitReport
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights._native import FitAnswer
+from envlights._report_fields import StopReason
 from envlights._units import OWN_SCALE
 from envlights.fitting.request import Request
 from envlights.lights import Lights, brightest_first
-from envlights.report import FitReport, StopReason
+from envlights.report import FitReport
 from envlights.rig import Rig
 
 
