@@ -73,7 +73,7 @@ CALLS = {
             "convention": st.sampled_from(["envlights", "ramamoorthi", "three", "unity"]),
         },
     ),
-    "rigs_to_frame": (el.rigs_to_frame, {"rigs": st.lists(RIG, max_size=3)}),
+    "rigs_to_frame": (el.rigs_to_frame, {"rigs": st.lists(st.just(RIG), max_size=3)}),
     "EnvMap.calibrated": (
         lambda env, **readings: el.EnvMap(env).calibrated(**readings),
         {"env": IMAGE, "lux": SMALL, "facing": AXIS_OF_SURFACE, "patch": SMALL},

@@ -155,7 +155,7 @@ def _of_part(
     if not found:
         found = [one for one in layers if one.name.lower().rpartition(".")[2] == said]
     if not found:
-        raise FileError(
+        raise EnvLightsError(
             f"cannot read {name}: there is no part {part!r}; it has {_in_words(parts, layers)}"
         )
     return found, [layer.part for layer in found]
