@@ -52,6 +52,9 @@ def test_the_luminance_of_harmonics_is_the_mean_of_their_sky():
 def test_a_frame_of_something_else_is_refused():
     with pytest.raises(el.EnvLightsError, match="rigs must hold rigs of `fit`; got 3"):
         el.rigs_to_frame([3])
+    for bad in (None, "rig.json", 3):
+        with pytest.raises(el.EnvLightsError, match="rigs must be a sequence or a mapping"):
+            el.rigs_to_frame(bad)
 
 
 def test_without_pandas_the_refusal_names_the_extra_and_to_dict(rigs, monkeypatch):

@@ -319,6 +319,8 @@ def rigs_to_frame(rigs: Iterable[Rig] | Mapping[str, Rig]) -> pd.DataFrame:
     {'one': 0.25}
     """
     names = list(rigs) if isinstance(rigs, Mapping) else None
+    if isinstance(rigs, str | Rig) or not isinstance(rigs, Iterable):
+        raise EnvLightsError(f"rigs must be a sequence or a mapping of rigs; got {describe(rigs)}")
     each = list(rigs.values()) if isinstance(rigs, Mapping) else list(rigs)
     for rig in each:
         if not isinstance(rig, Rig):

@@ -168,7 +168,7 @@ def _best(name: str, layers: list[_Layer], *, is_named: bool) -> _Layer | None:
     ranks = {layer: layer.rank for layer in layers}
     lights = {layer: rank for layer, rank in ranks.items() if rank is not None}
     if layers and not lights:
-        raise FileError(
+        raise EnvLightsError(
             f"cannot read {name}: none of its layers is a picture by its name: {_names(layers)};"
             " choose one with part=, or channels="
         )
@@ -177,7 +177,7 @@ def _best(name: str, layers: list[_Layer], *, is_named: bool) -> _Layer | None:
     others = [layer for layer in best if layer.view == best[0].view or not layer.view]
     is_unnamed = bool(best) and not best[0].name
     if len(others) > 1 and not is_unnamed:
-        raise FileError(
+        raise EnvLightsError(
             f"cannot read {name}: several of its layers may be the picture: {_names(others)};"
             " choose one with part="
         )
@@ -195,7 +195,7 @@ def _by_hand(
         if set(names) <= set(parts[place].channels):
             return Choice(place, tuple(colours), alpha)
     known = [channel for place in wanted for channel in parts[place].channels]
-    raise FileError(
+    raise EnvLightsError(
         f"cannot read {name}: it has not all of the channels {', '.join(names)};"
         f" it has {_some(known)}"
     )
