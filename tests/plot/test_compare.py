@@ -77,7 +77,7 @@ def test_the_steps_of_the_article_count_what_the_detector_found():
     figure = plot.article_picture(HALL)
     titles = [axes.get_title() for axes in figure.axes]
     assert titles[1].startswith(f"2. bright samples: {len(lights.members.pixel)},")
-    assert titles[3].startswith(f"4. lights: {len(lights)},")
+    assert titles[3].startswith(f"4. lights: {len(lights)}")
     dark = plot.article_picture(np.full((16, 32, 3), 0.01))
     assert dark.axes[3].get_title().startswith("4. lights: 0")
 
