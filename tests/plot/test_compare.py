@@ -93,7 +93,9 @@ def test_the_spectrum_tells_how_many_directions_hold_a_share():
 
 
 def test_the_basis_is_drawn_direction_by_direction():
-    images = [axes.images[0] for axes in plot.basis_picture(model(), 5).axes if axes.images]
+    images = [
+        axes.images[0] for axes in plot.basis_picture(model(), directions=5).axes if axes.images
+    ]
     assert len(images) == 5
     for image, wanted in zip(images, model().directions(5), strict=True):
         np.testing.assert_array_equal(image.get_array(), wanted)

@@ -17,6 +17,7 @@ from envlights.plot.probe import (
     draw_difference_bar,
     draw_probes,
     error_limit,
+    scale_for,
     shaded_ball,
     viewpoint,
 )
@@ -35,7 +36,8 @@ def rigs_picture(
     """Draw several rigs of one map, a row for each: lights, probes and the difference.
 
     All probes are viewed from beside the brightest light of the first rig, and have one exposure.
-    Discs of all rigs have one key, and differences one scale of colours.
+    Discs of all rigs have one scale of areas, and differences one scale of colours: it is
+    logarithmic (asinh) where some rig is 5 times as accurate as another.
 
     Parameters
     ----------
@@ -67,13 +69,13 @@ def rigs_picture(
     rows = [page.panels[first : first + 4] for first in range(0, len(page.panels), 4)]
     ground, eye = expose(working(env)), viewpoint(rigs[0])
     shaded = {floor: shaded_ball(env, eye, floor) for floor in {rig.floor for rig in rigs}}
-    limit = max(error_limit(shaded[rig.floor], rig) for rig in rigs)
+    scale = scale_for([error_limit(shaded[rig.floor], rig) for rig in rigs])
     sizes = sizes_for(rows[0][0], np.concatenate([rig.lights.share for rig in rigs]))
     for (on_map, *probes), rig in zip(rows, rigs, strict=True):
         draw_small_ground(on_map, ground.codes)
         draw_lights(on_map, rig.lights, sizes)
         entitle(on_map, rig.in_short(), "medium")
-        drawn = draw_probes(probes, shaded[rig.floor], rig, limit)
+        drawn = draw_probes(probes, shaded[rig.floor], rig, scale)
     draw_difference_bar(page.figure, [row[3] for row in rows], drawn)
     return page.finish()
 

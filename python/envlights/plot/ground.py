@@ -14,7 +14,7 @@ from envlights import _thumbnails
 from envlights.envmap import EnvMap
 from envlights.kernels import sphere
 from envlights.kernels.image import LUMINANCE
-from envlights.plot.wording import LETTER, font_size, points_per_unit
+from envlights.plot.wording import LETTER, font_size, is_narrow, points_per_unit
 
 #: Columns of the picture of a map.
 _COLUMNS = 1024
@@ -51,7 +51,7 @@ class Ground(NamedTuple):
 def expose(radiance: NDArray[np.float32]) -> Ground:
     """Expose a map, in the form of `working`, so that its lamps are visible."""
     white, darker = _thumbnails.white_of(radiance)
-    words = f"white: luminance {white:.3g}, above {100 * darker:.3g} % of the sphere"
+    words = f"white is luminance {white:.3g}; {100 * darker:.3g} % of the sphere is darker"
     return Ground(_thumbnails.expose(radiance, white), white, words)
 
 
@@ -99,7 +99,8 @@ def draw_frame(axes: Axes) -> None:
     """Label azimuth and elevation, with marks that have room for their numbers."""
     points, mark = points_per_unit(axes, EXTENT), _MARK * LETTER * font_size("xtick.labelsize")
     step = next((each for each in (45, 90) if points * each > mark), 180)
-    axes.set(xlabel="azimuth (°)", ylabel="elevation (°)")
+    if not is_narrow(axes):
+        axes.set(xlabel="azimuth (°)", ylabel="elevation (°)")
     axes.set(xticks=range(0, 361, step), yticks=range(-90, 91, min(step, 90)))
     axes.set(xlim=EXTENT[:2], ylim=EXTENT[2:])
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
@@ -21,6 +23,8 @@ from envlights.plot.markers import (
     draw_lights,
     draw_numbers,
     key_of,
+    key_of_rims,
+    line_scale,
     sizes_for,
 )
 from envlights.plot.outlines import outlines
@@ -29,12 +33,15 @@ from envlights.plot.probe import (
     draw_difference_bar,
     draw_probes,
     error_limit,
+    scale_for,
     shaded_ball,
     viewpoint,
 )
 from envlights.plot.wording import entitle
 from envlights.rig import Rig, error_line, parts_line
 
+#: Colour of the mark of the viewer.
+_EYE = "deepskyblue"
 #: Largest number of links in a picture.
 _MOST_LINKS = 20_000
 
@@ -134,9 +141,16 @@ def picture(
     sizes, eye = sizes_for(on_map, rig.lights.share), viewpoint(rig)
     draw_lights(on_map, rig.lights, sizes)
     shaded = shaded_ball(env, eye, rig.floor)
-    drawn = draw_probes(balls, shaded, rig, error_limit(shaded, rig))
+    drawn = draw_probes(balls, shaded, rig, scale_for([error_limit(shaded, rig)]))
     draw_difference_bar(page.figure, balls[2:], drawn)
-    draw_legend(on_map, [*key_of(rig.lights, sizes), _draw_eye(on_map, eye)])
+    draw_legend(
+        on_map,
+        [
+            *key_of(rig.lights.share, sizes),
+            *key_of_rims(rig.lights.angular_radius),
+            _draw_eye(on_map, eye),
+        ],
+    )
     entitle(on_map, exposure, "small")
     page.entitle(f"{parts_line(rig)}: {error_line(rig)}")
     return page.finish()
@@ -199,7 +213,7 @@ def detection_picture(
     )
     if lights.report.method == "article":
         outline.set_label("samples, linked to their light")
-    draw_legend(axes, [*key_of(lights, sizes), outline, cross])
+    draw_legend(axes, [*key_of(lights.share, sizes), outline, cross])
     report = lights.report
     title = f"{lights.in_short()}; threshold {report.threshold:.3g} ({report.reason})"
     page.entitle(f"{title}\n{exposure}")
@@ -210,11 +224,10 @@ def _draw_eye(axes: Axes, eye: NDArray[np.float64]) -> Line2D:
     """Mark the view direction of the probe."""
     ((azimuth, elevation),) = degrees(eye[None])
     # Draw it above the numbers, which could hide it.
-    axes.scatter(
-        [azimuth], [elevation], s=81, marker="^", c="deepskyblue", edgecolors="black", zorder=6
-    )
-    label = "viewer of the probe"
-    return Line2D([], [], ls="", marker="^", ms=9, mfc="deepskyblue", mec="black", label=label)
+    size = 9 * line_scale(axes)
+    style: dict[str, Any] = {"marker": "^", "zorder": 6}
+    axes.scatter([azimuth], [elevation], size**2, c=_EYE, edgecolors="black", **style)
+    return Line2D([], [], ls="", marker="^", ms=size, mfc=_EYE, mec="black", label="viewer")
 
 
 def _draw_members(axes: Axes, lights: DetectedLights) -> None:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from envlights._thumbnails import colours_of
 from envlights.lights import Lights
 from envlights.plot.ground import EXTENT, degrees
-from envlights.plot.wording import LETTER, font_size, points_per_unit, width_of
+from envlights.plot.wording import LETTER, font_size, is_narrow, points_per_unit, width_of
 from envlights.scene.surface import tangent_frames
 
 #: Area of the disc of the largest light, and the least area, in square points, on a wide map.
@@ -98,10 +98,19 @@ def draw_rims(axes: Axes, directions: NDArray[np.float64], radii: NDArray[np.flo
     ]
     if pieces:
         lines, colours = zip(*pieces, strict=True)
-        edge = [withStroke(linewidth=2.6, foreground="black")]
-        axes.add_collection(
-            LineCollection(list(lines), colors=list(colours), lw=1.4, path_effects=edge, zorder=2.5)
-        )
+        style: dict[str, Any] = rim_style(line_scale(axes))
+        axes.add_collection(LineCollection(list(lines), colors=list(colours), zorder=2.5, **style))
+
+
+def rim_style(scale: float = 1.0) -> dict[str, Any]:
+    """Style of rims: a line with a black edge, visible on dark and bright maps."""
+    edge = withStroke(linewidth=2.6 * scale, foreground="black")
+    return {"linewidth": 1.4 * scale, "path_effects": [edge]}
+
+
+def line_scale(axes: Axes) -> float:
+    """Factor for lines and marks of one size on a map: below 1 on a small one."""
+    return min(max(points_per_unit(axes, EXTENT) / _WIDE, 0.5), 1.0)
 
 
 def _pieces(rim: NDArray[np.float64]) -> list[NDArray[np.float64]]:
@@ -209,18 +218,22 @@ def _free_box(
     return None
 
 
-def key_of(lights: Lights, sizes: Sizes) -> list[Line2D]:
-    """Key of the areas of discs, with shares that occur among the lights, and of rims."""
-    largest = float(lights.share.max(initial=0.0))
+def key_of(share: NDArray[np.float64], sizes: Sizes) -> list[Line2D]:
+    """Key of the areas of discs, with shares that occur among the lights."""
+    largest = float(share.max(initial=0.0))
     named = [share for share in _SHARES if share <= max(largest, _SHARES[-1])][::2][:_KEYS]
     # Shares below the least area look the same.
     seen = [share for share in named if sizes.whole * share >= sizes.least] or named[:1]
     entries = [_entry("o", f"{100 * share:g} %", _diameter(sizes, share)) for share in seen]
-    entries[0].set_label(f"share of the light: {entries[0].get_label()}")
-    if lights.angular_radius.any():
-        edge = [withStroke(linewidth=2.6, foreground="black")]
-        entries.append(Line2D([], [], color=RIM, lw=1.4, path_effects=edge, label="size"))
+    entries[0].set_label(f"share {entries[0].get_label()}")
     return entries
+
+
+def key_of_rims(radii: NDArray[np.float64]) -> list[Line2D]:
+    """Key of the rims of lights with a size; empty if there are none."""
+    if not radii.any():
+        return []
+    return [Line2D([], [], color=RIM, label="size", **rim_style())]
 
 
 def _diameter(sizes: Sizes, share: float) -> float:
@@ -232,10 +245,13 @@ def _entry(marker: str, label: str, size: float) -> Line2D:
 
 
 def draw_legend(axes: Axes, entries: Sequence[Artist]) -> None:
-    """Add a legend of the markers below the map, in as many columns as fit its width."""
+    """Add a legend below the map, in as many columns as fit its width; none on a narrow map."""
+    if is_narrow(axes):
+        return
     font = font_size("legend.fontsize")
-    longest = max(len(str(entry.get_label())) for entry in entries)
-    columns = int(width_of(axes) / (font * (LETTER * longest + 2.5)))
+    widths = [font * (LETTER * len(str(entry.get_label())) + 4) for entry in entries]
+    is_row = sum(widths) < 1.1 * width_of(axes)
+    columns = len(entries) if is_row else int(width_of(axes) / max(widths))
     has_marks = len(axes.get_xticks()) > 0
     # Marks and their label lie between the axes and the legend.
     room = font_size("xtick.labelsize") * 1.6 + font_size("axes.labelsize") if has_marks else 0.0

@@ -108,7 +108,7 @@ def _draw_steps(panels: list[Axes], lights: PhotographLights) -> None:
     """Draw the panels before the last."""
     samples = lights.samples
     height, width = lights.report.working_size
-    entitle(panels[0], f"1. photograph, searched in {width}x{height} pixels")
+    entitle(panels[0], f"1. the photograph, searched in {width}x{height} pixels")
     at, first = _places(samples.pixel, lights), _places(samples.first, lights)
     draw_bright(panels[1], first, _places(samples.maximum, lights))
     draw_survivors(panels[2], at, first, samples.survivor)

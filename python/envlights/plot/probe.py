@@ -7,8 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.colors import AsinhNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
+from matplotlib.ticker import StrMethodFormatter
 from numpy.typing import NDArray
 
 from envlights._srgb import encode_srgb
@@ -20,8 +22,11 @@ from envlights.kernels.image import LUMINANCE
 from envlights.kernels.probe import working_irradiance
 from envlights.plot.ball import Ball, ball, draw_ball, draw_rim
 from envlights.plot.figure import hide_frame
-from envlights.plot.wording import entitle
+from envlights.plot.wording import entitle, is_narrow
 from envlights.rig import Rig
+
+#: Ratio of the largest differences of two probes from which one linear scale hides the smaller.
+_APART = 5.0
 
 
 class ShadedBall(NamedTuple):
@@ -50,7 +55,7 @@ def draw_probe(axes: Axes, seen: Ball, irradiance: NDArray[np.float64], white: f
     draw_ball(axes, seen.image(encode_srgb(irradiance / white)))
 
 
-def draw_probes(axes: Sequence[Axes], shaded: ShadedBall, rig: Rig, limit: float) -> AxesImage:
+def draw_probes(axes: Sequence[Axes], shaded: ShadedBall, rig: Rig, scale: Normalize) -> AxesImage:
     """Draw the probe under the map, under the rig, and the difference; return the last image."""
     under_rig = rig.probe(shaded.ball.normals)
     white = white_for(shaded.irradiance)
@@ -58,9 +63,9 @@ def draw_probes(axes: Sequence[Axes], shaded: ShadedBall, rig: Rig, limit: float
         axes, ("map", "rig"), (shaded.irradiance, under_rig), strict=False
     ):
         draw_probe(axis, shaded.ball, light, white)
-        entitle(axis, f"probe under the {name}", "small")
+        entitle(axis, f"under the {name}", "small")
     entitle(axes[2], "rig minus map", "small")
-    return draw_difference(axes[2], shaded, rig, limit)
+    return draw_difference(axes[2], shaded, rig, scale)
 
 
 def percent_of_mean(shaded: ShadedBall, rig: Rig) -> NDArray[np.float64]:
@@ -76,11 +81,19 @@ def error_limit(shaded: ShadedBall, rig: Rig) -> float:
     return max(float(np.abs(percent_of_mean(shaded, rig)).max()), 0.1)
 
 
-def draw_difference(axes: Axes, shaded: ShadedBall, rig: Rig, limit: float) -> AxesImage:
-    """Draw the difference of a probe in colours from -limit to limit."""
+def scale_for(limits: Sequence[float]) -> Normalize:
+    """One scale of differences for several probes, on which the smallest are visible."""
+    largest, least = max(limits), min(limits)
+    if largest < _APART * least:
+        return Normalize(-largest, largest)
+    return AsinhNorm(max(least / 2, largest / 1e3), -largest, largest)
+
+
+def draw_difference(axes: Axes, shaded: ShadedBall, rig: Rig, scale: Normalize) -> AxesImage:
+    """Draw the difference of a probe in colours of the scale."""
     percent = percent_of_mean(shaded, rig)
     values, cover = shaded.ball.values(percent), shaded.ball.values(shaded.ball.cover)
-    image = axes.imshow(values, cmap="RdBu_r", vmin=-limit, vmax=limit, alpha=np.nan_to_num(cover))
+    image = axes.imshow(values, cmap="RdBu_r", norm=scale, alpha=np.nan_to_num(cover))
     draw_rim(axes, ((len(values) - 1) / 2,) * 2, len(values) / 2)
     hide_frame(axes)
     return image
@@ -88,7 +101,15 @@ def draw_difference(axes: Axes, shaded: ShadedBall, rig: Rig, limit: float) -> A
 
 def draw_difference_bar(figure: Figure, axes: Sequence[Axes], drawn: AxesImage) -> None:
     """Add the scale of the differences on these axes, which share it."""
-    figure.colorbar(drawn, ax=list(axes), label="% of the mean", shrink=0.85)
+    label = "%" if is_narrow(axes[0]) else "% of the mean"
+    bar = figure.colorbar(drawn, ax=list(axes), label=label, shrink=0.85)
+    if isinstance(drawn.norm, AsinhNorm):
+        largest = float(drawn.norm.vmax or 1.0)
+        low = np.ceil(np.log10(2 * drawn.norm.linear_width))
+        powers = 10.0 ** np.arange(low, np.log10(largest))
+        bar.set_ticks([*-powers[::-1], 0.0, *powers], minor=False)
+        bar.formatter = StrMethodFormatter("{x:g}")
+        bar.minorticks_off()
 
 
 def under(env: EnvMap, normals: NDArray[np.float64]) -> NDArray[np.float64]:

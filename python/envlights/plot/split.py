@@ -19,6 +19,7 @@ from envlights.plot.markers import (
     draw_rims,
     draw_rings,
     key_of,
+    key_of_rims,
     number_colours,
     sizes_for,
 )
@@ -88,7 +89,7 @@ def _draw_marks(axes: Axes, lights: RemovedLights) -> None:
     at, areas = degrees(lights.direction), sizes.area(lights.share)
     draw_rings(axes, at, areas)
     draw_numbers(axes, at, areas, colours=number_colours(discs.angular_radius))
-    draw_legend(axes, key_of(discs, sizes))
+    draw_legend(axes, [*key_of(lights.share, sizes), *key_of_rims(discs.angular_radius)])
 
 
 def _brightest(env: EnvMap) -> str:

@@ -14,6 +14,8 @@ from matplotlib.font_manager import FontProperties
 LETTER = 0.54
 #: Points of an inch.
 _INCH = 72.0
+#: Width of axes as a multiple of the font, below which there are no labels and no key.
+_NARROW = 20.0
 #: Part of the gap beside a panel that its title may take, as a fraction of the panel.
 _OVERHANG = 1.12
 
@@ -38,6 +40,11 @@ def entitle(axes: Axes, text: str, size: str | None = None) -> None:
 def width_of(axes: Axes) -> float:
     """Width of axes in points, before their figure is laid out."""
     return _INCH * float(axes.get_window_extent().width) / float(axes.figure.dpi)
+
+
+def is_narrow(axes: Axes) -> bool:
+    """Axes with no room for words beside a picture, in the font of the style."""
+    return width_of(axes) < _NARROW * font_size("font.size")
 
 
 def _fit(text: str, width: float, size: float) -> str:
