@@ -42,6 +42,7 @@ the call, and nothing global is changed. `save` and `Picture.savefig` embed font
 """
 
 from envlights._native import EnvLightsError
+from envlights.io.files import NO_MATPLOTLIB
 
 __all__ = [
     "Picture",
@@ -93,10 +94,7 @@ except ModuleNotFoundError as missing:
 
     def __getattr__(name: str) -> object:
         if name in __all__:
-            raise EnvLightsError(
-                f"plot.{name} needs Matplotlib, which is not installed;"
-                " install it with `pip install 'envlights[plot]'`"
-            )
+            raise EnvLightsError(f"plot.{name} {NO_MATPLOTLIB}")
         raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
 
 

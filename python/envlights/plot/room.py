@@ -76,7 +76,7 @@ def room_picture(
         axes.set(xticks=range(side + 1), yticks=range(side + 1))
         entitle(axes, title)
         axes.grid(color="0.5", lw=0.6)
-        axes.tick_params(length=0, labelsize=0, labelcolor="none")
+        axes.tick_params(length=0, labelleft=False, labelbottom=False)
         for number in range(len(charts)):
             row, column = divmod(number, side)
             _draw_letter(axes, number, np.array([column + 0.14, row + 0.18]))
