@@ -42,7 +42,7 @@ the call, and nothing global is changed. `save` and `Picture.savefig` embed font
 """
 
 from envlights._native import EnvLightsError
-from envlights.io.files import NO_MATPLOTLIB
+from envlights.io.files import NO_MATPLOTLIB, can_draw
 
 __all__ = [
     "Picture",
@@ -70,7 +70,7 @@ __all__ = [
 ]
 
 
-try:
+if can_draw():
     from envlights.plot.article import article_picture
     from envlights.plot.axes import axes_picture
     from envlights.plot.basis import basis_picture, spectrum_picture
@@ -88,9 +88,7 @@ try:
     from envlights.plot.split import split_picture
     from envlights.plot.sun import sun
     from envlights.plot.transfer import transfer_picture
-except ModuleNotFoundError as missing:
-    if missing.name != "matplotlib":
-        raise
+else:
 
     def __getattr__(name: str) -> object:
         if name in __all__:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from matplotlib import rcParams
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
@@ -16,6 +17,8 @@ from envlights.fitting.error_curve import ErrorCurve
 from envlights.plot.figure import check_is
 from envlights.plot.page import AnyAxes, Placement, Size, open_page
 
+#: Size of marks as a fraction of that of the style.
+_MARK = 0.67
 #: Errors of a curve, each with its line, its mark and its words.
 _LINES = {
     "probe": ("-", "o", "shading"),
@@ -91,7 +94,8 @@ def _draw_line(
 ) -> None:
     line, mark, label = _LINES[name]
     drawn = np.where(values > 0, 100 * values, np.nan)
-    axes.plot(lights, drawn, ls=line, marker=mark, markersize=4, label=label)
+    size = _MARK * rcParams["lines.markersize"]
+    axes.plot(lights, drawn, ls=line, marker=mark, markersize=size, label=label)
 
 
 def mark_percents(axes: Axes) -> None:

@@ -226,7 +226,7 @@ def _draw_eye(axes: Axes, eye: NDArray[np.float64]) -> Line2D:
     # Draw it above the numbers, which could hide it.
     size = 9 * line_scale(axes)
     style: dict[str, Any] = {"marker": "^", "zorder": 6}
-    axes.scatter([azimuth], [elevation], size**2, c=_EYE, edgecolors="black", **style)
+    axes.scatter([azimuth], [elevation], size**2, c=_EYE, edgecolors="black", lw=size / 9, **style)
     return Line2D([], [], ls="", marker="^", ms=size, mfc=_EYE, mec="black", label="viewer")
 
 

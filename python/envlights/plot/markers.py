@@ -36,6 +36,8 @@ RIM = "#ff2bd6"
 TINTS = (RIM, "#00e0ff", "#ffe11a", "#4dff6a", "#ff8a1f", "#b79bff", "#ffffff", "#ff6a5e")
 #: Size of numbers as a fraction of that of the style, and height of a line of them.
 _FONT, _LINE = 0.9, 1.13
+#: Width of the black edge of numbers as a fraction of their size.
+_EDGE = 0.26
 #: Largest radius of a disc that numbers avoid, and their gap from discs, as fractions of the width.
 _WIDEST_DISC, _GAP = 12 / 360, 0.8 / 360
 #: Largest number of numbers on one map.
@@ -190,7 +192,7 @@ def draw_numbers(
             va="center",
             fontsize=font,
             color=colours[k] if colours is not None else "white",
-            path_effects=[withStroke(linewidth=2.5, foreground="black")],
+            path_effects=[withStroke(linewidth=_EDGE * font, foreground="black")],
             zorder=5,
         )
 
