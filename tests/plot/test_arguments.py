@@ -87,12 +87,12 @@ every_picture = pytest.mark.parametrize("name", PICTURES)
 
 
 @cache
-def given(name):
+def data_of(name):
     return PICTURES[name][0]()
 
 
 def draw(name, **shared):
-    data, options = given(name)
+    data, options = data_of(name)
     return getattr(plot, name)(*data, **options, **shared)
 
 

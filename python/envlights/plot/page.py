@@ -50,7 +50,7 @@ class Page(NamedTuple):
     def finish(self) -> Figure:
         """Give the ticks the style of the picture, and return the figure."""
         for axes in self.panels:
-            # Ticks are made when they are first asked for, with the style of that time.
+            # Matplotlib makes ticks at their first use, in the style of that time.
             axes.xaxis.get_major_ticks()
             axes.yaxis.get_major_ticks()
         return self.figure
@@ -103,7 +103,7 @@ def _checked_axes(where: Placement, count: int) -> list[Axes]:
         if getattr(where, name) is not None:
             raise EnvLightsError(f"{name} is for a new figure; with ax, set it on your figure")
     given: Any = where.ax
-    panels = [given] if isinstance(given, Axes) else _listed(given)
+    panels = [given] if isinstance(given, Axes) else _elements(given)
     wrong = [type(each).__name__ for each in panels if not isinstance(each, Axes)]
     if wrong:
         raise EnvLightsError(f"ax must hold axes of Matplotlib; got {wrong[0]}")
@@ -115,7 +115,7 @@ def _checked_axes(where: Placement, count: int) -> list[Axes]:
     return panels
 
 
-def _listed(given: Any) -> list[Any]:
+def _elements(given: Any) -> list[Any]:
     """Elements of a sequence or an array in reading order; anything else as one element."""
     if isinstance(given, np.ndarray):
         return list(given.ravel())
