@@ -101,7 +101,7 @@ def article_picture(
     draw_survivors(survivors, at, at, steps.survivor, _SEAM)
     _draw_lights(merged, lights, steps)
     page.entitle(f"the steps of Loghin (2021): threshold {lights.report.threshold:.3g}")
-    return page.finish()
+    return page.figure
 
 
 def _parameters() -> dict[str, inspect.Parameter]:

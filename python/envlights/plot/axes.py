@@ -61,7 +61,7 @@ def axes_picture(
         _draw(panel, axes)
         hand = "right-handed" if axes.handedness > 0 else "left-handed"
         panel.set_title(f"{titles[name]}\n{hand}", fontsize="small")
-    return page.finish()
+    return page.figure
 
 
 def _draw(panel: Panel, axes: Axes) -> None:

@@ -77,7 +77,7 @@ def basis_picture(
         hide_frame(axes)
     page.figure.colorbar(drawn, ax=page.panels, label="light of a texel", extend="both", shrink=0.8)
     page.entitle("directions of the basis, and their energy")
-    return page.finish()
+    return page.figure
 
 
 def spectrum_picture(
@@ -133,7 +133,7 @@ def spectrum_picture(
     axes.yaxis.set_major_formatter("{x:g}")
     axes.grid(which="both", alpha=0.25)
     axes.legend(title="energy in the basis")
-    return page.finish()
+    return page.figure
 
 
 def energy_shares(model: TransferModel) -> NDArray[np.float64]:

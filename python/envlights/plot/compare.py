@@ -77,7 +77,7 @@ def rigs_picture(
         entitle(on_map, rig.in_short(), "medium")
         drawn = draw_probes(probes, shaded[rig.floor], rig, scale)
     draw_difference_bar(page.figure, [row[3] for row in rows], drawn)
-    return page.finish()
+    return page.figure
 
 
 def error_picture(
@@ -121,7 +121,7 @@ def error_picture(
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     mark_percents(axes)
     axes.legend()
-    return page.finish()
+    return page.figure
 
 
 def _draw_curve(axes: Axes, rig: Rig, colour: str) -> None:

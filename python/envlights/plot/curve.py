@@ -86,7 +86,7 @@ def error_curve(
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     mark_percents(axes)
     axes.legend()
-    return page.finish()
+    return page.figure
 
 
 def _draw_line(

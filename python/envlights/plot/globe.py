@@ -75,7 +75,7 @@ def sphere_picture(
         degrees = f"azimuth {np.rad2deg(phi) % 360:.0f}°, elevation {np.rad2deg(up):.0f}°"
         axes.set_title(f"from {degrees}")
     page.entitle(lights.in_short())
-    return page.finish()
+    return page.figure
 
 
 def draw_globe(axes: Axes, env: EnvMap, eye: NDArray[np.float64]) -> None:

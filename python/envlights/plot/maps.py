@@ -90,7 +90,7 @@ def map_picture(
     draw = draw_luminance if stops else draw_map
     exposure = draw(axes, env)
     page.entitle(f"{env.width}x{env.height} pixels\n{exposure}")
-    return page.finish()
+    return page.figure
 
 
 def picture(
@@ -153,7 +153,7 @@ def picture(
     )
     entitle(on_map, exposure, "small")
     page.entitle(f"{parts_line(rig)}: {error_line(rig)}")
-    return page.finish()
+    return page.figure
 
 
 def detection_picture(
@@ -217,7 +217,7 @@ def detection_picture(
     report = lights.report
     title = f"{lights.in_short()}; threshold {report.threshold:.3g} ({report.reason})"
     page.entitle(f"{title}\n{exposure}")
-    return page.finish()
+    return page.figure
 
 
 def _draw_eye(axes: Axes, eye: NDArray[np.float64]) -> Line2D:

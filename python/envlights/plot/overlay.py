@@ -70,7 +70,7 @@ def overlay_picture(
     for axes in page.panels:
         hide_frame(axes)
     page.entitle(overlay.in_short())
-    return page.finish()
+    return page.figure
 
 
 def _draw_floors(axes: list[Axes], overlay: ShadowOverlay) -> None:

@@ -47,14 +47,6 @@ class Page(NamedTuple):
         if self.is_own:
             entitle_figure(self.figure, text)
 
-    def finish(self) -> Figure:
-        """Give the ticks the style of the picture, and return the figure."""
-        for axes in self.panels:
-            # Matplotlib makes ticks at their first use, in the style of that time.
-            axes.xaxis.get_major_ticks()
-            axes.yaxis.get_major_ticks()
-        return self.figure
-
 
 def open_page(
     where: Placement,

@@ -88,7 +88,7 @@ def photograph(
     report = lights.report
     title = f"{lights.in_short()}; threshold {report.threshold:.3g} ({report.reason})"
     page.entitle(title)
-    return page.finish()
+    return page.figure
 
 
 def _size(lights: PhotographLights) -> tuple[float, float]:

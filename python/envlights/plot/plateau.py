@@ -114,7 +114,7 @@ def plateau_picture(
         f"{lights.in_short()} in clipped regions\n"
         f"{sphere:.2g} % of the sphere is clipped, with {flux:.2g} % of the light"
     )
-    return page.finish()
+    return page.figure
 
 
 def _tint(env: EnvMap, white: float) -> NDArray[np.uint8]:

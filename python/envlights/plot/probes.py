@@ -71,4 +71,4 @@ def probes(
     for axes, title, light in zip(page.panels, titles, lights, strict=True):
         draw_probe(axes, shaded.ball, light, white)
         entitle(axes, title)
-    return page.finish()
+    return page.figure

@@ -82,7 +82,7 @@ def room_picture(
             _draw_letter(axes, number, np.array([column + 0.14, row + 0.18]))
     _draw_room(on_room, exposed[1], charts)
     entitle(on_room, "the lightmap in the room")
-    return page.finish()
+    return page.figure
 
 
 def _expose(name: str, image: ArrayLike, side: int) -> NDArray[np.floating]:

@@ -112,7 +112,7 @@ def scene(
         for k, rig in enumerate(rigs, start=1)
     ]
     _draw_stills(page, rigs, truth, stills)
-    return page.finish()
+    return page.figure
 
 
 def _closed_picture(where: Placement, rigs: tuple[Rig, ...], azimuth: float, width: int) -> Figure:
@@ -124,7 +124,7 @@ def _closed_picture(where: Placement, rigs: tuple[Rig, ...], azimuth: float, wid
         axis.imshow(encode_srgb(image / white))
         entitle(axis, _parts(rig))
         hide_frame(axis)
-    return page.finish()
+    return page.figure
 
 
 def _page_with_differences(where: Placement, rigs: int) -> Page:

@@ -79,7 +79,7 @@ def split_picture(
     entitle(on_removed, "the removed radiance, and the lights", "small")
     share = 100 * lights.flux_share.sum()
     page.entitle(f"{lights.in_short()} removed, with {share:.3g} % of all light in the map")
-    return page.finish()
+    return page.figure
 
 
 def _draw_marks(axes: Axes, lights: RemovedLights) -> None:

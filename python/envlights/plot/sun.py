@@ -94,7 +94,7 @@ def sun(
     for axes, (title, rig) in zip(images, rigs.items(), strict=True):
         _draw_shadows(axes, rig, 2 * np.pi * u, title)
     page.entitle(_title(found))
-    return page.finish()
+    return page.figure
 
 
 def _draw_sun(axes: Axes, found: Sun) -> None:

@@ -102,7 +102,7 @@ def transfer_picture(
         f"rank {report.rank} from {report.pairs} pairs;"
         f" unseen lights, leave-one-out: median {100 * report.error:.3g} %"
     )
-    return page.finish()
+    return page.figure
 
 
 def _project(model: TransferModel, lights: NDArray[Any], images: NDArray[Any]) -> NDArray[Any]:
