@@ -203,3 +203,11 @@ def test_without_matplotlib_a_command_refuses_a_picture_before_it_works(tmp_path
     assert ended.returncode != 0
     assert "cannot write r.png: a picture needs Matplotlib" in ended.stderr
     assert [path.name for path in tmp_path.iterdir()] == ["hall.exr"]
+
+
+def test_the_scale_of_differences_names_its_unit_where_there_is_room():
+    labels = [
+        plot.picture(HALL, rigs()[0], figsize=size).axes[-1].get_ylabel()
+        for size in ((10, 8.6), (2, 1.5))
+    ]
+    assert labels == ["% of the mean", "%"]

@@ -22,11 +22,13 @@ from envlights.kernels.image import LUMINANCE
 from envlights.kernels.probe import working_irradiance
 from envlights.plot.ball import Ball, ball, draw_ball, draw_rim
 from envlights.plot.figure import hide_frame
-from envlights.plot.wording import entitle, is_narrow
+from envlights.plot.wording import entitle, fits_upright
 from envlights.rig import Rig
 
 #: Ratio of the largest differences of two probes from which one linear scale hides the smaller.
 _APART = 5.0
+#: Unit of differences; a short bar has only its first letter.
+_LABEL = "% of the mean"
 
 
 class ShadedBall(NamedTuple):
@@ -101,7 +103,7 @@ def draw_difference(axes: Axes, shaded: ShadedBall, rig: Rig, scale: Normalize) 
 
 def draw_difference_bar(figure: Figure, axes: Sequence[Axes], drawn: AxesImage) -> None:
     """Add the scale of the differences on these axes, which share it."""
-    label = "%" if is_narrow(axes[0]) else "% of the mean"
+    label = _LABEL if fits_upright(axes[0], _LABEL) else _LABEL[0]
     bar = figure.colorbar(drawn, ax=list(axes), label=label, shrink=0.85)
     if isinstance(drawn.norm, AsinhNorm):
         largest = float(drawn.norm.vmax or 1.0)

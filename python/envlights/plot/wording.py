@@ -47,6 +47,12 @@ def is_narrow(axes: Axes) -> bool:
     return width_of(axes) < _NARROW * font_size("font.size")
 
 
+def fits_upright(axes: Axes, text: str) -> bool:
+    """True if the label of a scale beside axes is not longer than they are high."""
+    height = _INCH * float(axes.get_window_extent().height) / float(axes.figure.dpi)
+    return LETTER * font_size("axes.labelsize") * len(text) < height
+
+
 def _fit(text: str, width: float, size: float) -> str:
     letters = max(int(width / (LETTER * size)), 8)
     return "\n".join(fill(line, letters, break_long_words=False) for line in text.splitlines())
