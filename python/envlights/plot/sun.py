@@ -33,6 +33,8 @@ from envlights.sun.result import Sun
 _OUTLINE = "deepskyblue"
 #: Area of the mark of the sun in square points.
 _MARK = 40.0
+#: Columns of the images of shadows.
+_WIDTH = 240
 #: Columns in which the clipped part is outlined.
 _COLUMNS = 1024
 #: Fraction of the pixels that are not brighter than white.
@@ -121,7 +123,7 @@ def _draw_sun(axes: Axes, found: Sun) -> None:
 
 def _draw_shadows(axes: Axes, rig: Rig, azimuth: float, title: str) -> None:
     """Draw a ball and a box on a floor."""
-    image = closed_still(rig, azimuth)
+    image = closed_still(rig, azimuth, _WIDTH)
     axes.imshow(encode_srgb(image / _white_of(image)))
     entitle(axes, f"{title}\n{parts_line(rig)}")
     hide_frame(axes)
