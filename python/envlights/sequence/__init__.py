@@ -9,10 +9,29 @@
 | window, and mean of the rigs in it                            | `steadiness.py`, `window.py` |
 | rig of a frame, rigs of all frames                            | `frame_rig.py`, `rig_sequence.py` |
 | the function that does it                                     | `follow.py`        |
+| curves of the lights, for files with keyframes                | `light_tracks.py`  |
+| files of OpenUSD, glTF, Blender, CSV and JSON lines            | `usd_samples.py`, `gltf_animation.py`, `blender_keyframes.py`, `csv_rows.py`, `json_lines.py` |
+| the file of each suffix                                       | `formats.py`       |
 """
+
+from envlights.sequence.blender_keyframes import blender
+from envlights.sequence.csv_rows import csv
 
 from envlights.sequence.follow import RigStream, follow
 from envlights.sequence.frame_rig import FrameRig
+from envlights.sequence.gltf_animation import gltf
+from envlights.sequence.json_lines import json_lines
 from envlights.sequence.rig_sequence import RigSequence
+from envlights.sequence.usd_samples import usd
 
-__all__ = ["FrameRig", "RigSequence", "RigStream", "follow"]
+__all__ = [
+    "FrameRig",
+    "RigSequence",
+    "RigStream",
+    "blender",
+    "csv",
+    "follow",
+    "gltf",
+    "json_lines",
+    "usd",
+]

@@ -21,7 +21,7 @@ from envlights.sequence.identity import Identities
 from envlights.sequence.rig_sequence import RigSequence
 from envlights.sequence.steadiness import frame_rate, window_frames
 from envlights.sequence.steps import Steps
-from envlights.sequence.window import Fitted, average
+from envlights.sequence.window import Fitted, average, thin
 
 
 class RigStream(Iterator[FrameRig]):
@@ -121,7 +121,7 @@ def follow(
     across it, so the rig changes in the same frame as the scene.
 
     Lights are paired with those of earlier frames by the least sum of costs: the angle to the
-    expected direction over 15 degrees, and the logarithm of the ratio of the fluxes to the base 4.
+    expected direction over 5 degrees, and the logarithm of the ratio of the fluxes to the base 4.
 
     Examples
     --------
@@ -210,5 +210,6 @@ def _fits(maps: Iterable[AnyMap], arguments: FitArguments) -> Iterator[Fitted]:
             raise type(refusal)(f"frame {number}: {refusal}") from None
         ids = identities.follow(fit.rig.lights)
         start = identities.next_directions()
-        is_step = steps.is_step(fit.samples)
-        yield Fitted(number, fit.rig, ids, fit.samples, fit.is_search, is_step)
+        samples = thin(fit.samples)
+        is_step = steps.is_step(samples)
+        yield Fitted(number, fit.rig, ids, samples, fit.is_search, is_step)

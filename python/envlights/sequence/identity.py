@@ -11,8 +11,8 @@ from envlights.lights import Lights
 from envlights.sequence.assignment import assignment
 
 #: Degrees, and factor of flux, that cost as much as one light without a partner. Two lights are the
-#: same if they cost less than two lights without one: 30 degrees at equal flux.
-_ANGLE_DEG, _FLUX_RATIO = 15.0, 4.0
+#: same if they cost less than two lights without one: 10 degrees at equal flux.
+_ANGLE_DEG, _FLUX_RATIO = 5.0, 4.0
 #: Cost of lights that return after a frame without them, so that present lights come first.
 _RETURN = 0.5
 #: Lights that are remembered after they vanished.
@@ -103,7 +103,7 @@ class Identities:
         angle = np.rad2deg(2 * np.arcsin(np.minimum(chord / 2, 1)))
         radius = np.array([light.radius for light in self._lights])
         # The direction of a wide light is less certain.
-        wide = np.rad2deg(radius[:, None] + lights.angular_radius) / 4
+        wide = np.rad2deg(radius[:, None] + lights.angular_radius) / 8
         smallest = np.finfo(float).tiny
         before = np.log(np.maximum([light.flux for light in self._lights], smallest))
         after = np.log(np.maximum(lights.luminance, smallest))

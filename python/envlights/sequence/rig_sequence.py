@@ -12,11 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _html
+from envlights._check import count
 from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights._tables import MOST_ROWS, Table, frame_of
 from envlights.kernels.image import LUMINANCE
+from envlights.sequence.formats import save
 from envlights.sequence.frame_rig import FrameRig
+from envlights.sequence.json_lines import read_json_lines
+from envlights.sequence.steadiness import MOST_FRAMES, frame_rate
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -54,6 +58,9 @@ class RigSequence(Result):
             raise EnvLightsError(
                 "rigs must have the same kind of ambient term, units and floor in all frames"
             )
+
+        count("steadiness", self.steadiness, most=MOST_FRAMES)
+        frame_rate(self.fps)
 
     def __len__(self) -> int:
         return len(self.rigs)
@@ -157,10 +164,7 @@ class RigSequence(Result):
         --------
         envlights.sequence : functions that return text and dictionaries.
         """
-        # The writers build on this class.
-        from envlights.sequence.formats import save
-
-        save(self, path)
+        save(self, path, self.steadiness, self.fps)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> RigSequence:
@@ -171,9 +175,8 @@ class RigSequence(Result):
         EnvLightsError
             If the file is missing, or is no complete sequence.
         """
-        from envlights.sequence.json_lines import load
-
-        return load(path)
+        rigs, steadiness, fps = read_json_lines(path)
+        return cls(rigs, steadiness, fps)
 
     def to_dict(self) -> dict[str, Any]:
         """All fields as plain numbers, lists and strings."""
