@@ -115,7 +115,7 @@ impl FitAnswer {
         self.result.evaluation_normals
     }
 
-    /// Those normals, their weights, and the irradiance of the map there; absent for measured values.
+    /// Normals of the errors, their weights, and the irradiance of the map there; absent for measured values.
     #[getter]
     fn map_samples<'py>(&self, py: Python<'py>) -> Option<MapSamples<'py>> {
         let Samples { normals, weights, irradiance, .. } = self.result.map_samples.as_ref()?;

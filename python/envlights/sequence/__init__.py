@@ -7,16 +7,19 @@
 | identities of the lights                                      | `identity.py`, `assignment.py` |
 | steps of the light                                            | `steps.py`         |
 | window, and mean of the rigs in it                            | `steadiness.py`, `window.py` |
-| rig of a frame, rigs of all frames                            | `frame_rig.py`, `rig_sequence.py` |
+| rig of a frame                                                | `frame_rig.py`     |
+| rigs of all frames, and measurements                          | `rig_sequence.py`  |
 | the function that does it                                     | `follow.py`        |
 | curves of the lights, for files with keyframes                | `light_tracks.py`  |
-| files of OpenUSD, glTF, Blender, CSV and JSON lines            | `usd_samples.py`, `gltf_animation.py`, `blender_keyframes.py`, `csv_rows.py`, `json_lines.py` |
+| - OpenUSD                                                     | `usd_samples.py`   |
+| - glTF 2.0                                                    | `gltf_animation.py` |
+| - Blender                                                     | `blender_keyframes.py` |
+| - a table, JSON lines                                         | `csv_rows.py`, `json_lines.py` |
 | the file of each suffix                                       | `formats.py`       |
 """
 
 from envlights.sequence.blender_keyframes import blender
 from envlights.sequence.csv_rows import csv
-
 from envlights.sequence.follow import RigStream, follow
 from envlights.sequence.frame_rig import FrameRig
 from envlights.sequence.gltf_animation import gltf

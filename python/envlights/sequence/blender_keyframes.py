@@ -110,7 +110,12 @@ def blender(rigs: Iterable[FrameRig], fps: float | None = None) -> str:
     lights = ""
     for track in tracks.lights:
         towards = AXES["blender"].to_target(track.direction).tolist()
-        columns = towards, track.colour.tolist(), track.intensity.tolist(), (2 * track.radius).tolist()
+        columns = (
+            towards,
+            track.colour.tolist(),
+            track.intensity.tolist(),
+            (2 * track.radius).tolist(),
+        )
         keys = "".join(f"        {key},\n" for key in zip(*columns, strict=True))
         lights += f"    {track.id}: [\n{keys}    ],\n"
     marks = {

@@ -1,4 +1,4 @@
-"""Fits of the frames: each continues that of the last frame, and a full search runs when it pays."""
+"""Fits of the frames: each continues the last one, and a full search runs when it pays."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _SURPLUS = 0.5
 _ACCURACY = 1e-4
 
 
-class FrameFit(NamedTuple):
+class Fit(NamedTuple):
     """Fit to one frame."""
 
     rig: Rig
@@ -49,7 +49,7 @@ class Continuation:
     _frames: int = field(default=0, init=False)
     """Frames since the last search."""
 
-    def fit(self, env: AnyMap, start: NDArray[np.float64] | None) -> FrameFit:
+    def fit(self, env: AnyMap, start: NDArray[np.float64] | None) -> Fit:
         """Fit to the next frame, whose lights are expected in the directions `start`, (n, 3).
 
         None for the first frame.
@@ -64,20 +64,20 @@ class Continuation:
         far = self._search(env)
         return self._settle(far if self._is_worth(far.rig, near.rig) else near)
 
-    def _search(self, env: AnyMap) -> FrameFit:
+    def _search(self, env: AnyMap) -> Fit:
         """Full search, with a margin to the requested error."""
         goal = self.arguments.error
         arguments = replace(self.arguments, error=None if goal is None else _MARGIN * goal)
-        return FrameFit(*fit_map_and_sample(env, arguments), True)
+        return Fit(*fit_map_and_sample(env, arguments), True)
 
-    def _continue(self, env: AnyMap, start: NDArray[np.float64]) -> FrameFit:
+    def _continue(self, env: AnyMap, start: NDArray[np.float64]) -> Fit:
         """Descent from the expected directions, with as many lights."""
         directions = _above_horizon(start) if self.arguments.floor else start
         lights = Lights(directions, np.ones((len(start), 3)))
         arguments = replace(self.arguments, lights=len(start), start=lights, error=None)
-        return FrameFit(*fit_map_and_sample(env, arguments), False)
+        return Fit(*fit_map_and_sample(env, arguments), False)
 
-    def _settle(self, fit: FrameFit) -> FrameFit:
+    def _settle(self, fit: Fit) -> Fit:
         """Take the error of a fit as the level that later ones are compared with."""
         self._level, self._frames = _error(fit.rig), 0
         return fit

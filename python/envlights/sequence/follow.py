@@ -16,12 +16,12 @@ from envlights.fitting.request import MOST_LIGHTS
 from envlights.report import SHOWN_ROUGHNESS
 from envlights.sequence.continuation import Continuation
 from envlights.sequence.frame_rig import FrameRig
-from envlights.sequence.frames import AnyFrames, Frames, frames_of, numbered
+from envlights.sequence.frames import AnyFrames, Frames, enumerate_maps, frames_of
 from envlights.sequence.identity import Identities
 from envlights.sequence.rig_sequence import RigSequence
 from envlights.sequence.steadiness import frame_rate, window_frames
 from envlights.sequence.steps import Steps
-from envlights.sequence.window import Fitted, average, thin
+from envlights.sequence.window import FrameFit, average, thin
 
 
 class RigStream(Iterator[FrameRig]):
@@ -40,7 +40,7 @@ class RigStream(Iterator[FrameRig]):
         return next(self._rigs)
 
     def __repr__(self) -> str:
-        return f"<RigStream: {self._frames.count or 'any number of'} frames; not in memory>"
+        return f"<RigStream: {self._frames.number or 'any number of'} frames; not in memory>"
 
     def sequence(self, *, progress: bool | None = None) -> RigSequence:
         """All rigs that are still to come, in memory.
@@ -51,7 +51,7 @@ class RigStream(Iterator[FrameRig]):
             Show a progress bar. Default: in a terminal or a notebook, after a second.
         """
         check_progress(progress)
-        rigs = progress_bar(self, "rigs", "frame", progress, total=self._frames.count)
+        rigs = progress_bar(self, "rigs", "frame", progress, total=self._frames.number)
         return RigSequence(tuple(rigs), steadiness=self.steadiness, fps=self.fps)
 
 
@@ -165,11 +165,9 @@ def follow(
     return RigStream(found, arguments, half, rate)
 
 
-def _rigs(
-    maps: Iterable[AnyMap], arguments: FitArguments, steadiness: int
-) -> Iterator[FrameRig]:
+def _rigs(maps: Iterable[AnyMap], arguments: FitArguments, steadiness: int) -> Iterator[FrameRig]:
     """Means of the fits over the window of each frame."""
-    window: deque[Fitted] = deque()
+    window: deque[FrameFit] = deque()
     middle = 0
     for fit in _fits(maps, arguments):
         if fit.is_step:
@@ -187,23 +185,23 @@ def _rigs(
     yield from _until_the_end(window, middle)
 
 
-def _until_the_end(window: deque[Fitted], middle: int) -> Iterator[FrameRig]:
+def _until_the_end(window: deque[FrameFit], middle: int) -> Iterator[FrameRig]:
     """Means of the frames from `middle` on, with windows that become shorter."""
     for frame in range(middle, len(window)):
         yield _mean(window, frame, len(window) - 1 - frame)
 
 
-def _mean(window: deque[Fitted], middle: int, most: int) -> FrameRig:
+def _mean(window: deque[FrameFit], middle: int, most: int) -> FrameRig:
     """Mean over a symmetric window that `window` holds, of at most that half-width."""
     half = min(most, middle)
     return average([window[row] for row in range(middle - half, middle + half + 1)])
 
 
-def _fits(maps: Iterable[AnyMap], arguments: FitArguments) -> Iterator[Fitted]:
+def _fits(maps: Iterable[AnyMap], arguments: FitArguments) -> Iterator[FrameFit]:
     """Fits of the frames, with the identities of their lights."""
     continuation, identities, steps = Continuation(arguments), Identities(), Steps()
     start = None
-    for number, env in numbered(maps):
+    for number, env in enumerate_maps(maps):
         try:
             fit = continuation.fit(env, start)
         except EnvLightsError as refusal:
@@ -212,4 +210,4 @@ def _fits(maps: Iterable[AnyMap], arguments: FitArguments) -> Iterator[Fitted]:
         start = identities.next_directions()
         samples = thin(fit.samples)
         is_step = steps.is_step(samples)
-        yield Fitted(number, fit.rig, ids, samples, fit.is_search, is_step)
+        yield FrameFit(number, fit.rig, ids, samples, fit.is_search, is_step)

@@ -1,4 +1,4 @@
-"""Frames of a sequence: files by a pattern, a folder, a video, an array, or any iterable of maps."""
+"""Frames of a sequence: files by a pattern or in a folder, a video, an array, or maps."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Frames(NamedTuple):
     """Maps of a sequence, which are read one at a time."""
 
     maps: Iterable[AnyMap]
-    count: int | None
+    number: int | None
     """Number of frames, if it is known."""
 
     fps: float | None = None
@@ -81,18 +81,22 @@ def _of_path(path: str) -> Frames:
     if Path(path).suffix.lower() in VIDEOS:
         return Frames(*video_frames(path))
     if Path(path).is_dir():
-        found = [str(each) for each in Path(path).iterdir() if each.suffix.lower() in _MAPS]
+        found: list[str] = [
+            str(each) for each in Path(path).iterdir() if each.suffix.lower() in _MAPS
+        ]
     else:
-        found = [each for each in glob.glob(path) if Path(each).is_file()]
+        found = [each for each in glob.glob(path)  # noqa: PTH207, for absolute patterns
+            if Path(each).is_file()]
     if not found:
         raise MissingFileError(
             f"no map matches {path}; give a pattern such as 'frames/*.exr', a folder of maps"
             f" ({', '.join(_MAPS)}), or a video ({', '.join(VIDEOS)})"
         )
-    return Frames(sorted(found, key=natural_key), len(found))
+    found.sort(key=natural_key)
+    return Frames(found, len(found))
 
 
-def numbered(maps: Iterable[AnyMap]) -> Iterator[tuple[int, AnyMap]]:
+def enumerate_maps(maps: Iterable[AnyMap]) -> Iterator[tuple[int, AnyMap]]:
     """Maps with their numbers from 0; a refusal of an iterable that is empty."""
     number = -1
     for number, env in enumerate(maps):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Iterable
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -52,7 +53,9 @@ def gltf(rigs: Iterable[FrameRig], fps: float | None = None) -> dict[str, Any]:
     """
     tracks = tracks_of(rigs, "gltf", fps)
     extras = {"units": tracks.statement, "ambient": tracks.ambient.tolist(), "note": _NOTE}
-    asset: dict[str, Any] = {"asset": {"version": "2.0", "generator": "envlights", "extras": extras}}
+    asset: dict[str, Any] = {
+        "asset": {"version": "2.0", "generator": "envlights", "extras": extras}
+    }
     scene: dict[str, Any] = {"name": "envlights"}
     asset |= {"scene": 0, "scenes": [scene]}
     if not tracks.lights:
@@ -87,7 +90,9 @@ def _light(track: LightTrack) -> dict[str, Any]:
 
 def _animation(lights: tuple[LightTrack, ...], seconds: NDArray[np.float64]) -> dict[str, Any]:
     """Animation with its accessors and their buffer."""
-    arrays, samplers, channels = [seconds[:, None]], [], []
+    arrays = [seconds[:, None]]
+    samplers: list[dict[str, Any]] = []
+    channels: list[dict[str, Any]] = []
     for row, track in enumerate(lights):
         at = f"/extensions/{_LIGHTS}/lights/{row}/"
         curves = (
@@ -110,7 +115,7 @@ def _pointer(pointer: str) -> dict[str, Any]:
 def _rotations(directions: NDArray[np.float64]) -> NDArray[np.float64]:
     """Quaternions x, y, z, w, (frames, 4), each on the side of the last one."""
     turns = np.array([rotation_between(SHINES, -direction) for direction in directions])
-    for last, this in zip(turns, turns[1:], strict=False):
+    for last, this in pairwise(turns):
         this *= -1 if last @ this < 0 else 1
     return turns
 

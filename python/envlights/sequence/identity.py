@@ -37,7 +37,7 @@ class _Light:
 
     @property
     def next_direction(self) -> NDArray[np.float64]:
-        """Direction in the next frame at the same velocity; that of the last frame if it vanished."""
+        """Direction in the next frame at the same velocity; the last one if it vanished."""
         return self.direction if self.absent else turn(self.direction, self.velocity)
 
     def move(self, direction: NDArray[np.float64], flux: float, radius: float) -> None:
@@ -122,9 +122,7 @@ class Identities:
         self._lights = [light for light in self._lights if light.identity not in gone]
 
 
-def rotation_vector(
-    start: NDArray[np.float64], end: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def rotation_vector(start: NDArray[np.float64], end: NDArray[np.float64]) -> NDArray[np.float64]:
     """Shortest rotation from one unit vector to another, as axis times angle, (3,)."""
     cross = np.cross(start, end)
     sine = float(np.linalg.norm(cross))

@@ -51,7 +51,7 @@ def read_json_lines(
         raise EnvLightsError(f"cannot read {path}: {error.strerror}") from None
     except UnicodeDecodeError:
         raise EnvLightsError(f"{path} is not a sequence of rigs: it is not text") from None
-    header = _parsed(path, 1, lines[0] if lines else "")
+    header = _parse(path, 1, lines[0] if lines else "")
     if {name: header.get(name) for name in _HEADER} != _HEADER:
         raise EnvLightsError(
             f"{path} is not a sequence of rigs of version 1: its first line does not say"
@@ -61,7 +61,7 @@ def read_json_lines(
     return rigs, header.get("steadiness", 0), header.get("fps")
 
 
-def _parsed(path: object, number: int, line: str) -> dict[str, Any]:
+def _parse(path: object, number: int, line: str) -> dict[str, Any]:
     """Object in one line."""
     try:
         data = printable_parts(json.loads(line))
@@ -74,7 +74,7 @@ def _parsed(path: object, number: int, line: str) -> dict[str, Any]:
 
 def _rig(path: object, number: int, line: str) -> FrameRig:
     """Rig in one line."""
-    data = _parsed(path, number, line)
+    data = _parse(path, number, line)
     try:
         return FrameRig(
             data["ambient"],

@@ -95,15 +95,17 @@ def _track(rigs: list[FrameRig], identity: int, factor: float) -> LightTrack:
     intensity = irradiance.max(axis=1)
     nearest = _nearest(present, len(rigs))
 
-    def held(values: Callable[[Any], Any]) -> NDArray[np.float64]:
+    def hold(values: Callable[[Any], Any]) -> NDArray[np.float64]:
         """Values of the light, and those of the nearest frame where it is absent."""
         return np.concatenate([values(each) for each in lights])[nearest]
 
-    colour = held(lambda light: light.irradiance / (light.irradiance.max() or 1.0))
-    direction = held(lambda light: light.direction)
-    return LightTrack(identity, direction, intensity, colour, held(lambda x: x.angular_radius))
+    colour = hold(lambda light: light.irradiance / (light.irradiance.max() or 1.0))
+    direction = hold(lambda light: light.direction)
+    return LightTrack(identity, direction, intensity, colour, hold(lambda x: x.angular_radius))
 
 
 def _nearest(present: list[int], count: int) -> NDArray[np.intp]:
     """Index in `present` of the frame nearest to each of `count` frames."""
-    return np.abs(np.arange(count)[:, None] - np.array(present)).argmin(axis=1)
+    distances = np.abs(np.arange(count)[:, None] - np.array(present))
+    nearest: NDArray[np.intp] = distances.argmin(axis=1)
+    return nearest

@@ -89,7 +89,7 @@ class RigSequence(Result):
 
     @property
     def angular_radius(self) -> NDArray[np.float64]:
-        """Angular radius of the lights in radians, (frames, ids); NaN in frames without the light."""
+        """Angular radius in radians, (frames, ids); NaN in frames without the light."""
         return self._table(lambda rig: rig.lights.angular_radius[:, None], 1, np.nan)[..., 0]
 
     @property
@@ -156,8 +156,8 @@ class RigSequence(Result):
         Parameters
         ----------
         path : path-like
-            ``.jsonl``: a rig in each line, lossless; `load` reads it. ``.csv``: a row for each light
-            of each frame. ``.usda``, ``.usdc``, ``.usd``: time samples. ``.gltf``: an animation.
+            ``.jsonl``: a rig in each line, lossless; `load` reads it. ``.csv``: a row for each
+            light of each frame. ``.usda``, ``.usdc``, ``.usd``: time samples. ``.gltf``: an animation.
             ``.py``: keyframes for Blender.
 
         See Also

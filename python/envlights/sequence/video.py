@@ -43,8 +43,8 @@ def video_frames(path: str) -> tuple[Iterable[EnvMap], int | None, float | None]
         curve = _CURVES.get(int(stream.codec_context.color_trc or 0))
         if curve:
             raise EnvLightsError(
-                f"{path} is a {curve} video, whose codes are not decoded; write its frames as linear"
-                " .exr files"
+                f"{path} is a {curve} video, whose codes are not decoded; write its frames as"
+                " linear .exr files"
             )
         rate = stream.average_rate
         return _frames(av, path), stream.frames or None, float(rate) if rate else None

@@ -16,7 +16,6 @@ from envlights.rig import Rig
 from envlights.sequence.frame_rig import FrameRig
 from envlights.sequence.steadiness import window_weights
 
-
 #: One of this many normals measures a rig. It shares no factor with the number of normals in a ring
 #: of equal height, so all azimuths remain.
 _STRIDE = 7
@@ -27,7 +26,7 @@ def thin(samples: MapSamples) -> MapSamples:
     return MapSamples(*(array[::_STRIDE] for array in samples))
 
 
-class Fitted(NamedTuple):
+class FrameFit(NamedTuple):
     """Fit of one frame, with the identities of its lights."""
 
     frame: int
@@ -38,7 +37,7 @@ class Fitted(NamedTuple):
     is_step: bool
 
 
-def average(fits: Sequence[Fitted]) -> FrameRig:
+def average(fits: Sequence[FrameFit]) -> FrameRig:
     """Rig of the frame in the middle of an odd number of consecutive fits.
 
     Irradiance and ambient radiance are means, and a light counts as black in frames without it, so
@@ -53,7 +52,9 @@ def average(fits: Sequence[Fitted]) -> FrameRig:
         ambient,
         lights,
         0.0,
-        FitReport(measured_on=f"{len(middle.samples.normals)} normals", ambient=middle.rig.report.ambient),
+        FitReport(
+            measured_on=f"{len(middle.samples.normals)} normals", ambient=middle.rig.report.ambient
+        ),
         middle.rig.notes,
         middle.rig.floor,
         middle.frame,
@@ -72,7 +73,7 @@ def error_under(rig: Rig, samples: MapSamples) -> float:
 
 
 def _lights(
-    fits: Sequence[Fitted], weights: NDArray[np.float64]
+    fits: Sequence[FrameFit], weights: NDArray[np.float64]
 ) -> tuple[Lights, tuple[int, ...]]:
     """Mean lights with their identities, brightest first; black ones are left out."""
     sums: dict[int, NDArray[np.float64]] = {}
@@ -80,7 +81,12 @@ def _lights(
         lights = each.rig.lights
         flux = lights.luminance[:, None]
         moments = np.hstack(
-            [lights.irradiance, flux * lights.direction, flux * lights.angular_radius[:, None], flux]
+            [
+                lights.irradiance,
+                flux * lights.direction,
+                flux * lights.angular_radius[:, None],
+                flux,
+            ]
         )
         for identity, row in zip(each.ids, weight * moments, strict=True):
             sums[identity] = sums.get(identity, 0.0) + row
