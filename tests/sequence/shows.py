@@ -15,9 +15,7 @@ def towards(azimuth_deg, elevation_deg):
     """Unit vector; azimuth from +z towards +x."""
     azimuth, elevation = np.deg2rad([azimuth_deg, elevation_deg])
     horizontal = np.cos(elevation)
-    return np.array(
-        [horizontal * np.sin(azimuth), np.sin(elevation), horizontal * np.cos(azimuth)]
-    )
+    return np.array([horizontal * np.sin(azimuth), np.sin(elevation), horizontal * np.cos(azimuth)])
 
 
 def room(lamps, height):
@@ -37,7 +35,10 @@ def turning(env, frames, step_deg=0.5):
 
 def switch(frames, on, off, height=64):
     """A lamp that burns in the frames from `on` to `off`, beside one that always burns."""
-    steady, switched = Disc(towards(30, 40), 6, (40, 38, 30)), Disc(towards(-60, 20), 5, (20, 25, 30))
+    steady, switched = (
+        Disc(towards(30, 40), 6, (40, 38, 30)),
+        Disc(towards(-60, 20), 5, (20, 25, 30)),
+    )
     dark, lit = room([steady], height), room([steady, switched], height)
     for k in range(frames):
         yield lit if on <= k < off else dark

@@ -31,12 +31,15 @@ def test_two_crossing_lamps_keep_their_identities():
 def test_a_lamp_is_switched_in_its_frame_and_comes_back_as_itself():
     maps = [*shows.switch(14, 5, 9), *shows.switch(6, 2, 6)]
     rigs = el.follow(maps, lights=2).sequence()
-    assert rigs.ids == (0, 1)
+    # With one lamp, the second light is a part of it, with an identity of its own.
+    lamp = next(
+        i for i in rigs.ids if (angle_deg(rigs[5].light(i).direction, towards(-60, 20)) < 1).any()
+    )
+    flux = rigs.flux[:, rigs.ids.index(lamp)]
     burns = [5 <= k < 9 or k >= 16 for k in range(20)]
-    # The fit to a dark room may hold a light that is nearly black.
-    brightest = rigs.flux[:, 1].max()
-    np.testing.assert_array_equal(rigs.flux[:, 1] > 0.01 * brightest, burns)
-    assert rigs.flux[:, 1][burns].min() > 0.99 * brightest
+    np.testing.assert_array_equal(flux > 0, burns)
+    assert flux[burns].min() > 0.99 * flux.max()
+    assert all(0 in rig.ids for rig in rigs)
     assert [rig.frame for rig in rigs if rig.is_step] == [5, 9, 16]
     assert rigs.error.max() < 1e-3
 
@@ -47,7 +50,10 @@ def test_noise_of_the_exposure_becomes_flicker_far_below_it():
     rigs = el.follow(maps, lights=2, steadiness=3).sequence()
     # Both lights change together: each by the noise times its share of the flux.
     shares = alone.flux.mean(axis=0) / alone.flux.mean(axis=0).sum()
-    assert alone.flicker == pytest.approx(0.01 * np.linalg.norm(shares), rel=0.25)
+    exposure = np.array([env.radiance[0, 0, 0] for env in maps], float)
+    noise = np.sqrt((np.diff(exposure, 2) ** 2).mean() / 6) / exposure.mean()
+    assert alone.flicker == pytest.approx(noise * np.linalg.norm(shares), rel=0.01)
+    assert 0.005 < noise < 0.015
     assert rigs.flicker < 0.001
     assert rigs.ids == (0, 1)
     assert np.nanmax(rigs.motion_deg) < 0.01
@@ -99,7 +105,8 @@ def test_without_steadiness_the_rigs_are_the_fits():
     first = el.fit(maps[0], lights=2)
     np.testing.assert_allclose(rigs[0].lights.direction, first.lights.direction, atol=1e-12)
     np.testing.assert_allclose(rigs[0].lights.irradiance, first.lights.irradiance, rtol=1e-12)
-    np.testing.assert_allclose(rigs.error, rigs.fit_error, rtol=0.02)
+    # They are measured at a seventh of the normals.
+    np.testing.assert_allclose(rigs.error, rigs.fit_error, rtol=0.05)
 
 
 def test_a_stream_reads_no_further_than_its_window():

@@ -122,6 +122,12 @@ def test_frame_rigs_have_an_identity_for_each_light():
         el.FrameRig([0, 0, 0], lamps((0, 0), (9, 0)), 0.0, ids=(1, 1))
 
 
+def test_frames_must_be_in_order():
+    rigs = [el.FrameRig([0, 0, 0], lamps((0, 0)), 0.0, frame=k, ids=(0,)) for k in (1, 0)]
+    with pytest.raises(el.EnvLightsError, match="rising order"):
+        el.RigSequence(rigs)
+
+
 def test_flicker_is_the_standard_deviation_of_independent_noise():
     noise = 1 + 0.01 * np.random.default_rng(1).standard_normal(4000)
     rigs = [

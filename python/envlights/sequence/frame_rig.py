@@ -61,7 +61,7 @@ class FrameRig(Rig):
     def to_dict(self) -> dict[str, Any]:
         """All fields as plain numbers, lists and strings."""
         return {
-            "frame": self.frame,
+            "frame_number": self.frame,
             "ids": list(self.ids),
             "fit_error": self.fit_error,
             "is_search": self.is_search,

@@ -85,8 +85,8 @@ def _of_path(path: str) -> Frames:
             str(each) for each in Path(path).iterdir() if each.suffix.lower() in _MAPS
         ]
     else:
-        found = [each for each in glob.glob(path)  # noqa: PTH207, for absolute patterns
-            if Path(each).is_file()]
+        # The glob of pathlib takes no absolute pattern.
+        found = [each for each in glob.glob(path) if Path(each).is_file()]  # noqa: PTH207
     if not found:
         raise MissingFileError(
             f"no map matches {path}; give a pattern such as 'frames/*.exr', a folder of maps"

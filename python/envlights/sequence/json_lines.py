@@ -83,7 +83,7 @@ def _rig(path: object, number: int, line: str) -> FrameRig:
             FitReport.from_dict(data["report"]),
             tuple(texts("notes", data["notes"])),
             data["floor"],
-            data["frame"],
+            data["frame_number"],
             tuple(data["ids"]),
             data["fit_error"],
             data["is_search"],

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -83,6 +84,9 @@ def checked_rigs(rigs: Iterable[FrameRig]) -> list[FrameRig]:
         raise EnvLightsError(
             f"rigs must be FrameRigs, as el.follow yields them, one or more; got {describe(rigs)}"
         )
+    numbers = [rig.frame for rig in found]
+    if any(last >= this for last, this in pairwise(numbers)):
+        raise EnvLightsError("rigs must be in rising order of their frames, each frame once")
     return found
 
 

@@ -20,6 +20,7 @@ from envlights.kernels.image import LUMINANCE
 from envlights.sequence.formats import save
 from envlights.sequence.frame_rig import FrameRig
 from envlights.sequence.json_lines import read_json_lines
+from envlights.sequence.light_tracks import checked_rigs
 from envlights.sequence.steadiness import MOST_FRAMES, frame_rate
 
 if TYPE_CHECKING:
@@ -51,9 +52,7 @@ class RigSequence(Result):
     """Frames in a second, or None."""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "rigs", tuple(self.rigs))
-        if not self.rigs or not all(isinstance(rig, FrameRig) for rig in self.rigs):
-            raise EnvLightsError("rigs must be one FrameRig or more, as follow yields them")
+        object.__setattr__(self, "rigs", tuple(checked_rigs(self.rigs)))
         if len({(np.shape(rig.ambient), rig.units, rig.floor) for rig in self.rigs}) > 1:
             raise EnvLightsError(
                 "rigs must have the same kind of ambient term, units and floor in all frames"
