@@ -173,6 +173,8 @@ class Turn(np.ndarray):
 
 
 class Vector(tuple):
+    """Vector of Blender."""
+
     __slots__ = ()
 
     def to_track_quat(self, axis, up):

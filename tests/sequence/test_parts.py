@@ -41,7 +41,7 @@ def test_a_window_leaves_straight_lines_as_they_are(half):
 
 def test_seconds_become_frames():
     assert window_frames("0.5s", 24.0) == 12
-    assert window_frames(" .25 s ", 60.0) == 15
+    assert window_frames(" 0.25 s ", 60.0) == 15
 
 
 @given(st.integers(0, 2**32))

@@ -156,8 +156,8 @@ class RigSequence(Result):
         ----------
         path : path-like
             ``.jsonl``: a rig in each line, lossless; `load` reads it. ``.csv``: a row for each
-            light of each frame. ``.usda``, ``.usdc``, ``.usd``: time samples. ``.gltf``: an animation.
-            ``.py``: keyframes for Blender.
+            light of each frame. ``.usda``, ``.usdc``, ``.usd``: time samples. ``.gltf``: an
+            animation. ``.py``: keyframes for Blender.
 
         See Also
         --------

@@ -22,7 +22,7 @@ _STRIDE = 7
 
 
 def thin(samples: MapSamples) -> MapSamples:
-    """Every seventh normal of a fit, of 5120: the error of a rig changes by 0.4 % of it on three real maps."""
+    """Every seventh normal, of 5120: the error of three real maps changes by 0.4 % of it."""
     return MapSamples(*(array[::_STRIDE] for array in samples))
 
 
