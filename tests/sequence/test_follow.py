@@ -9,6 +9,9 @@ from tests.sequence import shows
 from tests.sequence.shows import about_pole, towards
 
 
+GREY = np.ones((4, 8, 3), np.float32)
+
+
 def degrees_off(rigs, identity, truth):
     """Angle of a light to the true directions, (frames,)."""
     return angle_deg(rigs.direction[:, rigs.ids.index(identity)], truth)
@@ -184,12 +187,14 @@ def test_one_rig_for_several_maps_is_that_of_their_mean():
         (7, {}, "frames must be a pattern"),
         ("nothing/*.exr", {}, "no map matches nothing"),
         ([np.ones((4, 8, 3)), np.full((4, 8, 3), np.nan)], {}, "frame 1: "),
-        ([np.ones((4, 8, 3))], {"steadiness": "0.2 s"}, "needs fps"),
-        ([np.ones((4, 8, 3))], {"steadiness": "soon"}, "a number of frames, or seconds"),
-        ([np.ones((4, 8, 3))], {"steadiness": -1}, "steadiness must be a whole number"),
-        ([np.ones((4, 8, 3))], {"fps": 0}, "fps must be above 0"),
-        ([np.ones((4, 8, 3))], {"lights": None}, "without an error"),
-        ([np.ones((4, 8, 3))], {"ambient": "warm"}, "ambient must be"),
+        ([GREY], {"steadiness": "0.2 s"}, "needs fps"),
+        ([GREY], {"steadiness": "soon"}, "a number of frames, or seconds"),
+        ([GREY], {"steadiness": -1}, "steadiness must be a whole number"),
+        ([GREY], {"fps": 0}, "fps must be above 0"),
+        ([GREY], {"lights": None}, "without an error"),
+        ([GREY], {"ambient": "warm"}, "ambient must be"),
+        ([GREY], {"ambient": "auto"}, "ambient must be"),
+        ([GREY, el.EnvMap(GREY, units="cd/m2")], {}, "frame 1 has 'cd/m2'"),
     ],
 )
 def test_refusals_say_what_is_wrong(frames, options, sentence):

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterable, Iterator
 
-from envlights._check import check_progress, count
+from envlights._check import check_choice, check_progress, count
 from envlights._native import EnvLightsError
 from envlights._progress import progress_bar
 from envlights._unseen import Unseen
 from envlights.envmap import AnyMap
+from envlights.fitting.ambient_terms import AMBIENTS
 from envlights.fitting.arguments import FitArguments
 from envlights.fitting.map_fit import check_arguments
 from envlights.fitting.request import MOST_LIGHTS
@@ -161,6 +162,8 @@ def follow(
         unseen=unseen,
         target=None,
     )
+    # Rigs with several kinds of ambient term have no mean.
+    check_choice("ambient", ambient, tuple(AMBIENTS))
     check_arguments(arguments)
     return RigStream(found, arguments, half, rate)
 
@@ -200,12 +203,18 @@ def _mean(window: deque[FrameFit], middle: int, most: int) -> FrameRig:
 def _fits(maps: Iterable[AnyMap], arguments: FitArguments) -> Iterator[FrameFit]:
     """Fits of the frames, with the identities of their lights."""
     continuation, identities, steps = Continuation(arguments), Identities(), Steps()
-    start = None
+    start, units = None, None
     for number, env in enumerate_maps(maps):
         try:
             fit = continuation.fit(env, start)
         except EnvLightsError as refusal:
             raise type(refusal)(f"frame {number}: {refusal}") from None
+        units = units or fit.rig.units
+        if fit.rig.units != units:
+            raise EnvLightsError(
+                f"all frames must have the same units; frame {number} has {fit.rig.units!r}, those"
+                f" before it {units!r}. Calibrate all of them"
+            )
         ids = identities.follow(fit.rig.lights)
         start = identities.next_directions()
         samples = thin(fit.samples)
