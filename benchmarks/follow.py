@@ -75,8 +75,8 @@ def rise(direction):
 def row(name, maps, lights, true_motion, steadiness):
     """Measure and print one sequence."""
     el.fit(maps[0], lights=lights)  # fills the tables that fits share
-    full, full_seconds = timed(lambda: [el.fit(env, lights=lights) for env in maps])
-    rigs, seconds = timed(lambda: el.follow(maps, lights, steadiness=steadiness).sequence())
+    full, full_seconds = seconds_of(lambda: [el.fit(env, lights=lights) for env in maps])
+    rigs, seconds = seconds_of(lambda: el.follow(maps, lights, steadiness=steadiness).sequence())
     error = np.mean([rig.error for rig in full])
     jump = rigs.motion_deg - true_motion(rigs.direction[:-1])
     flux = np.minimum(rigs.flux[1:], rigs.flux[:-1])
@@ -91,7 +91,7 @@ def row(name, maps, lights, true_motion, steadiness):
     )
 
 
-def timed(work):
+def seconds_of(work):
     start = time.perf_counter()
     return work(), time.perf_counter() - start
 

@@ -8,7 +8,6 @@ from tests.helpers import NORMALS, angle_deg, paths_of_real_maps
 from tests.sequence import shows
 from tests.sequence.shows import about_pole, towards
 
-
 GREY = np.ones((4, 8, 3), np.float32)
 
 

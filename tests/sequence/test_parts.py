@@ -14,7 +14,7 @@ from envlights.sequence.frames import frames_of
 from envlights.sequence.identity import Identities, rotation_vector, turn
 from envlights.sequence.steadiness import window_frames, window_weights
 from envlights.sequence.steps import Steps
-from envlights.sequence.window import thin
+from envlights.sequence.window import FrameFit, average, thin
 from tests.sequence import shows
 from tests.sequence.shows import towards
 
@@ -56,15 +56,14 @@ def lamps(*places, flux=(1.0, 1.0, 1.0)):
     return el.Lights([towards(*place) for place in places], irradiance)
 
 
-def test_lights_that_meet_exactly_go_on_by_their_motion():
+def test_lights_that_cross_between_two_frames_go_on_by_their_motion():
     identities = Identities()
     for k in range(-6, 7):
-        # Brightness decides the order of rows; equal lights keep that of the arguments.
-        lights = lamps((2 * k, 0), (-2 * k, 0))
+        # At k = 0 each light is where the other one was: the nearest light is the wrong one.
+        lights = lamps((2 * k - 1, 0), (1 - 2 * k, 0))
         ids = identities.follow(lights)
-        if k:
-            left = ids[int(np.argmin(lights.direction[:, 0]))]
-            assert left == (0 if k < 0 else 1)
+        left = ids[int(np.argmin(lights.direction[:, 0]))]
+        assert left == (0 if k <= 0 else 1)
 
 
 def test_a_light_far_away_is_another_one():
@@ -75,10 +74,36 @@ def test_a_light_far_away_is_another_one():
     assert identities.follow(lamps((2, 0), (90, 0))) == (0, 1)
 
 
-def test_flux_decides_between_lights_that_are_as_near():
+def test_flux_decides_between_lights_that_are_nearly_as_near():
     identities = Identities()
     identities.follow(lamps((-2, 0), (2, 0), flux=(9, 1)))
-    assert identities.follow(lamps((0, 2), (0, -2), flux=(9, 1))) == (0, 1)
+    # The bright one is now nearer to where the other one was.
+    assert identities.follow(lamps((0.5, 1), (-0.5, -1), flux=(9, 1))) == (0, 1)
+
+
+def test_a_rig_is_the_weighted_mean_of_the_fits_around_it():
+    fluxes, weights = [1.0, 2.0, 4.0, 8.0, 16.0], window_weights(2)
+    fits = [
+        FrameFit(
+            k,
+            el.Rig([0, 0, flux], lamps((3 * k, 0), flux=(flux,)), 0.5),
+            (7,),
+            samples(1),
+            False,
+            False,
+        )
+        for k, flux in enumerate(fluxes)
+    ]
+    # The light of the last frame is another one.
+    fits[4] = fits[4]._replace(ids=(8,))
+    rig = average(fits)
+    assert (rig.frame, rig.fit_error) == (2, 0.5)
+    assert rig.ambient[2] == pytest.approx(weights @ fluxes)
+    assert rig.flux(7) == pytest.approx(weights[:4] @ fluxes[:4])
+    assert rig.flux(8) == pytest.approx(weights[4] * fluxes[4])
+    parts = weights[:4] * fluxes[:4] @ [towards(3 * k, 0) for k in range(4)]
+    expected = parts / np.linalg.norm(parts)
+    np.testing.assert_allclose(rig.light(7).direction[0], expected, atol=1e-12)
 
 
 def samples(level):
