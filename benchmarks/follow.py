@@ -88,7 +88,8 @@ def row(name, maps, fit, true_motion, steadiness):
         f"{name:<28}{len(rigs.ids):>4}, {max(len(rig.ids) for rig in rigs):>2}"
         f"{100 * rigs.flicker:>9.3f} % ({100 * flicker_alone(full):.3f} %)"
         f"{largest(jump[is_strong]):>7.2f}, {largest(jump):>5.2f}"
-        f"{100 * rigs.error.mean():>8.3f} %{rigs.error.mean() / error:>8.3f} ({rigs.fit_error.mean() / error:.3f})"
+        f"{100 * rigs.error.mean():>8.3f} %"
+        f"{rigs.error.mean() / error:>8.3f} ({rigs.fit_error.mean() / error:.3f})"
         f"{seconds / full_seconds:>6.2f}  {sum(rig.is_search for rig in rigs)}",
         flush=True,
     )

@@ -13,6 +13,8 @@ from envlights.fitting.arguments import FitArguments
 from envlights.fitting.map_fit import MapSamples, fit_map_and_sample
 from envlights.lights import Lights
 from envlights.rig import Rig
+from envlights.sequence.steps import Steps
+from envlights.sequence.window import thin
 
 #: Growth of the error over its level at which a full search runs.
 _GROWTH = 1.1
@@ -36,6 +38,8 @@ class Fit(NamedTuple):
     samples: MapSamples
     is_search: bool
     """True if the lights come from a full search."""
+    is_step: bool = False
+    """True if the light of the scene changed at once."""
 
 
 @dataclass
@@ -48,6 +52,7 @@ class Continuation:
     """Error that the lights of the last search leave, as far as it was seen to fall."""
     _frames: int = field(default=0, init=False)
     """Frames since the last search."""
+    _steps: Steps = field(default_factory=Steps, init=False)
 
     def fit(self, env: AnyMap, start: NDArray[np.float64] | None) -> Fit:
         """Fit to the next frame, whose lights are expected in the directions `start`, (n, 3).
@@ -55,29 +60,34 @@ class Continuation:
         None for the first frame.
         """
         if start is None:
-            return self._settle(self._search(env))
+            first = self._search(env)
+            self._steps.is_step(first.samples)
+            return self._restart(first)
         self._frames += 1
         near = self._continue(env, start)
-        if not self._is_search_due(near.rig):
+        near = near._replace(is_step=self._steps.is_step(near.samples))
+        if not (near.is_step or self._is_search_due(near.rig)):
             self._level = min(self._level, _error(near.rig))
             return near
-        far = self._search(env)
-        return self._settle(far if self._is_worth(far.rig, near.rig) else near)
+        far = self._search(env)._replace(is_step=near.is_step)
+        return self._restart(far if self._is_worth(far.rig, near.rig) else near)
 
     def _search(self, env: AnyMap) -> Fit:
         """Full search, with a margin to the requested error."""
         goal = self.arguments.error
         arguments = replace(self.arguments, error=None if goal is None else _MARGIN * goal)
-        return Fit(*fit_map_and_sample(env, arguments), True)
+        rig, samples = fit_map_and_sample(env, arguments)
+        return Fit(rig, thin(samples), True)
 
     def _continue(self, env: AnyMap, start: NDArray[np.float64]) -> Fit:
         """Descent from the expected directions, with as many lights."""
         directions = _above_horizon(start) if self.arguments.floor else start
         lights = Lights(directions, np.ones((len(start), 3)))
         arguments = replace(self.arguments, lights=len(start), start=lights, error=None)
-        return Fit(*fit_map_and_sample(env, arguments), False)
+        rig, samples = fit_map_and_sample(env, arguments)
+        return Fit(rig, thin(samples), False)
 
-    def _settle(self, fit: Fit) -> Fit:
+    def _restart(self, fit: Fit) -> Fit:
         """Take the error of a fit as the level that later ones are compared with."""
         self._level, self._frames = _error(fit.rig), 0
         return fit

@@ -21,8 +21,7 @@ from envlights.sequence.frames import AnyFrames, Frames, enumerate_maps, frames_
 from envlights.sequence.identity import Identities
 from envlights.sequence.rig_sequence import RigSequence
 from envlights.sequence.steadiness import frame_rate, window_frames
-from envlights.sequence.steps import Steps
-from envlights.sequence.window import FrameFit, average, thin
+from envlights.sequence.window import FrameFit, average
 
 
 class RigStream(Iterator[FrameRig]):
@@ -74,8 +73,9 @@ def follow(
 
     The fit of a frame continues that of the last one: lights start where they are expected from
     their motion. A full search runs for the first frame, if the error grows by a tenth over the
-    level of the last search, and every 24 frames. Its lights are taken if they lower the error by
-    5 %. The rig of a frame is the mean over a window around it, so new lights are faded in.
+    level of the last search, at a step of the light, and every 24 frames. Its lights are taken if
+    they lower the error by 5 %. The rig of a frame is the mean over a window around it, so new
+    lights are faded in.
 
     Parameters
     ----------
@@ -202,7 +202,7 @@ def _mean(window: deque[FrameFit], middle: int, most: int) -> FrameRig:
 
 def _fits(maps: Iterable[AnyMap], arguments: FitArguments) -> Iterator[FrameFit]:
     """Fits of the frames, with the identities of their lights."""
-    continuation, identities, steps = Continuation(arguments), Identities(), Steps()
+    continuation, identities = Continuation(arguments), Identities()
     start, units = None, None
     for number, env in enumerate_maps(maps):
         try:
@@ -217,6 +217,4 @@ def _fits(maps: Iterable[AnyMap], arguments: FitArguments) -> Iterator[FrameFit]
             )
         ids = identities.follow(fit.rig.lights)
         start = identities.next_directions()
-        samples = thin(fit.samples)
-        is_step = steps.is_step(samples)
-        yield FrameFit(number, fit.rig, ids, samples, fit.is_search, is_step)
+        yield FrameFit(number, fit.rig, ids, fit.samples, fit.is_search, fit.is_step)
