@@ -158,7 +158,7 @@ def test_a_search_runs_if_the_error_grows_and_counts_if_it_pays(monkeypatch):
     far = [0.01, None, 0.0115, None, None, None, 0.0075, *[0.0079] * 40]
     searches, frame = [], [0]
 
-    def scripted(env, arguments):
+    def give(env, arguments):
         is_search = arguments.start == "greedy"
         if is_search:
             searches.append(frame[0])
@@ -172,7 +172,7 @@ def test_a_search_runs_if_the_error_grows_and_counts_if_it_pays(monkeypatch):
             frame[0] = k
             yield GREY
 
-    monkeypatch.setattr(continuation, "fit_map_and_sample", scripted)
+    monkeypatch.setattr(continuation, "fit_map_and_sample", give)
     rigs = [*el.follow(frames(), steadiness=0)]
     # 0.012 is a tenth above 0.01, but 0.0115 saves less than 5 %; 0.01 is a tenth above 0.008.
     assert searches == [0, 2, 6, 30]
