@@ -18,8 +18,8 @@ from envlights.sequence.window import thin
 
 #: Growth of the error over its level at which a full search runs.
 _GROWTH = 1.1
-#: Frames after which a full search runs in any case: 1.3 % more time, and a scene that changes
-#: slowly does not stay in a local minimum.
+#: Frames after which a full search runs in any case, at 1 / 24 of the time of full fits, so that a
+#: scene that changes slowly does not stay in a local minimum.
 _PERIOD = 24
 #: Fraction of the error that a search must save, or the lights stay those of the last frame.
 _WORTH = 0.05
