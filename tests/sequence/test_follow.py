@@ -144,6 +144,12 @@ def test_an_error_has_the_fewest_lights_and_holds_them():
     assert rigs.error.max() <= 0.02
 
 
+def test_a_light_that_is_no_longer_needed_goes_at_the_step():
+    rigs = el.follow(shows.switch(14, 5, 9), None, error=0.01).sequence()
+    assert [len(rig.lights) for rig in rigs] == [1] * 5 + [2] * 4 + [1] * 5
+    assert rigs.ids == (0, 1)
+
+
 def test_a_search_must_reach_nine_tenths_of_a_requested_error():
     env = shows.room([Disc(towards(30 * k, 20), 6, (9 + 9 * k, 20, 30)) for k in range(5)], 64)
     rig = el.fit(env, error=0.3)
