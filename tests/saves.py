@@ -16,6 +16,7 @@ import numpy as np
 import envlights as el
 from envlights.io.files import PICTURES
 from envlights.io.image_output import write_png, write_tiff
+from envlights.sequence.formats import SUFFIXES
 from tests.helpers import disk_that_is_full_after
 
 #: Seconds until a process is killed at most: each saves a few times in it.
@@ -45,6 +46,8 @@ TABLES = [
 ]
 
 
+SEQUENCES = [el.follow([image, image], lights=2).sequence() for image in IMAGES]
+
 #: For each kind the name of its file, and how the first or the second thing is saved there.
 SAVES = {
     **{
@@ -67,6 +70,11 @@ SAVES = {
     **{
         f"overlay {suffix}": (f"shadow{suffix}", lambda path, which: SHADOWS[which].save(path))
         for suffix in (".exr", ".png")
+    },
+    **{
+        f"sequence {suffix}": (f"rigs{suffix}", lambda path, which: SEQUENCES[which].save(path))
+        for suffix in SUFFIXES
+        if suffix != ".usdc"
     },
     "page": ("page.html", lambda path, which: PAGES[which].save(path)),
     **{

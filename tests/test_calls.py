@@ -50,6 +50,7 @@ LEFT_OUT = {
     "PhotographLight": "comes from detect_photograph",
     "PhotographLights": "comes from detect_photograph",
     "Rig": "comes from fit",
+    "RigStream": "comes from follow",
     "Split": "comes from split",
     "Sun": "comes from find_sun",
     "SunSplit": "comes from with_sun",

@@ -12,8 +12,8 @@ DOCS = Path(__file__).parent.parent / "docs"
 @pytest.mark.parametrize(
     "page",
     [
-        *("compare.md", "compare_lights.md", "errors.md", "figures.md", "layouts.md", "notes.md"),
-        *("overlays.md", "sun.md"),
+        *("compare.md", "compare_lights.md", "errors.md", "figures.md", "follow.md", "layouts.md"),
+        *("notes.md", "overlays.md", "sun.md"),
         "units.md",
     ],
 )
