@@ -99,7 +99,7 @@ def _fit(env: AnyMap, arguments: FitArguments) -> tuple[Rig, Answers]:
     rig = _clocked_rig(plan, reduction, answers, clock)
     LOG.info("fit: %s in %.3g seconds", rig.in_short(), sum(rig.report.seconds.values()))
     log(rig.notes)
-    return rig
+    return rig, answers
 
 
 def fit_map_for(env: AnyMap, each: Sequence[FitArguments]) -> Iterator[Rig]:
@@ -121,7 +121,7 @@ def _clocked_rig(plan: _Plan, reduction: Reduction, answers: Answers, clock: Clo
     clock.lap("fit")
     rig = _rig(plan, reduction, answers, clock)
     clock.lap("report")
-    return rig, answers
+    return rig
 
 
 def _plan(arguments: FitArguments) -> _Plan:
