@@ -8,9 +8,9 @@ import click
 
 from envlights.cli.outputs import default_of, say_written
 from envlights.io.files import check_writable
-from envlights.transfer.archive import check_suffix
 from envlights.transfer.database import read_pairs
 from envlights.transfer.model import TransferModel
+from envlights.transfer.npz_file import check_suffix
 
 
 def _rank(text: str) -> int | float:
