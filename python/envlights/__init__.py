@@ -118,7 +118,9 @@ _LATER = {
     "vector_angle": "comparison.vector_angle",
     "Model": "viewer.model",
     **dict.fromkeys(("Sun", "SunAt", "SunSplit", "find_sun", "with_sun"), "sun"),
-    **dict.fromkeys(("FilePairs", "TransferModel", "TransferPrior", "TransferReport", "read_pairs"), "transfer"),
+    **dict.fromkeys(
+        ("FilePairs", "TransferModel", "TransferPrior", "TransferReport", "read_pairs"), "transfer"
+    ),
 }
 
 # The first `save` loads the exporters, which register themselves.
@@ -152,7 +154,13 @@ if _typing.TYPE_CHECKING:
     from envlights.scene.bake import bake as bake
     from envlights.scene.floor_shadow import shadow_overlay as shadow_overlay
     from envlights.sun import Sun, SunAt, SunSplit, find_sun, with_sun
-    from envlights.transfer import FilePairs, TransferModel, TransferPrior, TransferReport, read_pairs
+    from envlights.transfer import (
+        FilePairs,
+        TransferModel,
+        TransferPrior,
+        TransferReport,
+        read_pairs,
+    )
     from envlights.viewer.model import Model
     from envlights.viewer.page import View, view
 else:

@@ -66,9 +66,7 @@ def _fields(data: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
         "basis": _basis(data),
         **{name: data[name] for name in ("lit", "transfer", "mean")},
         "size": tuple(data["size"].tolist()),
-        "learnt": PairSummary(
-            *(data[name] for name in _SUMMARY)
-        ),
+        "learnt": PairSummary(*(data[name] for name in _SUMMARY)),
         "parameters": {"nonnegative": False, "prior": False, **json.loads(str(data["parameters"]))},
         "report": TransferReport.from_dict(printable_parts(json.loads(str(data["report"])))),
     }

@@ -6,7 +6,8 @@ The steps, with the prior T0 and direct images X and indirect images Y at norm 1
    no pair, so these are exact.
 2. The basis comes from the pairs and from virtual lights. With the weights W that the ridge gives
    the pairs, the model predicts ``W Y + (V - W X) T0`` for their direct images V.
-3. T0 and the remainder are regressed in the basis.
+3. T0 and the remainder are regressed in the basis. The error for new lights is that without a
+   basis, and in squares the part of virtual lights and pairs that the basis leaves out.
 """
 
 from __future__ import annotations
@@ -17,7 +18,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights._native import EnvLightsError
-from envlights.transfer import leave_one_out
 from envlights.transfer.basis import BasisSize, Directions, basis, directions, outside
 from envlights.transfer.familiarity import at_norm_1
 from envlights.transfer.gram import Gram, gram
@@ -113,14 +113,18 @@ def train_around(
     prior_mean = _in_basis(prior, columns, found[1].lit)
     left = coefficients - product(rest.solver.features, prior_mean).swapaxes(0, 1)
     estimator = Estimator(rest.solver, prior_mean, left)
-    report = _report(estimator, rest, learnt, first, notes)
+    report = _report(estimator, rest, learnt, _lost(every, rank), notes)
     return Learning(training, estimator.transfer(rest.ridge), report)
 
 
 def _single_texels(direct: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Each direct texel alone, as bright as in the RMS of the images, (h * w, 3, h * w)."""
-    rms = np.sqrt(np.mean(direct**2, axis=0))
-    return np.sqrt(_VIRTUAL_ENERGY) * np.eye(rms.shape[1])[:, None] * rms
+    """Each direct texel alone, (h * w, 3, h * w).
+
+    Half of their energy is that of the pairs, the other half is the same for all texels.
+    """
+    square = np.mean(direct**2, axis=0)
+    square = (square + square.mean(axis=1, keepdims=True)) / 2
+    return np.eye(square.shape[1])[:, None] * np.sqrt(_VIRTUAL_ENERGY * square)
 
 
 def _remainder(
@@ -162,9 +166,7 @@ def _left_out(
     return _relative(np.sum(missed**2, axis=(1, 2)), energy)
 
 
-def _relative(
-    squares: NDArray[np.float64], energy: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _relative(squares: NDArray[np.float64], energy: NDArray[np.float64]) -> NDArray[np.float64]:
     """Relative error of each image that is not black."""
     is_bright = energy > 0
     return np.asarray(np.sqrt(np.maximum(squares[is_bright], 0) / energy[is_bright]))
@@ -191,9 +193,7 @@ def _directions(
     return every, (both, measured)
 
 
-def _weights(
-    solver: Regression, ridge: float, direct: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _weights(solver: Regression, ridge: float, direct: NDArray[np.float64]) -> NDArray[np.float64]:
     """Weights of the pairs in the regression at new direct images, (3, n, k)."""
     seen = product(direct.swapaxes(0, 1), solver.features.swapaxes(1, 2))
     turned = product(seen, solver.vectors) / solver.regularised_eigenvalues(ridge)[:, None]
@@ -222,23 +222,26 @@ def _report(
     estimator: Estimator,
     rest: _Remainder,
     learnt: PairSummary,
-    first: Directions,
+    lost: float,
     notes: tuple[str, ...],
 ) -> TransferReport:
     inside, residual = np.sum(learnt.coefficients**2), np.trace(learnt.outside, axis1=1, axis2=2)
-    missed = estimator.left_out(rest.ridge)
-    unseen = leave_one_out.squares(learnt.coefficients, learnt.outside, missed, first.values)
     trained = np.sum(estimator.residual(rest.ridge) ** 2, axis=(1, 2)) + residual
     return TransferReport(
         pairs=len(learnt.energy),
         rank=learnt.coefficients.shape[2],
         energy=float(inside / (inside + residual.sum())),
         ridge=rest.ridge,
-        unseen_errors=tuple(_relative(unseen, learnt.energy).tolist()),
+        unseen_errors=tuple(np.hypot(rest.errors, lost).tolist()),
         training_errors=tuple(_relative(trained, learnt.energy).tolist()),
         prior_errors=tuple(rest.prior_errors.tolist()),
         notes=notes,
     )
+
+
+def _lost(every: Directions, rank: int) -> float:
+    """Relative RMS error of pairs and virtual lights in a basis of the first directions."""
+    return float(np.sqrt(max(1 - every.values[:rank].sum() / every.values.sum(), 0.0)))
 
 
 def _notes(
@@ -247,9 +250,8 @@ def _notes(
     """Remarks on the rank, and on a prior that does not fit the pairs."""
     notes = []
     if is_chosen:
-        lost = np.sqrt(max(1 - every.values[:rank].sum() / every.values.sum(), 0.0))
         notes.append(
-            f"rank {rank}: the basis leaves out {100 * lost:.2g} % of new light, where the median"
+            f"rank {rank}: the basis leaves out {100 * _lost(every, rank):.2g} % of new light, where the median"
             f" error without a basis is {100 * np.median(rest.errors):.2g} %"
         )
     coefficients = _coefficients(own.products)

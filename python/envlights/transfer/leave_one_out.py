@@ -24,7 +24,6 @@ def squares(
     coefficients: NDArray[np.float64],
     outside: NDArray[np.float64],
     missed: NDArray[np.float64],
-    energy: NDArray[np.float64] | None = None,
 ) -> NDArray[np.float64]:
     """Squared error of each image when it is left out, (k,).
 
@@ -36,10 +35,8 @@ def squares(
         Inner products of the residuals of the three rows of each image.
     missed : ndarray, shape (k, 3, rank)
         Coefficients less what a regression without their image gives.
-    energy : ndarray, shape (rank,), optional
-        Energy in each direction of all images of the basis, if it has more than these.
     """
-    turned, leaning = _rotate(coefficients, outside, energy)
+    turned, leaning = _rotate(coefficients, outside)
     seen = leaning @ missed.swapaxes(1, 2)
     inside = np.einsum("kcr,kcr->k", missed, missed)
     lost = np.einsum("kij,kji->k", turned, np.eye(3) - seen @ seen.swapaxes(1, 2))
@@ -48,13 +45,10 @@ def squares(
 
 
 def _rotate(
-    coefficients: NDArray[np.float64],
-    outside: NDArray[np.float64],
-    energy: NDArray[np.float64] | None,
+    coefficients: NDArray[np.float64], outside: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """`Q` and ``A S^-2`` of the head of this file."""
-    if energy is None:
-        energy = np.einsum("kcr,kcr->r", coefficients, coefficients)
+    energy = np.einsum("kcr,kcr->r", coefficients, coefficients)
     leaning = coefficients / energy
     # A direction that only one image has, leverage 1, is rotated away completely, towards the
     # smallest part of the image outside the basis.

@@ -121,16 +121,16 @@ def _check_version(path: object, kind: Kind, archive: zipfile.ZipFile) -> None:
         is_short = is_there and archive.getinfo(f"{name}.npy").file_size <= _LONGEST_HEAD
         said[name] = str(_array(archive, name)) if is_short else ""
     if said["format"] != kind.format:
-        raise EnvLightsError(f"{path} is not a {kind.noun}: it does not say 'format': '{kind.format}'")
+        raise EnvLightsError(
+            f"{path} is not a {kind.noun}: it does not say 'format': '{kind.format}'"
+        )
     if said["version"] not in map(str, kind.readable):
         found = f"of version {said['version']}" if said["version"] else "without a readable version"
         wanted = ", ".join(map(str, kind.readable))
         raise EnvLightsError(f"{path} is a {kind.noun} {found}; this package reads {wanted}")
 
 
-def _check_size(
-    path: object, kind: Kind, archive: zipfile.ZipFile, names: list[str]
-) -> None:
+def _check_size(path: object, kind: Kind, archive: zipfile.ZipFile, names: list[str]) -> None:
     """Refuse arrays that would fill the memory: `save` does not compress."""
     unpacked = sum(archive.getinfo(f"{name}.npy").file_size for name in names)
     packed = sum(archive.getinfo(f"{name}.npy").compress_size for name in names)

@@ -94,7 +94,9 @@ class TransferPrior(Result):
         One matrix for each channel, (3, h * w, h * w). Light is that of the visible part, for
         direct images averaged with hidden parts.
         """
-        share = np.divide(1.0, self.visible, out=np.zeros_like(self.visible), where=self.visible > 0)
+        share = np.divide(
+            1.0, self.visible, out=np.zeros_like(self.visible), where=self.visible > 0
+        )
         reflected = self.direct_albedo.T[:, :, None]
         bounced = np.linalg.inv(np.eye(len(share)) - reflected * (self.between * share))
         shown: NDArray[np.float64] = share[:, None] * bounced

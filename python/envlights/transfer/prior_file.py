@@ -12,9 +12,7 @@ from envlights.transfer import npz_file
 from envlights.transfer.npz_file import Kind
 
 _ARRAYS = ("hits", "between", "visible", "albedo", "covered", "direct_albedo")
-_KIND = Kind(
-    "prior", "envlights transfer prior", 1, (1,), (*_ARRAYS, "rays", "size", "irradiance")
-)
+_KIND = Kind("prior", "envlights transfer prior", 1, (1,), (*_ARRAYS, "rays", "size", "irradiance"))
 
 _Prior = TypeVar("_Prior")
 
