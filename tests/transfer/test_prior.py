@@ -52,8 +52,7 @@ def test_constant_light_in_a_furnace_is_a_geometric_series(irradiance):
 
 
 def test_two_patches_exchange_light_for_ever():
-    """With the form factor f between two patches, a patch receives f / (1 - a^2 f^2) of the other
-    one's light, and its own after an even number of bounces."""
+    """Light returns with the factor a^2 f^2 for the form factor f and the albedo a."""
     f, a = 0.25, 0.6
     prior = el.TransferPrior(
         hits=np.array([[0, 1], [1, 0]], np.uint16),
@@ -73,7 +72,6 @@ def test_two_patches_exchange_light_for_ever():
 
 
 def test_hidden_parts_of_a_texel_are_no_part_of_its_light():
-    """The same light on half of a texel, the other half hidden, has half the mean."""
     visible = np.ones(SIDE * SIDE)
     visible[3] = 0.5
     whole = replace(furnace(0.5), between=np.zeros((SIDE**2, SIDE**2)))
@@ -236,5 +234,5 @@ def test_a_model_with_a_prior_does_not_grow():
 
 
 def test_albedo_that_never_fades_is_refused():
-    with pytest.raises(el.EnvLightsError, match="albedo must be from 0 to below 1.*to 1;"):
+    with pytest.raises(el.EnvLightsError, match=r"albedo must be from 0 to below 1.*to 1;"):
         furnace(1.0)

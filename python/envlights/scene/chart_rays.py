@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from envlights.scene.gather import BACK, SKY, TexelHit
 
-#: Shape, texture coordinates, and cosine between the normal and the ray, of a ray that hits nothing.
+#: Shape, texture coordinates, and cosine between normal and ray, of a ray that hits nothing.
 _MISS = (0, 0.0, 0.0, 2.0)
 
 

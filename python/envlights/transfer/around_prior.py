@@ -33,9 +33,9 @@ from envlights.transfer.training import Training
 
 #: Largest rank that is chosen without a request, because the time of a frame grows with it.
 _MOST_DIRECTIONS = 256
-#: Fraction of the error for new lights that a chosen rank may add in squares: 12 % of the error.
-_TRUNCATION = 0.5
-#: Energy of all virtual lights without a request, in pairs.
+#: Largest truncation by a chosen rank, in errors for new lights: it adds 12 % to them.
+_SHARE = 0.5
+#: Energy of all virtual lights without a request, in pairs: as many as of a usual database.
 _VIRTUAL_ENERGY = 256
 #: A prior whose error exceeds this fraction does not belong to the pairs, or light is not diffuse.
 _DOUBTFUL = 0.5
@@ -94,7 +94,7 @@ def train_around(
     own = gram(pairs, centred=False, progress=progress)
     rest = _remainder(pairs, prior, own.energy, ridge)
     every, found = _directions(pairs, prior, virtual, rest)
-    limits = size or BasisSize(_MOST_DIRECTIONS, _TRUNCATION * float(np.median(rest.errors)))
+    limits = size or BasisSize(_MOST_DIRECTIONS, _SHARE * float(np.median(rest.errors)))
     rank = limits.count(every.values)
     first = every.first(rank)
     columns, mean = basis(*found, first, centred=False, progress=progress)
@@ -113,7 +113,7 @@ def train_around(
     prior_mean = _in_basis(prior, columns, found[1].lit)
     left = coefficients - product(rest.solver.features, prior_mean).swapaxes(0, 1)
     estimator = Estimator(rest.solver, prior_mean, left)
-    report = _report(estimator, rest, learnt, _lost(every, rank), notes)
+    report = _report(estimator, rest, learnt, _truncation(every, rank), notes)
     return Learning(training, estimator.transfer(rest.ridge), report)
 
 
@@ -124,7 +124,8 @@ def _single_texels(direct: NDArray[np.float64]) -> NDArray[np.float64]:
     """
     square = np.mean(direct**2, axis=0)
     square = (square + square.mean(axis=1, keepdims=True)) / 2
-    return np.eye(square.shape[1])[:, None] * np.sqrt(_VIRTUAL_ENERGY * square)
+    single: NDArray[np.float64] = np.eye(square.shape[1])[:, None] * np.sqrt(square)
+    return np.sqrt(_VIRTUAL_ENERGY) * single
 
 
 def _remainder(
@@ -153,7 +154,11 @@ def _best_ridge(
     solver: Regression, coefficients: NDArray[np.float64], energy: NDArray[np.float64]
 ) -> float:
     """Ridge with the least mean leave-one-out error."""
-    return min(RIDGES, key=lambda each: _left_out(solver, each, coefficients, energy).mean())
+
+    def error(ridge: float) -> float:
+        return float(_left_out(solver, ridge, coefficients, energy).mean())
+
+    return float(min(RIDGES, key=error))
 
 
 def _left_out(
@@ -222,7 +227,7 @@ def _report(
     estimator: Estimator,
     rest: _Remainder,
     learnt: PairSummary,
-    lost: float,
+    truncation: float,
     notes: tuple[str, ...],
 ) -> TransferReport:
     inside, residual = np.sum(learnt.coefficients**2), np.trace(learnt.outside, axis1=1, axis2=2)
@@ -232,14 +237,14 @@ def _report(
         rank=learnt.coefficients.shape[2],
         energy=float(inside / (inside + residual.sum())),
         ridge=rest.ridge,
-        unseen_errors=tuple(np.hypot(rest.errors, lost).tolist()),
+        unseen_errors=tuple(np.hypot(rest.errors, truncation).tolist()),
         training_errors=tuple(_relative(trained, learnt.energy).tolist()),
         prior_errors=tuple(rest.prior_errors.tolist()),
         notes=notes,
     )
 
 
-def _lost(every: Directions, rank: int) -> float:
+def _truncation(every: Directions, rank: int) -> float:
     """Relative RMS error of pairs and virtual lights in a basis of the first directions."""
     return float(np.sqrt(max(1 - every.values[:rank].sum() / every.values.sum(), 0.0)))
 
@@ -250,9 +255,10 @@ def _notes(
     """Remarks on the rank, and on a prior that does not fit the pairs."""
     notes = []
     if is_chosen:
+        share = 100 * _truncation(every, rank)
         notes.append(
-            f"rank {rank}: the basis leaves out {100 * _lost(every, rank):.2g} % of new light, where the median"
-            f" error without a basis is {100 * np.median(rest.errors):.2g} %"
+            f"rank {rank}: the basis leaves out {share:.2g} % of new light, where the median error"
+            f" without a basis is {100 * np.median(rest.errors):.2g} %"
         )
     coefficients = _coefficients(own.products)
     ridge = _best_ridge(rest.solver, coefficients, own.energy)

@@ -155,7 +155,7 @@ class TransferModel(Predictor):
         if prior is not None:
             rows = check_prior(prior, np.shape(direct)[1:3], pairs, virtual)
             size = None if is_free else limits
-            learning = train_around(pairs, prior, rows, size, parameters["ridge"], progress)
+            learning = train_around(pairs, prior, rows, size, ridge, progress)
             model = _around(learning, parameters, prior.size, pairs.notes)
             seconds = {"fit": perf_counter() - start}
             return replace(model, report=replace(model.report, seconds=seconds))

@@ -136,8 +136,8 @@ def _check_size(path: object, kind: Kind, archive: zipfile.ZipFile, names: list[
     packed = sum(archive.getinfo(f"{name}.npy").compress_size for name in names)
     if unpacked > _MAX_COMPRESSION_RATIO * packed:
         raise EnvLightsError(
-            f"{path} does not hold a {kind.noun}: {packed} bytes would unpack to {unpacked}, more than"
-            f" {_MAX_COMPRESSION_RATIO} times as many, which a {kind.noun} never needs"
+            f"{path} does not hold a {kind.noun}: {packed} bytes would unpack to {unpacked}, more"
+            f" than {_MAX_COMPRESSION_RATIO} times as many, which a {kind.noun} never needs"
         )
 
 
