@@ -12,6 +12,7 @@ The steps, with the prior T0 and direct images X and indirect images Y at norm 1
 
 from __future__ import annotations
 
+from math import ceil
 from typing import NamedTuple
 
 import numpy as np
@@ -35,8 +36,10 @@ from envlights.transfer.training import Training
 _MOST_DIRECTIONS = 256
 #: Largest truncation by a chosen rank, in errors for new lights: it adds 12 % to them.
 _SHARE = 0.5
-#: Energy of all virtual lights without a request, in pairs: as many as of a usual database.
-_VIRTUAL_ENERGY = 256
+#: Virtual lights without a request, about, and their energy in pairs. Single texels instead of
+#: blocks, for direct images of 32x32 texels, are spots that no lamp makes: the report of the room
+#: with 32 pairs then said 7.2 % where the error for new lights was 4.2 %.
+_VIRTUAL_LIGHTS = 256
 #: A prior whose error exceeds this fraction does not belong to the pairs, or light is not diffuse.
 _DOUBTFUL = 0.5
 
@@ -77,7 +80,7 @@ def check_prior(
             given, wanted = ("x".join(map(str, each[::-1])) for each in (ours, theirs))
             raise EnvLightsError(f"{name} must be {wanted} pixels, as in the prior; got {given}")
     if virtual is None:
-        return _single_texels(pairs.direct)
+        return _blocks_alone(pairs.direct, size)
     stack, _ = image_stack("virtual", virtual, size, "prior")
     return at_norm_1(rgb_rows(stack))
 
@@ -117,15 +120,18 @@ def train_around(
     return Learning(training, estimator.transfer(rest.ridge), report)
 
 
-def _single_texels(direct: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Each direct texel alone, (h * w, 3, h * w).
+def _blocks_alone(direct: NDArray[np.float64], size: tuple[int, int]) -> NDArray[np.float64]:
+    """Each block of direct texels alone, (blocks, 3, h * w).
 
     Half of their energy is that of the pairs, the other half is the same for all texels.
     """
+    side = ceil(np.sqrt(size[0] * size[1] / _VIRTUAL_LIGHTS))
+    row, column = (np.arange(length) // side for length in size)
+    block = (row[:, None] * (column[-1] + 1) + column).ravel()
     square = np.mean(direct**2, axis=0)
     square = (square + square.mean(axis=1, keepdims=True)) / 2
-    single: NDArray[np.float64] = np.eye(square.shape[1])[:, None] * np.sqrt(square)
-    return np.sqrt(_VIRTUAL_ENERGY) * single
+    is_lit = np.arange(block[-1] + 1)[:, None] == block
+    return np.asarray(is_lit[:, None] * np.sqrt(_VIRTUAL_LIGHTS * square))
 
 
 def _remainder(

@@ -95,7 +95,7 @@ class TransferModel(Predictor):
             learns the remainder, and errors for new lights are far smaller with few pairs.
         virtual : array_like, shape (n, h, w, 3 or 4), optional
             Direct images of other lights, with a `prior`: the basis then has directions for their
-            indirect light too. By default each direct texel alone.
+            indirect light too. By default blocks of direct texels, each alone.
         notebook : bool
             Fit the model of the notebook of Belcour, Deliot, Barbier and Soler, for comparison:
             around the mean image, each channel from all channels, with direct images of norm 1.

@@ -36,7 +36,8 @@ def _rank(text: str) -> int | float:
 @click.option(
     "--ridge",
     metavar="RIDGE",
-    help="Regularisation: a number, or loo for the best one. [default: 0.001; loo if nonnegative or with a prior]",
+    help="Regularisation: a number, or loo for the best one. [default: 0.001; loo if nonnegative"
+    " or with a prior]",
 )
 @click.option(
     "--nonnegative",
