@@ -33,6 +33,7 @@ def rows(_, effort):
             "pairs": 0,
             "method": "prior",
             **spread(relative_errors(alone, indirect[first:])),
+            **dict.fromkeys(("reported", "fit", "ratio"), ""),
         }
         for count in counts:
             known = direct[:count], indirect[:count]

@@ -370,7 +370,7 @@ def test_a_gathered_prior_is_what_mitsuba_renders(yard):
     """Texels of the direct image are 1 m wide on the floor, which the errors are mostly of."""
     pairs = el.bake(yard, LIT[:3], samples=512, size=32)
     errors = pairs.prior.errors(pairs.direct, pairs.indirect)
-    assert np.median(errors) < 0.15
+    assert np.median(errors) < 0.2
     # Check the energy, on which the width of texels has little influence.
     seen = pairs.prior.predict(pairs.direct)
     scale = np.sum(seen * pairs.indirect, axis=(1, 2, 3)) / np.sum(seen**2, axis=(1, 2, 3))

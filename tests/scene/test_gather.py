@@ -10,7 +10,7 @@ FLOOR = el.Surface(
     np.concatenate([np.mgrid[:16, :16] / 16 + 1 / 32, np.zeros((1, 16, 16))])[[0, 2, 1]]
     .swapaxes(0, 2)
     .copy(),
-    np.zeros((16, 16, 3)) + [0, 1, 0],
+    np.tile([0.0, 1.0, 0.0], (16, 16, 1)),
     np.full((16, 16, 3), 0.5),
 )
 

@@ -60,7 +60,10 @@ def test_saved_models_come_back_to_the_bit(tmp_path, notebook):
         ({"size": np.array([-16, -16])}, "size must be a whole number, 1 or more; got -16"),
         ({"report": np.array(json.dumps({"pairs": 1, "seconds": None}))}, "does not hold a model"),
         ({"report": np.array(json.dumps({"pairs": -1}))}, "pairs must be a whole number"),
-        ({"parameters": np.array("{}")}, "parameters must be error, nonnegative, rank, ridge"),
+        (
+            {"parameters": np.array("{}")},
+            "parameters must be error, nonnegative, prior, rank, ridge",
+        ),
         ({"energy": None}, "does not hold a model: the entry 'energy' is missing"),
     ],
 )
