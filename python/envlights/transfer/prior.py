@@ -29,7 +29,7 @@ from envlights.transfer.pairs import image_stack, pairs_of, rgb_rows
 MOST_RAYS = 65535
 #: Texels whose form factors are held as floats at once.
 _BLOCK = 4096
-#: Rows of images that are predicted at once, so that Ctrl-C works.
+#: Assumptions of every prior.
 _ASSUMED = "diffuse surfaces, the same light over each direct texel"
 
 
