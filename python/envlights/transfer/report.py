@@ -37,8 +37,8 @@ class TransferReport(Result):
 
     unseen_errors: tuple[float, ...]
     """Leave-one-out error of each pair, which new lights of the same kind will have; with
-    ``nonnegative=True`` its error without its fold. With a prior, also the part of new light that the basis leaves
-    out."""
+    ``nonnegative=True`` its error without its fold. With a prior, also the part of new light that
+    the basis leaves out."""
 
     training_errors: tuple[float, ...]
     """Error of each pair in the model that was trained on it; says little about new lights."""
