@@ -367,11 +367,11 @@ def test_what_is_no_light_is_refused(yard):
 
 @pytest.mark.slow
 def test_a_gathered_prior_is_what_mitsuba_renders(yard):
-    """Texels of the direct image are 1 m wide on the floor, which the errors are mostly of."""
+    """The prior takes backs of the two-sided walls and the canopy as black."""
     pairs = el.bake(yard, LIT[:3], samples=512, size=32)
     errors = pairs.prior.errors(pairs.direct, pairs.indirect)
     assert np.median(errors) < 0.2
-    # Check the energy, on which the width of texels has little influence.
+    # Check the energy too.
     seen = pairs.prior.predict(pairs.direct)
     scale = np.sum(seen * pairs.indirect, axis=(1, 2, 3)) / np.sum(seen**2, axis=(1, 2, 3))
     np.testing.assert_allclose(scale, 1, atol=0.03)
