@@ -59,6 +59,7 @@ LEFT_OUT = {
     "RemovedLights": "comes from split",
     "ShadowOverlay": "comes from shadow_overlay",
     "View": "comes from view",
+    "TransferPrior": "comes from MitsubaScene.gather",
     "TransferReport": "comes from TransferModel.fit",
     "bake": "renders, by Mitsuba",
     "export.add_to_blender": "needs Blender",

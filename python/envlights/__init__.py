@@ -74,6 +74,7 @@ __all__ = [
     "SunSplit",
     "Surface",
     "TransferModel",
+    "TransferPrior",
     "TransferReport",
     "View",
     "bake",
@@ -127,7 +128,9 @@ _LATER = {
     "vector_angle": "comparison.vector_angle",
     "Model": "viewer.model",
     **dict.fromkeys(("Sun", "SunAt", "SunSplit", "find_sun", "with_sun"), "sun"),
-    **dict.fromkeys(("FilePairs", "TransferModel", "TransferReport", "read_pairs"), "transfer"),
+    **dict.fromkeys(
+        ("FilePairs", "TransferModel", "TransferPrior", "TransferReport", "read_pairs"), "transfer"
+    ),
 }
 
 # The first `save` loads the exporters, which register themselves.
@@ -164,7 +167,13 @@ if _typing.TYPE_CHECKING:
     from envlights.sequence import FrameRig, RigSequence, RigStream
     from envlights.sequence.follow import follow as follow
     from envlights.sun import Sun, SunAt, SunSplit, find_sun, with_sun
-    from envlights.transfer import FilePairs, TransferModel, TransferReport, read_pairs
+    from envlights.transfer import (
+        FilePairs,
+        TransferModel,
+        TransferPrior,
+        TransferReport,
+        read_pairs,
+    )
     from envlights.viewer.model import Model
     from envlights.viewer.page import View, view
 else:
