@@ -15,6 +15,8 @@ from envlights.cards import geometry
 
 #: Shapes of a card. Points and others are facing squares around a light.
 SHAPES = ("rectangle", "tube", "disc", "point", "other")
+#: Shapes with an outline.
+FLAT = SHAPES[:3]
 
 
 def matrices(values: ArrayLike) -> NDArray[np.float64]:

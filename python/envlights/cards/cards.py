@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights import _html, _thumbnails
 from envlights._arrays import seal
-from envlights._check import amount, reals, rotation, texts
+from envlights._check import amount, flag, reals, rotation, texts
 from envlights._light_arrays import amounts, row_of, rows_of
 from envlights._native import EnvLightsError
 from envlights._result import Result
@@ -19,6 +19,7 @@ from envlights._tables import MOST_ROWS, Table
 from envlights._units import OWN_SCALE, checked_units
 from envlights.cards import geometry
 from envlights.cards.arrays import (
+    FLAT,
     SHAPES,
     all_textures,
     angular_radii,
@@ -31,6 +32,10 @@ from envlights.cards.arrays import (
 from envlights.cards.card import Card
 from envlights.light import azimuths, elevations
 from envlights.lights import Lights, Rows, brightest_first, rgb_cell, rgb_heading
+
+#: Distance of cards without a place, in radii of the scene: images differ from those with cards at
+#: infinity by 0.3 % at most.
+FAR = 1000.0
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -62,6 +67,9 @@ class Cards(Result):
         Unit of the radiance; see `Lights`.
     notes : str or iterable of str
         Remarks on estimates.
+    is_placed : bool
+        True if the distances of the cards are meant, as after `at`. Other cards are exported far
+        away.
 
     Examples
     --------
@@ -85,9 +93,11 @@ class Cards(Result):
     angular_radius: NDArray[np.float64] = None  # type: ignore[assignment]
     units: str = field(default=OWN_SCALE, kw_only=True)
     notes: tuple[str, ...] = field(default=(), kw_only=True)
+    is_placed: bool = field(default=False, kw_only=True)
 
     def __post_init__(self) -> None:
         checked_units(self.units)
+        object.__setattr__(self, "is_placed", flag("is_placed", self.is_placed))
         matrix = matrices(self.matrix)
         shape = shapes(self.shape, len(matrix))
         irradiance = amounts("irradiance", rows("irradiance", self.irradiance, len(matrix), 3))
@@ -212,7 +222,25 @@ class Cards(Result):
         if not distance:
             raise EnvLightsError("distance must be greater than 0; got 0")
         length = np.linalg.norm(geometry.centres(self.matrix), axis=1)
-        return replace(self, matrix=self.matrix * (distance / length)[:, None, None])
+        matrix = self.matrix * (distance / length)[:, None, None]
+        return replace(self, matrix=matrix, is_placed=True)
+
+    def far(self, radius: float = 1.0) -> Cards:
+        """Cards at 1000 times the radius of a scene, so far away that the distance has no effect.
+
+        An image of a ball on a floor changes by about 2 / distance, in radii of the ball.
+        """
+        return self.at(FAR * amount("radius", radius))
+
+    @property
+    def is_flat(self) -> NDArray[np.bool_]:
+        """Rectangles, tubes and discs: lights that are written as planes in space, (n,)."""
+        return np.array([shape in FLAT for shape in self.shape], bool)
+
+    @property
+    def distant(self) -> Lights:
+        """Lights without a known outline, as discs at infinity."""
+        return self[~self.is_flat].lights
 
     def facing(self, row: int, normal: ArrayLike) -> Cards:
         """Turn one card into a plane with this normal.
