@@ -42,6 +42,9 @@ class Target(NamedTuple):
 
     For `PANORAMA` the writer accepts the keyword `texture`, the name of an existing map."""
 
+    crop: str = ""
+    """End of the names of the textures of cards beside a file; empty if there are none."""
+
 
 #: Error in a file up to which `save` does not warn, and largest ratio to the error of the rig: a
 #: tenth is the accuracy at which stated errors are compared with files.
@@ -58,6 +61,14 @@ _INSTEAD = {
     **dict.fromkeys(PICTURES, "`plot.save` writes pictures"),
     **dict.fromkeys((".exr", ".hdr"), "`to_map` makes a map, whose `save` writes it"),
 }
+
+
+def crop_names(prefix: str, count: int, end: str) -> list[str]:
+    """Names of the textures of cards: ``scene.card_0.usd.exr`` beside ``scene.usda``.
+
+    Each target has its own end, because not all show the map through a card.
+    """
+    return [f"{prefix}card_{j}{end}" for j in range(count)]
 
 
 def register(added: Iterable[Target]) -> None:
@@ -160,12 +171,13 @@ def save_for(
     **options: Any,
 ) -> None:
     """Write a file for a target, with a warning if it shows the rig with a larger error."""
+    shown = getattr(rig, "distant", rig) if target.shows.cards else rig
     if environment is None:
-        _warn_of_losses(rig, target)
+        _warn_of_losses(shown, target)
         target.save(rig, path, **options)
     else:
         # The map replaces the ambient term, so only the lights can change.
-        _warn_of_losses(getattr(rig, "lights", rig), target)
+        _warn_of_losses(getattr(shown, "lights", shown), target)
         target.save(rig, path, environment, **options)
 
 
