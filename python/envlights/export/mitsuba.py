@@ -112,7 +112,7 @@ def save_mitsuba(
     for panel, name in zip(scene.panels, names, strict=True):
         check_link(name, "Mitsuba", _REFUSED)
         if not panel.is_ellipse:
-            textures[name] = panel.opaque_texture
+            textures[name] = mitsuba_cards.texture_of(panel)
     mitsuba_cards.elements(root, scene.panels, names)
     if radiance is not None:
         name = texture_name(path, TEXTURE)

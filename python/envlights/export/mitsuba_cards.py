@@ -45,6 +45,11 @@ def to_world(panel: Panel) -> NDArray[np.float64]:
     return matrix
 
 
+def texture_of(panel: Panel) -> NDArray[np.float32]:
+    """Texture with its last row first, because Mitsuba has row 0 at v = 0, the lower edge."""
+    return np.ascontiguousarray(panel.opaque_texture[::-1])
+
+
 def _kind(panel: Panel) -> str:
     return "disk" if panel.is_ellipse else "rectangle"
 
@@ -52,8 +57,8 @@ def _kind(panel: Panel) -> str:
 def _radiance(panel: Panel, mi: Any) -> dict[str, Any]:
     if panel.is_ellipse:
         return {"type": "rgb", "value": panel.opaque_radiance.tolist()}
-    bitmap = mi.Bitmap(panel.opaque_texture)
-    return {"type": "bitmap", "bitmap": bitmap, "wrap_mode": "clamp"}
+    bitmap = mi.Bitmap(texture_of(panel))
+    return {"type": "bitmap", "bitmap": bitmap, "wrap_mode": "clamp", "raw": True}
 
 
 def _element(root: ElementTree.Element, panel: Panel, name: str) -> ElementTree.Element:
@@ -71,4 +76,5 @@ def _element(root: ElementTree.Element, panel: Panel, name: str) -> ElementTree.
         texture = ElementTree.SubElement(emitter, "texture", type="bitmap", name="radiance")
         ElementTree.SubElement(texture, "string", name="filename", value=name)
         ElementTree.SubElement(texture, "string", name="wrap_mode", value="clamp")
+        ElementTree.SubElement(texture, "boolean", name="raw", value="true")
     return emitter
