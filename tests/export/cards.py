@@ -67,10 +67,13 @@ LAMP = card("disc", facing(-60, 60, 20, 20), np.full((8, 8, 3), [3, 2, 1], np.fl
 ALL = {"window": WINDOW, "oblique": OBLIQUE, "lamp": LAMP}
 
 
+#: Column and row in each quarter, row by row of `CORNERS`; off the diagonals of triangles.
+QUARTERS = np.array([[0.3, 0.2], [0.7, 0.25], [0.2, 0.7], [0.7, 0.8]])
+
+
 def directions(cards):
-    """Directions of the centres of the four quarters, (4, 3): row by row of `CORNERS`."""
-    places = np.array([[0.25, 0.25, 1], [0.75, 0.25, 1], [0.25, 0.75, 1], [0.75, 0.75, 1]])
-    return geometry.unit(geometry.points(cards.matrix, places))[0]
+    """Directions of `QUARTERS`, (4, 3)."""
+    return geometry.unit(geometry.points(cards.matrix, np.insert(QUARTERS, 2, 1, axis=1)))[0]
 
 
 def irradiance(cards, normals, environment=None):

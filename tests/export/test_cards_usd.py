@@ -13,9 +13,6 @@ from pxr import Usd, UsdGeom, UsdLux, UsdShade
 
 from tests.export.test_usd import problems
 
-#: Column and row of the middles of the four quarters, as fractions.
-QUARTERS = [(0.25, 0.25), (0.75, 0.25), (0.25, 0.75), (0.75, 0.75)]
-
 
 def stage_of(card, folder, environment=None):
     el.export.save(card, folder / "scene.usda", environment)
@@ -39,7 +36,7 @@ def test_a_window_is_a_rectangle_light_with_its_texture_the_right_way_round(tmp_
     # The schema: the texture begins at (+x, +y) and ends at (-x, -y).
     points = [
         place.Transform(((0.5 - column) * width, (0.5 - row) * height, 0))
-        for column, row in QUARTERS
+        for column, row in cards.QUARTERS
     ]
     seen = geometry.unit(np.array(points))
     np.testing.assert_allclose(seen, cards.directions(cards.WINDOW), atol=1e-6)
@@ -48,7 +45,7 @@ def test_a_window_is_a_rectangle_light_with_its_texture_the_right_way_round(tmp_
     file = light.GetTextureFileAttr().Get().resolvedPath
     assert file == str(tmp_path / "scene.card_0.usd.exr")
     picture = el.io.read_image(file).pixels * light.GetIntensityAttr().Get()
-    np.testing.assert_array_equal(colours(picture, QUARTERS), cards.CORNERS.reshape(-1, 3))
+    np.testing.assert_array_equal(colours(picture, cards.QUARTERS), cards.CORNERS.reshape(-1, 3))
     assert np.linalg.norm(place.ExtractTranslation()) == pytest.approx(1000)
 
 
@@ -59,7 +56,7 @@ def test_an_oblique_window_is_a_mesh_light(tmp_path):
     st = np.array(UsdGeom.PrimvarsAPI(mesh).GetPrimvar("st").Get())
     # Bilinear in a parallelogram: solve for the affine map from st to points.
     affine, *_ = np.linalg.lstsq(np.insert(st, 2, 1, axis=1), points, rcond=None)
-    seen = geometry.unit(np.array([[column, 1 - row, 1] for column, row in QUARTERS]) @ affine)
+    seen = geometry.unit(np.array([[column, 1 - row, 1] for column, row in cards.QUARTERS]) @ affine)
     np.testing.assert_allclose(seen, cards.directions(cards.OBLIQUE), atol=1e-6)
     normal = np.cross(points[1] - points[0], points[2] - points[0])
     assert normal @ points.mean(axis=0) < 0  # right-handed: its front is towards the origin
@@ -69,7 +66,7 @@ def test_an_oblique_window_is_a_mesh_light(tmp_path):
     shader = source[0] if isinstance(source, tuple) else source
     texture = UsdShade.Shader(shader.GetInput("emissiveColor").GetConnectedSource()[0])
     picture = el.io.read_image(texture.GetInput("file").Get().resolvedPath).pixels
-    np.testing.assert_array_equal(colours(picture, QUARTERS), cards.CORNERS.reshape(-1, 3))
+    np.testing.assert_array_equal(colours(picture, cards.QUARTERS), cards.CORNERS.reshape(-1, 3))
     assert stage.GetPrimAtPath("/rig/card_0_surface/st")
 
 
@@ -89,7 +86,7 @@ def test_a_mesh_light_shows_the_map_that_it_hides(tmp_path):
     stage_of(cards.OBLIQUE, tmp_path, sky)
     picture = el.io.read_image(tmp_path / "scene.card_0.usd.exr").pixels
     wanted = cards.CORNERS.reshape(-1, 3) + sky.radiance[0, 0]
-    np.testing.assert_allclose(colours(picture, QUARTERS), wanted, rtol=1e-6)
+    np.testing.assert_allclose(colours(picture, cards.QUARTERS), wanted, rtol=1e-6)
 
 
 @pytest.mark.parametrize("name", cards.ALL)

@@ -45,6 +45,7 @@ def add_cards(collection):
         links.new(relative.outputs["Vector"], emission.inputs["Color"])
         light = bpy.data.objects.new(f"envlights_{name}", lamp)
         light.matrix_world = Matrix(matrix)
+        light.visible_camera = True
         collection.objects.link(light)
     for name, points, places, texture in PLANES:
         mesh = bpy.data.meshes.new(f"envlights_{name}")
