@@ -13,7 +13,7 @@ from importlib import import_module as _import_module
 from envlights import _map_repair, _targets, kernels
 from envlights._native import EnvLightsError
 from envlights._threads import threads
-from envlights.cards import Card, Cards
+from envlights.cards import Card, Cards, CardSplit
 from envlights.detection.component_tree import detect_tree
 from envlights.detection.detect import detect
 from envlights.detection.lights import DetectedLights, DetectionReport
@@ -36,6 +36,7 @@ __all__ = [
     "Ball",
     "Box",
     "Card",
+    "CardSplit",
     "Cards",
     "Comparison",
     "DamagedFileError",

@@ -19,6 +19,26 @@ from envlights.io.files import PICTURES, as_path
 PANORAMA = ".ambient.exr"
 
 
+class Crops(NamedTuple):
+    """Textures of the cards of a target: files beside the scene."""
+
+    end: str
+    """End of their names. Each target has its own, because not all show the map through a card."""
+
+    has_discs: bool = False
+    """True if discs have textures too; False if they have one colour."""
+
+    def names(self, prefix: str, shapes: Iterable[str]) -> list[str]:
+        """Names for cards of these shapes: ``scene.card_0.usd.exr`` beside ``scene.usda``.
+
+        A card without a texture has an empty name.
+        """
+        return [
+            f"{prefix}card_{j}{self.end}" if self.has_discs or shape != "disc" else ""
+            for j, shape in enumerate(shapes)
+        ]
+
+
 class Target(NamedTuple):
     """Program or format that rigs can be exported to."""
 
@@ -42,8 +62,8 @@ class Target(NamedTuple):
 
     For `PANORAMA` the writer accepts the keyword `texture`, the name of an existing map."""
 
-    crop: str = ""
-    """End of the names of the textures of cards beside a file; empty if there are none."""
+    crop: Crops | None = None
+    """Textures of cards beside a file; None if there are none."""
 
 
 #: Error in a file up to which `save` does not warn, and largest ratio to the error of the rig: a
@@ -61,14 +81,6 @@ _INSTEAD = {
     **dict.fromkeys(PICTURES, "`plot.save` writes pictures"),
     **dict.fromkeys((".exr", ".hdr"), "`to_map` makes a map, whose `save` writes it"),
 }
-
-
-def crop_names(prefix: str, count: int, end: str) -> list[str]:
-    """Names of the textures of cards: ``scene.card_0.usd.exr`` beside ``scene.usda``.
-
-    Each target has its own end, because not all show the map through a card.
-    """
-    return [f"{prefix}card_{j}{end}" for j in range(count)]
 
 
 def register(added: Iterable[Target]) -> None:

@@ -4,9 +4,11 @@
 - `arrays`: checks of the arrays of cards
 - `card`: a single card
 - `cards`: the cards of a map
+- `card_split`: the cards and the map without them, and their files
 """
 
 from envlights.cards.card import Card
+from envlights.cards.card_split import CardSplit
 from envlights.cards.cards import Cards
 
-__all__ = ["Card", "Cards"]
+__all__ = ["Card", "CardSplit", "Cards"]

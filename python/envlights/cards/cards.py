@@ -238,6 +238,11 @@ class Cards(Result):
         return np.array([shape in FLAT for shape in self.shape], bool)
 
     @property
+    def flat_shapes(self) -> tuple[str, ...]:
+        """Shapes of the cards that are written as planes, in their order."""
+        return tuple(shape for shape in self.shape if shape in FLAT)
+
+    @property
     def distant(self) -> Lights:
         """Lights without a known outline, as discs at infinity."""
         return self[~self.is_flat].lights

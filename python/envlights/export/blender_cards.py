@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._targets import crop_names
 from envlights.export.files import check_link
-from envlights.export.panels import CROPS, Panel
+from envlights.export.panels import Panel, crop_names
 
 #: Part of the script. A light of Cycles hides nothing, and so do the planes, which are transparent.
 _CODE = '''
@@ -95,7 +94,7 @@ def image_node(nodes, texture):
 
 def textures(panels: tuple[Panel, ...], prefix: str) -> dict[str, NDArray[np.float32]]:
     """Textures of the light alone, by their names."""
-    names = crop_names(prefix, len(panels), CROPS["blender"])
+    names = crop_names(panels, prefix, "blender")
     return {name: panel.texture for name, panel in zip(names, panels, strict=True)}
 
 
@@ -103,7 +102,7 @@ def code(panels: tuple[Panel, ...], prefix: str) -> str:
     """Numbers and functions for a script; empty without panels."""
     if not panels:
         return ""
-    names = crop_names(prefix, len(panels), CROPS["blender"])
+    names = crop_names(panels, prefix, "blender")
     for name in names:
         check_link(name, "Blender", "\\")
     pairs = list(zip(panels, names, strict=True))

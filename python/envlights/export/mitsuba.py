@@ -17,12 +17,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights import kernels
 from envlights._native import EnvLightsError
-from envlights._targets import crop_names
 from envlights.envmap import EnvMap
 from envlights.export import mitsuba_cards
 from envlights.export.discs import MOST_ROWS, rows_for, split_by_size
 from envlights.export.files import check_link, save_scene, texture_name
-from envlights.export.panels import CROPS
+from envlights.export.panels import crop_names
 from envlights.export.scene import Scene, scene_of
 from envlights.io.files import as_path
 from envlights.lights import Lights
@@ -107,11 +106,11 @@ def save_mitsuba(
         x, y, z = map(repr, light["direction"])
         ElementTree.SubElement(emitter, "vector", name="direction", x=x, y=y, z=z)
         _rgb_element(emitter, "irradiance", light["irradiance"]["value"])
-    names = crop_names(f"{as_path(path).stem}.", len(scene.panels), CROPS["mitsuba"])
+    names = crop_names(scene.panels, f"{as_path(path).stem}.", "mitsuba")
     textures: dict[str, NDArray[Any]] = {}
     for panel, name in zip(scene.panels, names, strict=True):
         check_link(name, "Mitsuba", _REFUSED)
-        if not panel.is_ellipse:
+        if name:
             textures[name] = mitsuba_cards.texture_of(panel)
     mitsuba_cards.elements(root, scene.panels, names)
     if radiance is not None:

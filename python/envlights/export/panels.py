@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from envlights._targets import Crops
 from envlights.cards import Card, Cards
 from envlights.envmap import EnvMap
 from envlights.export.axes import AXES
@@ -20,8 +21,13 @@ _SQUARE = 1e-6
 #: Vertices of the polygon of a disc; its area is 0.16 % less than that of a circle.
 VERTICES = 64
 
-#: Ends of the names of textures, by the target. glTF and three.js have textures in their file.
-CROPS = {name: f".{name}.exr" for name in ("usd", "mitsuba", "blender", "pbrt")}
+#: Textures by the target. glTF and three.js have them in their file.
+CROPS = {
+    "usd": Crops(".usd.exr"),
+    "mitsuba": Crops(".mitsuba.exr"),
+    "pbrt": Crops(".pbrt.exr"),
+    "blender": Crops(".blender.exr", has_discs=True),
+}
 
 
 class Panel(NamedTuple):
@@ -93,6 +99,11 @@ class Panel(NamedTuple):
             places = np.array([[0, 0], [0, 1], [1, 1], [1, 0]], float)
         points = np.insert(places, 2, 1.0, axis=1) @ self.matrix.T
         return AXES[target].to_target(points), places
+
+
+def crop_names(panels: tuple[Panel, ...], prefix: str, target: str) -> list[str]:
+    """Name of the texture of each panel in the files of a target; empty if it has none."""
+    return CROPS[target].names(prefix, ("disc" if each.is_ellipse else "" for each in panels))
 
 
 def distant_and_panels(

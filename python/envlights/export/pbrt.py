@@ -7,12 +7,11 @@ import os
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights._targets import crop_names
 from envlights.envmap import EnvMap
 from envlights.export.axes import AXES
 from envlights.export.discs import split_by_size, with_discs
 from envlights.export.files import check_link, save_scene, texture_name
-from envlights.export.panels import CROPS, Panel
+from envlights.export.panels import Panel, crop_names
 from envlights.export.scene import Scene, scene_of
 from envlights.io.files import as_path
 from envlights.layouts.layout import Layout, equirectangular
@@ -114,7 +113,7 @@ def _sources(lights: Lights, scene: Scene, name: str, prefix: str) -> str:
         f' "point3 from" {_numbers(direction)} "point3 to" [0 0 0]'
         for direction, irradiance in zip(towards, lights.irradiance, strict=True)
     ]
-    names = crop_names(prefix, len(scene.panels), CROPS["pbrt"])
+    names = crop_names(scene.panels, prefix, "pbrt")
     lines += [_card(*each) for each in zip(scene.panels, names, strict=True)]
     if scene.environment is not None:
         lines.append(f'LightSource "infinite" "string filename" {_string(name)}')
@@ -125,9 +124,9 @@ def _sources(lights: Lights, scene: Scene, name: str, prefix: str) -> str:
 
 def _crops(panels: tuple[Panel, ...], prefix: str) -> dict[str, NDArray[np.float32]]:
     """Textures by their names; a card hides the map, so it shows it too."""
-    names = crop_names(prefix, len(panels), CROPS["pbrt"])
+    names = crop_names(panels, prefix, "pbrt")
     pairs = zip(names, panels, strict=True)
-    return {name: panel.opaque_texture for name, panel in pairs if not panel.is_ellipse}
+    return {name: panel.opaque_texture for name, panel in pairs if name}
 
 
 def _card(panel: Panel, name: str) -> str:

@@ -180,7 +180,7 @@ def _complete(target: Target) -> Target:
         return target
     has_cards = target.name in PANELS
     shows = target.shows._replace(units=UNITS[target.name].in_short(), cards=has_cards)
-    return target._replace(shows=shows, crop=CROPS.get(target.name, ""))
+    return target._replace(shows=shows, crop=CROPS.get(target.name))
 
 
 #: Targets in the order of the help.

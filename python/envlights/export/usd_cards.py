@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._targets import crop_names
-from envlights.export.panels import CROPS, Panel
+from envlights.export.panels import Panel, crop_names
 from envlights.export.usd_text import asset, colour, prim
 
 #: Surface of a mesh light: black, with the texture as emission.
@@ -43,17 +42,17 @@ token outputs:surface.connect = <@PATH@/surface.outputs:surface>
 
 def textures(panels: tuple[Panel, ...], prefix: str) -> dict[str, NDArray[np.float32]]:
     """Textures by their names; a mesh light hides the map, so it shows it too."""
-    names = crop_names(prefix, len(panels), CROPS["usd"])
+    names = crop_names(panels, prefix, "usd")
     return {
         name: panel.texture if panel.is_rectangle else panel.opaque_texture
         for name, panel in zip(names, panels, strict=True)
-        if not panel.is_ellipse
+        if name
     }
 
 
 def prims(panels: tuple[Panel, ...], prefix: str) -> list[str]:
     """A light for each panel, and the materials of mesh lights."""
-    names = crop_names(prefix, len(panels), CROPS["usd"])
+    names = crop_names(panels, prefix, "usd")
     return [text for pair in zip(panels, names, strict=True) for text in _light(*pair)]
 
 
