@@ -21,7 +21,7 @@ from envlights.detection.loghin import detect_article
 from envlights.detection.photograph import detect_photograph
 from envlights.detection.photograph_lights import PhotographLight, PhotographLights
 from envlights.detection.removed_lights import RemovedLights
-from envlights.detection.split import Split, split
+from envlights.detection.split import CardSplit, Split, split
 from envlights.envmap import EnvMap
 from envlights.excess import Limit, limit
 from envlights.fitting.fit import fit, fit_probe
@@ -36,6 +36,7 @@ __all__ = [
     "Ball",
     "Box",
     "Card",
+    "CardSplit",
     "Cards",
     "Comparison",
     "DamagedFileError",

@@ -4,6 +4,7 @@
 - `arrays`: checks of the arrays of cards
 - `card`: a single card
 - `cards`: the cards of a map
+- `cut`: cards of the lights that `split` removed
 """
 
 from envlights.cards.card import Card

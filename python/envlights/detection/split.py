@@ -4,20 +4,23 @@ from __future__ import annotations
 
 from dataclasses import fields, replace
 from time import perf_counter
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _native
-from envlights._check import amount, count, describe
+from envlights._check import amount, count, describe, flag
 from envlights._links import LinkedParts
 from envlights._native import EnvLightsError
+from envlights.cards.cards import Cards
+from envlights.cards.cut import cut
 from envlights.detection.component_tree import detect_with_luminance
 from envlights.detection.lights import DetectedLights, DetectionReport
 from envlights.detection.removed_lights import RemovedLights
 from envlights.envmap import AnyMap, EnvMap, as_envmap
 from envlights.kernels.image import LUMINANCE
+from envlights.lights import Lights
 
 #: Options of `detect` here. Without the removed lights, the threshold is lower (by less than a
 #: tenth for most maps), so weak lights would be detected in the remainder. Remove them too.
@@ -59,6 +62,30 @@ class _SplitFields(NamedTuple):
     """The map without them, of the same size and nowhere negative."""
 
 
+class _CardSplitFields(NamedTuple):
+    """Fields of a `CardSplit`."""
+
+    cards: Cards
+    """Cards that were removed, brightest first."""
+
+    rest: EnvMap
+    """The map without them, of the same size and nowhere negative."""
+
+
+class CardSplit(_CardSplitFields, LinkedParts):
+    """Light cards, and the map without them."""
+
+    __slots__ = ()
+
+    @property
+    def lights(self) -> Lights:
+        """The cards as directional lights; see `Cards.lights`."""
+        return self.cards.lights
+
+    def __str__(self) -> str:
+        return f"{self.cards}\n\nthe map without these cards: {self.rest}"
+
+
 class Split(_SplitFields, LinkedParts):
     """Lights, and the map without them."""
 
@@ -68,13 +95,36 @@ class Split(_SplitFields, LinkedParts):
         return f"{self.lights}\n\nthe map without these lights: {self.rest}"
 
 
+@overload
 def split(
     env: AnyMap,
     lights: int | DetectedLights | None = None,
     *,
     share: float | None = None,
+    shapes: Literal[False] = False,
     **options: Any,
-) -> Split:
+) -> Split: ...
+
+
+@overload
+def split(
+    env: AnyMap,
+    lights: int | DetectedLights | None = None,
+    *,
+    share: float | None = None,
+    shapes: Literal[True],
+    **options: Any,
+) -> CardSplit: ...
+
+
+def split(
+    env: AnyMap,
+    lights: int | DetectedLights | None = None,
+    *,
+    share: float | None = None,
+    shapes: bool = False,
+    **options: Any,
+) -> Split | CardSplit:
     r"""Split a map into lights and the rest: a sun as a lamp, and the sky without it.
 
     Each light is removed with its rim and its glare. Its pixels are filled smoothly from around
@@ -93,6 +143,10 @@ def split(
     share : float, optional
         Remove the fewest lights, the brightest first, that have this fraction of the flux of all
         lights.
+    shapes : bool
+        True: the lights leave the map as `Cards` (rectangles, tubes, discs) with textures. What
+        lies beside the cards, such as the glow on a wall, stays in the map. Panes of one window
+        become one card.
     **options
         Options of `detect_tree`. Here `rise` is 2.25 and `min_worth` is 0 by default, so that
         weak lights do not remain in the rest.
@@ -100,7 +154,7 @@ def split(
     Returns
     -------
     lights : RemovedLights
-        The removed lights, with their irradiance at normal incidence.
+        The removed lights, with their irradiance at normal incidence; `Cards` if `shapes` is True.
     rest : EnvMap
         A map like any other; its `notes` name the removed lights.
 
@@ -156,6 +210,7 @@ def split(
     >>> np.allclose(rig.probe([[0, 1, 0]]), env.probe([[0, 1, 0]]), rtol=1e-4)
     True
     """
+    flag("shapes", shapes)
     env = as_envmap(env)
     found, chosen, luminance = _choose(env, lights, share, options)
     start = perf_counter()
@@ -165,8 +220,22 @@ def split(
     is_border = env.registration == "border-sampled"
     parts = _native.split_map(env.radiance, is_border, pixels, env.seen)
     removed = _removed_lights(chosen, parts, _report(chosen, len(found), perf_counter() - start))
+    if shapes:
+        return _cards_and_rest(env, removed, parts.rest, pixels)
     notes = (*env.notes, *_notes(removed))
     return Split(removed, env.with_radiance(parts.rest, notes))
+
+
+def _cards_and_rest(
+    env: EnvMap, removed: RemovedLights, rest: NDArray[np.float32], pixels: LightPixels
+) -> CardSplit:
+    """Cards of removed lights, and the map with all that lies beside them."""
+    blocks = pixels.pixel, pixels.light_of_pixel
+    cards, around = cut(
+        env, rest, blocks, pixels.block, (removed.direction, removed.angular_radius)
+    )
+    remark = [f"{cards.in_short()} removed"] if len(cards) else []
+    return CardSplit(cards, env.with_radiance(around, (*env.notes, *remark)))
 
 
 def _choose(
