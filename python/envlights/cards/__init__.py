@@ -5,6 +5,7 @@
 - `card`: a single card
 - `cards`: the cards of a map
 - `card_split`: the cards and the map without them, and their files
+- `cut`: cards of the lights that `split` removed
 """
 
 from envlights.cards.card import Card

@@ -84,11 +84,15 @@ def angular_radii(
     shape: tuple[str, ...],
 ) -> NDArray[np.float64]:
     """Radius of each light, in `order`; by default that of its card's vector irradiance."""
-    if values is not None:
-        return radii(values, len(order))[order]
     unit = 1 / uniform_radiance(matrix, shape, np.ones((len(matrix), 3)))[:, 0]
     angles: NDArray[np.float64] = np.arcsin(np.sqrt(np.minimum(unit / np.pi, 1)))
-    return angles
+    if values is None:
+        return angles
+    # NaN stands for the default.
+    given = reals("angular_radius", values, 1)
+    if given.shape == (len(order),):
+        given = np.where(np.isnan(given[order]), angles, given[order])
+    return radii(given, len(order))
 
 
 def all_textures(

@@ -9,9 +9,9 @@ from typing import Any, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights import _html, _thumbnails
+from envlights import _html, _native, _thumbnails
 from envlights._arrays import seal
-from envlights._check import amount, flag, reals, rotation, texts
+from envlights._check import amount, count, flag, reals, rotation, texts
 from envlights._light_arrays import amounts, row_of, rows_of
 from envlights._native import EnvLightsError
 from envlights._result import Result
@@ -30,6 +30,7 @@ from envlights.cards.arrays import (
     uniform_radiance,
 )
 from envlights.cards.card import Card
+from envlights.envmap import EnvMap
 from envlights.light import azimuths, elevations
 from envlights.lights import Lights, Rows, brightest_first, rgb_cell, rgb_heading
 
@@ -289,6 +290,35 @@ class Cards(Result):
         )
         irradiance = self.irradiance * factors[:, None]
         return replace(self, irradiance=irradiance, textures=tuple(textures))
+
+    def to_map(self, width: int) -> EnvMap:
+        """Map of the cards with their textures in a black sky.
+
+        Pixels on an edge are as bright as their covered part, and all pixels of a card together
+        have its irradiance. With the rest of `split`, this is the map again, up to the
+        interpolation of the textures.
+
+        Parameters
+        ----------
+        width : int
+            Columns, an even number; the map is half as high.
+        """
+        width = count("width", width, least=4)
+        if width % 2:
+            raise EnvLightsError(f"width must be even; got {width}")
+        sizes = [list(texture.shape[:2]) for texture in self.textures]
+        texels = [texture.reshape(-1, 3) for texture in self.textures]
+        drawn = _native.draw_cards(
+            width // 2,
+            width,
+            False,
+            self.matrix,
+            [shape == "disc" for shape in self.shape],
+            self.irradiance,
+            sizes,
+            np.concatenate([np.zeros((0, 3), np.float32), *texels]),
+        )
+        return EnvMap(drawn, units=self.units)
 
     def in_short(self) -> str:
         """Number of cards of each shape."""
