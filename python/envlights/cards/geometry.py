@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from envlights._native import EnvLightsError
 
 #: Corners of a card as (a, b, 1), in the order of `corners`.
-_CORNERS = np.array([[0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], float)
+CORNERS = np.array([[0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], float)
 #: Vertices of the polygon of an ellipse; with its area, the vector irradiance is exact to 1e-9.
 _VERTICES = 720
 
@@ -33,7 +33,7 @@ def one(rows: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def corners(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
     """Unit directions of the corners O, O + U, O + U + V, O + V, (n, 4, 3)."""
-    return unit(points(matrix, _CORNERS))
+    return unit(points(matrix, CORNERS))
 
 
 def centres(matrix: NDArray[np.float64]) -> NDArray[np.float64]:

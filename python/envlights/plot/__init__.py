@@ -4,6 +4,7 @@
 |----------------------------------------------------------------|---------------|
 | a map alone, with a rig, or with detected lights               | `maps.py`     |
 | a map, its lights, and the map without them                    | `split.py`    |
+| cards on a map, their textures, and mirror balls               | `cards.py`    |
 | the sun of a clipped map, and its shadows                      | `sun.py`      |
 | several rigs of a map; the error against the number of lights  | `compare.py`  |
 | clipped regions of a map, and the lights in them               | `plateau.py`  |
@@ -24,6 +25,7 @@ They share `figure.py`, `ground.py` (the exposed map), `markers.py` (lights on i
 from envlights.plot.article import article_picture
 from envlights.plot.axes import axes_picture
 from envlights.plot.basis import basis_picture, spectrum_picture
+from envlights.plot.cards import card_balls, card_textures, cards
 from envlights.plot.compare import error_picture, rigs_picture
 from envlights.plot.figure import Picture, save
 from envlights.plot.globe import sphere_picture
@@ -42,6 +44,9 @@ __all__ = [
     "article_picture",
     "axes_picture",
     "basis_picture",
+    "card_balls",
+    "card_textures",
+    "cards",
     "detection_picture",
     "error_picture",
     "map_picture",
