@@ -112,7 +112,7 @@ impl Cutter<'_> {
         };
         let irradiance: DVec3 = parts.iter().map(flux).sum();
         let texture = self.texture(&matrix, shape == Shape::Disc, &parts, irradiance);
-        let radius = is_square.then_some(lights[first].radius);
+        let radius = is_square.then(|| lights[first].radius.min(disc_radius(&matrix)));
         CardCut { shape, matrix, overlap, irradiance, radius, texture, lights: numbers.clone() }
     }
 
@@ -132,7 +132,7 @@ impl Cutter<'_> {
             sum >= SQUARE_SHARE * total
         });
         let radius = inside.map_or(0.0, |(angle, _)| *angle) + removed.pixels.step();
-        square_towards(light.direction, radius.max(light.radius))
+        square_towards(light.direction, radius)
     }
 
     /// Pixels of a card with their taken share and covered part; of a square, only those of its lights or of none.
@@ -184,6 +184,11 @@ impl Cutter<'_> {
         let texels = texels.into_iter().map(|texel| (texel * gain).as_vec3().to_array()).collect();
         Texture { size, texels }
     }
+}
+
+/// Angular radius of the disc in a facing square.
+fn disc_radius(matrix: &DMat3) -> f64 {
+    (0.5 * sizes(matrix)[0]).min(std::f64::consts::FRAC_PI_2)
 }
 
 /// Rows and columns of a texture whose texels are about as large as pixels.

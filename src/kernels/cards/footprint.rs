@@ -51,6 +51,7 @@ impl Removed<'_> {
 }
 
 /// Pixel of a footprint.
+#[derive(Clone, Copy)]
 pub struct Sample {
     pub pixel: PlanePixel,
     pub luminance: f64,
@@ -96,6 +97,13 @@ impl Footprint {
         let samples = near.into_iter().step_by(stride.max(1)).filter_map(sample).collect();
         let reference = reference(members.iter().map(|&pixel| luminance(pixel as usize)).collect())?;
         Some(Self { frame, samples, reference, step: pixels.step() })
+    }
+
+    /// Every n-th of the samples, so that at most this many remain.
+    pub fn thinned(&self, most: usize) -> Self {
+        let stride = self.samples.len().div_ceil(most).max(1);
+        let samples = self.samples.iter().step_by(stride).copied().collect();
+        Self { samples, ..*self }
     }
 
     /// Part of each pixel that a light with this outer and inner luminance covers.

@@ -88,6 +88,9 @@ fn common(
     step: f64,
 ) -> Option<Group> {
     let lights = [first.0.as_slice(), second.0.as_slice()].concat();
+    if !are_parallel(first, second) {
+        return None;
+    }
     let pixels: Vec<u32> =
         lights.iter().flat_map(|&light| members[light as usize - 1].iter().copied()).collect();
     let footprint = Footprint::new(removed, &lights, &pixels, MOST_SAMPLES)?;
@@ -95,6 +98,12 @@ fn common(
     let is_box = matches!(joint.shape, Shape::Rectangle | Shape::Tube) && joint.overlap >= LEAST_OVERLAP;
     let holds = |part: &Group| part.1.as_ref().is_some_and(|part| is_pane(&part.matrix, &joint.matrix, step));
     (is_box && holds(first) && holds(second)).then_some((lights, Some(joint)))
+}
+
+/// True if the axes of two cards are the same within twice the largest turn.
+fn are_parallel(first: &Group, second: &Group) -> bool {
+    let (Some(first), Some(second)) = (&first.1, &second.1) else { return false };
+    turn(&first.matrix, &second.matrix.inverse(), &second.matrix) < 2.0 * LARGEST_TURN
 }
 
 /// True if a card lies in another one, within 2 pixels, and has its axes.

@@ -11,7 +11,7 @@ use glam::{DMat3, DVec2};
 use super::card_matrix::matrix_of_corners;
 use super::footprint::{Footprint, Sample};
 use super::least_squares::minimise;
-use super::soft_shapes::{self, PlanePixel, Value, rectangle_corners};
+use super::soft_shapes::{Ellipse, Quadrilateral, SoftRectangle, SoftShape, rectangle_corners};
 
 /// Levels of the outline, relative to the reference luminance.
 const LEVELS: [f64; 5] = [0.03, 0.06, 0.12, 0.25, 0.5];
@@ -25,6 +25,11 @@ const TUBE_ASPECT: f64 = 6.0;
 const QUADRILATERAL_COST: f64 = 0.8;
 /// Overlap by which a quadrilateral must exceed an ellipse: four free corners follow a disc better than a rectangle.
 const QUADRILATERAL_MARGIN: f64 = 0.02;
+
+/// Pixels at most for the choice of the level; the last fit uses all.
+const LEVEL_SAMPLES: usize = 3000;
+/// Largest cosine between the sides of a quadrilateral in space; measured angles of oblique windows differ by up to 20 degrees.
+const LARGEST_SKEW: f64 = 0.5;
 
 /// Name of a shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,7 +64,8 @@ struct Fit {
 
 /// Shape of a light; none for a light without radiance.
 pub fn fit(footprint: &Footprint) -> Option<FittedShape> {
-    let (outline, covered) = best_level(footprint)?;
+    let thin = footprint.thinned(LEVEL_SAMPLES);
+    let (outline, level) = best_level(&thin)?;
     let (outer, inner) = levels_around(footprint, &outline);
     let parts = footprint.coverage(outer, inner);
     let starts = [outline.rectangle, outline.ellipse];
@@ -67,59 +73,54 @@ pub fn fit(footprint: &Footprint) -> Option<FittedShape> {
         fit_shapes(footprint, &parts, Some(starts)).filter(|fit| fit.best() >= outline.best() - 0.05);
     let (fit, parts) = match refined {
         Some(fit) => (fit, parts),
-        None => (outline, covered),
+        None => (outline, footprint.coverage(0.5 * level, 1.5 * level)),
     };
     name(footprint, &fit, &parts, inner)
 }
 
-/// Fit of the level whose shape overlaps best and holds most of the flux, and its covered parts.
-fn best_level(footprint: &Footprint) -> Option<(Fit, Vec<f64>)> {
-    let mut best: Option<(f64, Fit, Vec<f64>)> = None;
+/// Fit of the level whose shape overlaps best and holds most of the flux, and the luminance of that level.
+fn best_level(footprint: &Footprint) -> Option<(Fit, f64)> {
+    let mut best: Option<(f64, Fit, f64)> = None;
     let total = footprint.sum(&vec![1.0; footprint.samples.len()], |sample| sample.luminance);
     for level in LEVELS {
         let middle = level * footprint.reference;
         let parts = footprint.coverage(0.5 * middle, 1.5 * middle);
         let Some(fit) = fit_shapes(footprint, &parts, None) else { continue };
-        let is_disc = fit.ellipse_overlap > fit.rectangle_overlap;
-        let inside = values(footprint, |pixel| {
-            if is_disc {
-                soft_shapes::ellipse(&fit.ellipse, pixel).0
-            } else {
-                soft_shapes::rectangle(&fit.rectangle, pixel).0
-            }
-        });
+        let inside = values(footprint, &*fit.shape_grown(0.0));
         let share = footprint.sum(&inside, |sample| sample.luminance) / total;
         let score = fit.best() * share.powf(0.25);
         if best.as_ref().is_none_or(|(other, ..)| score > *other) {
-            best = Some((score, fit, parts));
+            best = Some((score, fit, middle));
         }
     }
-    best.map(|(_, fit, parts)| (fit, parts))
+    best.map(|(_, fit, level)| (fit, level))
 }
 
 impl Fit {
     fn best(&self) -> f64 {
         self.rectangle_overlap.max(self.ellipse_overlap)
     }
+
+    /// Shape of the larger overlap, larger by an angle on all sides.
+    fn shape_grown(&self, grow: f64) -> Box<dyn SoftShape<5>> {
+        let larger = |&[x, y, a, b, angle]: &[f64; 5]| [x, y, a + grow, b + grow, angle];
+        if self.ellipse_overlap > self.rectangle_overlap {
+            Box::new(Ellipse::new(&larger(&self.ellipse)))
+        } else {
+            Box::new(SoftRectangle::new(&larger(&self.rectangle)))
+        }
+    }
 }
 
 /// Luminance just outside and inside of an outline: medians of a ring of three pixels, and of the inside.
 fn levels_around(footprint: &Footprint, fit: &Fit) -> (f64, f64) {
-    let is_disc = fit.ellipse_overlap > fit.rectangle_overlap;
-    let numbers = if is_disc { fit.ellipse } else { fit.rectangle };
-    let value = |grow: f64, pixel: &PlanePixel| {
-        let [x, y, a, b, angle] = numbers;
-        let grown = [x, y, a + grow, b + grow, angle];
-        if is_disc { soft_shapes::ellipse(&grown, pixel).0 } else { soft_shapes::rectangle(&grown, pixel).0 }
-    };
+    let step = footprint.step;
+    let [own, near, far] = [0.0, step, 3.5 * step].map(|grow| values(footprint, &*fit.shape_grown(grow)));
     let (mut inner, mut outer) = (Vec::new(), Vec::new());
-    for sample in &footprint.samples {
-        let own = value(0.0, &sample.pixel);
-        if own > 0.95 {
+    for (i, sample) in footprint.samples.iter().enumerate() {
+        if own[i] > 0.95 {
             inner.push(sample.luminance);
-        } else if value(footprint.step, &sample.pixel) == 0.0
-            && value(3.5 * footprint.step, &sample.pixel) > 0.5
-        {
+        } else if near[i] == 0.0 && far[i] > 0.5 {
             outer.push(sample.luminance);
         }
     }
@@ -133,9 +134,9 @@ fn median(mut values: Vec<f64>) -> Option<f64> {
     values.get(values.len() / 2).copied().filter(|&value| value > 0.0 || values.len() > 2)
 }
 
-/// Values of a shape in all samples.
-fn values(footprint: &Footprint, shape: impl Fn(&PlanePixel) -> f64) -> Vec<f64> {
-    footprint.samples.iter().map(|sample| shape(&sample.pixel)).collect()
+/// Covered parts of all samples by a shape.
+fn values<const N: usize>(footprint: &Footprint, shape: &dyn SoftShape<N>) -> Vec<f64> {
+    footprint.samples.iter().map(|sample| shape.cover(&sample.pixel).0).collect()
 }
 
 /// Rectangle and ellipse of covered parts, from the starts or from the moments; none if less than a pixel is covered.
@@ -144,7 +145,7 @@ fn fit_shapes(footprint: &Footprint, parts: &[f64], starts: Option<[[f64; 5]; 2]
     if covered < 1.0 {
         return None;
     }
-    let rectangle = |start| descend(footprint, parts, start, soft_shapes::rectangle);
+    let rectangle = |start| descend(footprint, parts, start, SoftRectangle::new);
     let (found, ellipse) = match starts {
         Some([box_start, ellipse]) => (rectangle(box_start), ellipse),
         None => {
@@ -157,41 +158,41 @@ fn fit_shapes(footprint: &Footprint, parts: &[f64], starts: Option<[[f64; 5]; 2]
             (best?, moments.start(0.0, 2.0))
         }
     };
-    let (ellipse, _) = descend(footprint, parts, ellipse, soft_shapes::ellipse);
-    let ellipse_overlap = overlap(footprint, parts, |pixel| soft_shapes::ellipse(&ellipse, pixel).0);
+    let (ellipse, _) = descend(footprint, parts, ellipse, Ellipse::new);
+    let ellipse_overlap = overlap(footprint, parts, &Ellipse::new(&ellipse));
     let (rectangle, rectangle_cost) = found;
-    let rectangle_overlap = overlap(footprint, parts, |pixel| soft_shapes::rectangle(&rectangle, pixel).0);
+    let rectangle_overlap = overlap(footprint, parts, &SoftRectangle::new(&rectangle));
     Some(Fit { rectangle, rectangle_cost, rectangle_overlap, ellipse, ellipse_overlap, covered })
 }
 
 /// Sum of squares of a rectangle.
 fn cost(footprint: &Footprint, parts: &[f64], numbers: &[f64; 5]) -> f64 {
-    let square = |(sample, part): (&Sample, &f64)| {
-        (soft_shapes::rectangle(numbers, &sample.pixel).0 - part).powi(2) * sample.solid_angle
-    };
-    footprint.samples.iter().zip(parts).map(square).sum()
+    let covers = values(footprint, &SoftRectangle::new(numbers));
+    let square =
+        |((sample, part), cover): ((&Sample, &f64), f64)| (cover - part).powi(2) * sample.solid_angle;
+    footprint.samples.iter().zip(parts).zip(covers).map(square).sum()
 }
 
 /// Numbers of a shape that fit the parts best, from a start, and the sum of squares.
-fn descend<const N: usize>(
+fn descend<const N: usize, S: SoftShape<N>>(
     footprint: &Footprint,
     parts: &[f64],
     start: [f64; N],
-    shape: impl Fn(&[f64; N], &PlanePixel) -> Value<N>,
+    shape: impl Fn(&[f64; N]) -> S,
 ) -> ([f64; N], f64) {
     minimise(start, |numbers, add| {
+        let shape = shape(numbers);
         for (sample, part) in footprint.samples.iter().zip(parts) {
-            let (value, derivatives) = shape(numbers, &sample.pixel);
+            let (value, derivatives) = shape.cover(&sample.pixel);
             add(sample.solid_angle, value - part, &derivatives);
         }
     })
 }
 
 /// Intersection over union of covered parts and a shape, by solid angle.
-fn overlap(footprint: &Footprint, parts: &[f64], shape: impl Fn(&PlanePixel) -> f64) -> f64 {
+fn overlap<const N: usize>(footprint: &Footprint, parts: &[f64], shape: &dyn SoftShape<N>) -> f64 {
     let (mut common, mut union) = (0.0, 0.0);
-    for (sample, &part) in footprint.samples.iter().zip(parts) {
-        let value = shape(&sample.pixel);
+    for ((sample, &part), value) in footprint.samples.iter().zip(parts).zip(values(footprint, shape)) {
         common += part.min(value) * sample.solid_angle;
         union += part.max(value) * sample.solid_angle;
     }
@@ -245,9 +246,11 @@ fn name(footprint: &Footprint, fit: &Fit, parts: &[f64], inner: f64) -> Option<F
     let [x, y, a, b, angle] = fit.rectangle;
     let (a, b) = (a.abs(), b.abs());
     let (corners, _) = rectangle_corners(&[x, y, a, b, angle]);
-    let (free, free_cost) = descend(footprint, parts, corners, soft_shapes::quadrilateral);
-    let free_overlap = overlap(footprint, parts, |pixel| soft_shapes::quadrilateral(&free, pixel).0);
-    let is_sound = is_near(&free, &corners, a.min(b)) && free_overlap >= fit.rectangle_overlap;
+    let (free, free_cost) = descend(footprint, parts, corners, Quadrilateral::new);
+    let free_overlap = overlap(footprint, parts, &Quadrilateral::new(&free));
+    let is_sound = is_near(&free, &corners, a.min(b))
+        && free_overlap >= fit.rectangle_overlap
+        && is_upright(footprint, &free);
     let free_overlap = if is_sound { free_overlap } else { 0.0 };
     let box_overlap = fit.rectangle_overlap.max(free_overlap - QUADRILATERAL_MARGIN);
     let aspect = a.max(b) / a.min(b);
@@ -272,6 +275,20 @@ fn name(footprint: &Footprint, fit: &Fit, parts: &[f64], inner: f64) -> Option<F
     let matrix = matrix_of_corners([0, 1, 2, 3].map(direction))?;
     let overlap = if is_disc { fit.ellipse_overlap } else { box_best };
     Some(FittedShape { shape, matrix, overlap: overlap.clamp(0.0, 1.0), inner })
+}
+
+/// Matrix of the card with these corners in the plane.
+fn matrix_of(footprint: &Footprint, corners: &[f64; 8]) -> Option<DMat3> {
+    let corner = |i: usize| footprint.frame * DVec2::new(corners[2 * i], corners[2 * i + 1]).extend(1.0);
+    matrix_of_corners([0, 1, 2, 3].map(|i| corner(i).normalize()))
+}
+
+/// True if corners are those of a parallelogram whose sides are nearly perpendicular.
+fn is_upright(footprint: &Footprint, corners: &[f64; 8]) -> bool {
+    matrix_of(footprint, corners).is_some_and(|matrix| {
+        let cosine = matrix.x_axis.normalize().dot(matrix.y_axis.normalize());
+        cosine.abs() < LARGEST_SKEW
+    })
 }
 
 /// Corners of the rectangle around an ellipse.
