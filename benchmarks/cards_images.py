@@ -44,9 +44,7 @@ def _rows(path):
     print(f"{Path(path).stem[:24]:>24} {parts.cards.in_short()}", flush=True)
     for seed, (name, each) in enumerate(variants(env, parts).items(), 2):
         still = _still(each, azimuth, seed)
-        probe = el.kernels.relative_rms(
-            each.probe(_NORMALS), env.probe(_NORMALS), _SOLID_ANGLES
-        )
+        probe = el.kernels.relative_rms(each.probe(_NORMALS), env.probe(_NORMALS), _SOLID_ANGLES)
         print(
             f"{'':>24} {name:>10} {_mirror(each, env, azimuth):>8.2%} {probe:>10.3%}"
             f" {still.error(truth):>7.2%} {max(still.noise, truth.noise):>7.2%}",

@@ -31,7 +31,7 @@ def facing(azimuth, elevation, width, height, turn=0.0):
     return np.stack([*sides, towards - sum(sides) / 2], axis=1)
 
 
-def sheared(matrix):
+def shear(matrix):
     """A parallelogram that is no rectangle."""
     u, v, start = matrix.T
     return np.stack([u, v + 0.4 * u, start - 0.2 * u], axis=1)
@@ -61,7 +61,7 @@ def card(shape, matrix, texture):
 #: A window on the left with four colours, turned; wide enough for a texel of 10 degrees.
 WINDOW = card("rectangle", facing(100, 15, 40, 24, turn=20), CORNERS.repeat(8, 0).repeat(8, 1))
 #: The same colours in a window seen obliquely, as a parallelogram.
-OBLIQUE = card("rectangle", sheared(facing(200, 5, 30, 24)), CORNERS.repeat(8, 0).repeat(8, 1))
+OBLIQUE = card("rectangle", shear(facing(200, 5, 30, 24)), CORNERS.repeat(8, 0).repeat(8, 1))
 #: A lamp of one colour above.
 LAMP = card("disc", facing(-60, 60, 20, 20), np.full((8, 8, 3), [3, 2, 1], np.float32))
 ALL = {"window": WINDOW, "oblique": OBLIQUE, "lamp": LAMP}

@@ -114,7 +114,7 @@ def still_life(matrices, script):
 
 
 def towards(directions, script):
-    """What is seen from the origin in each direction."""
+    """Render one image for each direction from the origin."""
     scene = empty_scene(samples=4)
     scene.cycles.pixel_filter_type, scene.cycles.filter_width = "BOX", 1
     runpy.run_path(str(script))

@@ -55,7 +55,7 @@ def test_each_corner_has_its_colour(name, tmp_path):
 
 @pytest.mark.parametrize("name", cards.ALL)
 def test_a_far_card_lights_as_one_at_infinity(name, tmp_path):
-    """0.3 % is the promise for 1000 radii; the map behind the card is not lost."""
+    """At 1000 radii, the limit is 0.3 %; the map behind the card is not lost."""
     card = cards.ALL[name]
     el.export.save(card, tmp_path / "scene.xml", SKY)
     with mitsuba() as mi:

@@ -56,7 +56,9 @@ def test_an_oblique_window_is_a_mesh_light(tmp_path):
     st = np.array(UsdGeom.PrimvarsAPI(mesh).GetPrimvar("st").Get())
     # Bilinear in a parallelogram: solve for the affine map from st to points.
     affine, *_ = np.linalg.lstsq(np.insert(st, 2, 1, axis=1), points, rcond=None)
-    seen = geometry.unit(np.array([[column, 1 - row, 1] for column, row in cards.QUARTERS]) @ affine)
+    seen = geometry.unit(
+        np.array([[column, 1 - row, 1] for column, row in cards.QUARTERS]) @ affine
+    )
     np.testing.assert_allclose(seen, cards.directions(cards.OBLIQUE), atol=1e-6)
     normal = np.cross(points[1] - points[0], points[2] - points[0])
     assert normal @ points.mean(axis=0) < 0  # right-handed: its front is towards the origin

@@ -40,8 +40,9 @@ def test_a_texture_is_the_right_way_up():
 
 def test_a_ball_under_rest_and_cards_is_that_under_the_map():
     parts = el.CardSplit(cards.WINDOW, el.EnvMap(np.full((64, 128, 3), 0.1, np.float32)))
-    whole, _, ours = (np.asarray(each.images[0].get_array()) for each in
-                      el.plot.card_balls(MAP, parts).axes)
+    whole, _, ours = (
+        np.asarray(each.images[0].get_array()) for each in el.plot.card_balls(MAP, parts).axes
+    )
     assert np.abs(whole - ours).mean() < 0.01
 
 

@@ -85,10 +85,10 @@ class CardSplit(_Fields, LinkedParts):
         """
         if not paths:
             raise EnvLightsError("there is no path; give one or several, such as 'room.usda'")
-        return save_with_map(placed(self.cards, distance, radius), self.rest, paths)
+        return save_with_map(at_place(self.cards, distance, radius), self.rest, paths)
 
 
-def placed(cards: Cards, distance: float | None, radius: float | None) -> Cards:
+def at_place(cards: Cards, distance: float | None, radius: float | None) -> Cards:
     """Cards at a distance, or far away from a scene of this radius."""
     if distance is not None and radius is not None:
         raise EnvLightsError(

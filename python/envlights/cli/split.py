@@ -13,7 +13,7 @@ import click
 from envlights._links import paths_of, plan, save_with_map
 from envlights._map_pixels import PROJECTION
 from envlights._native import EnvLightsError
-from envlights.cards.card_split import CardSplit, placed
+from envlights.cards.card_split import CardSplit, at_place
 from envlights.cli.convert import layout_option, write_map
 from envlights.cli.map_input import MapFile, map_argument
 from envlights.cli.outputs import (
@@ -104,7 +104,7 @@ def command(
     found = None if sun is None else sun_of(env, sun)
     readings = {"irradiance": irradiance, "ratio": ratio}
     parts = _parts(env, lights, share, maximum, found, readings, shapes)
-    parts = _placed(parts, distance, radius)
+    parts = _at_place(parts, distance, radius)
     draw = partial(_draw, env, parts, found)
     written = _write(parts, map_file.path, outputs, layout, draw)
     removed = parts.lights
@@ -143,10 +143,10 @@ def _parts(
     return limit(env, maximum)
 
 
-def _placed(parts: _Parts, distance: float | None, radius: float | None) -> _Parts:
+def _at_place(parts: _Parts, distance: float | None, radius: float | None) -> _Parts:
     """Parts with their cards at a distance."""
     if isinstance(parts, CardSplit):
-        return parts._replace(cards=placed(parts.cards, distance, radius))
+        return parts._replace(cards=at_place(parts.cards, distance, radius))
     if distance is not None or radius is not None:
         raise EnvLightsError("--distance and --radius place cards; add --shapes")
     return parts

@@ -154,4 +154,3 @@ def _behind(card: Card, texture: NDArray[np.float32], env: EnvMap) -> NDArray[np
     towards = np.stack([a, b, np.ones_like(a)], axis=-1).reshape(-1, 3) @ card.matrix.T
     towards /= np.linalg.norm(towards, axis=1, keepdims=True)
     return looked_up(env, towards).reshape(texture.shape)
-

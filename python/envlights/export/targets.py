@@ -175,7 +175,7 @@ _TARGETS = (
 
 
 def _complete(target: Target) -> Target:
-    """`target` with its units and cards from their own tables; our own files keep those of the map."""
+    """`target` with its units and cards; our own files keep the units of the map."""
     if target.name not in UNITS:
         return target
     has_cards = target.name in PANELS

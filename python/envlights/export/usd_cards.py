@@ -63,7 +63,7 @@ def _light(panel: Panel, file: str) -> list[str]:
 
 
 def _rectangle(panel: Panel, file: str) -> str:
-    """A light along its local -z; its texture begins at +x and +y, the upper left seen from there."""
+    """Light along its local -z; its texture begins at +x and +y, the upper left seen from there."""
     width, height = panel.size.tolist()
     light = [
         f"float inputs:width = {width!r}",

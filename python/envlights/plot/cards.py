@@ -85,7 +85,7 @@ def card_textures(cards: Cards) -> Picture:
     Parameters
     ----------
     cards : Cards
-        Cards to draw, of which the 40 brightest fit.
+        Cards to draw: at most the 40 brightest.
 
     Returns
     -------
