@@ -127,6 +127,7 @@ CALLS = {
             "env": IMAGE,
             "lights": st.one_of(st.none(), st.integers(0, 3), st.just(DETECTED)),
             "share": st.one_of(st.none(), SHARE),
+            "shapes": st.booleans(),
         },
     ),
     "limit": (el.limit, {"env": IMAGE, "maximum": SMALL}),

@@ -88,7 +88,7 @@ def angular_radii(
     angles: NDArray[np.float64] = np.arcsin(np.sqrt(np.minimum(unit / np.pi, 1)))
     if values is None:
         return angles
-    # NaN stands for the default.
+    # Replace NaN by the default.
     given = reals("angular_radius", values, 1)
     if given.shape == (len(order),):
         given = np.where(np.isnan(given[order]), angles, given[order])

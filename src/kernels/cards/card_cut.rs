@@ -7,7 +7,7 @@ use glam::{DMat3, DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::card_matrix::{self, point, sizes, square_towards, upright};
-use super::footprint::{Footprint, Removed};
+use super::footprint::{Footprint, RemovedRadiance};
 use super::panes;
 use super::shape_fit::{FittedShape, Shape, fit};
 
@@ -52,7 +52,7 @@ pub struct Texture {
 }
 
 /// Cards of some lights; `rest` receives what lies beside them.
-pub fn cut(removed: &Removed<'_>, lights: &[CardLight], rest: &mut [[f32; 3]]) -> Vec<CardCut> {
+pub fn cut(removed: &RemovedRadiance<'_>, lights: &[CardLight], rest: &mut [[f32; 3]]) -> Vec<CardCut> {
     let members = removed.members(lights.len());
     let single = |light: usize| {
         let number = [light as u32 + 1];
@@ -84,7 +84,7 @@ fn is_outline(fit: &Option<FittedShape>) -> bool {
 pub type Group = (Vec<u32>, Option<FittedShape>);
 
 struct Cutter<'a> {
-    removed: &'a Removed<'a>,
+    removed: &'a RemovedRadiance<'a>,
     /// Taken share of each pixel.
     taken: Vec<f64>,
 }
@@ -122,7 +122,10 @@ impl Cutter<'_> {
         let flux = |pixel: u32| {
             removed.radiance(pixel as usize).element_sum() * removed.pixels.solid_angle(pixel as usize)
         };
-        let angle = |pixel: u32| removed.pixels.direction(pixel as usize).angle_between(light.direction);
+        let sum: DVec3 =
+            members.iter().map(|&pixel| flux(pixel) * removed.pixels.direction(pixel as usize)).sum();
+        let centre = sum.try_normalize().unwrap_or(light.direction);
+        let angle = |pixel: u32| removed.pixels.direction(pixel as usize).angle_between(centre);
         let mut far: Vec<(f64, f64)> = members.iter().map(|&pixel| (angle(pixel), flux(pixel))).collect();
         far.sort_by(|a, b| a.0.total_cmp(&b.0));
         let total: f64 = far.iter().map(|(_, flux)| flux).sum();
@@ -132,7 +135,7 @@ impl Cutter<'_> {
             sum >= SQUARE_SHARE * total
         });
         let radius = inside.map_or(0.0, |(angle, _)| *angle) + removed.pixels.step();
-        square_towards(light.direction, radius)
+        square_towards(centre, radius)
     }
 
     /// Pixels of a card with their taken share and covered part; of a square, only those of its lights or of none.

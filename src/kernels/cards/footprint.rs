@@ -1,4 +1,4 @@
-//! Removed luminance around a light, in the plane that touches the sphere at the light.
+//! RemovedRadiance luminance around a light, in the plane that touches the sphere at the light.
 
 use glam::{DMat3, DVec3};
 
@@ -13,7 +13,7 @@ const LEAST_COSINE: f64 = 0.15;
 const FARTHEST: f64 = 1.4;
 
 /// Radiance that was removed from a map, and the light of each pixel.
-pub struct Removed<'a> {
+pub struct RemovedRadiance<'a> {
     pub pixels: CardPixels,
     pub map: &'a [[f32; 3]],
     pub rest: &'a [[f32; 3]],
@@ -24,8 +24,8 @@ pub struct Removed<'a> {
     pub blocks: usize,
 }
 
-impl Removed<'_> {
-    /// Removed radiance of a pixel.
+impl RemovedRadiance<'_> {
+    /// RemovedRadiance radiance of a pixel.
     pub fn radiance(&self, pixel: usize) -> DVec3 {
         let channel = |c: usize| f64::from(self.map[pixel][c]) - f64::from(self.rest[pixel][c]);
         DVec3::new(channel(0), channel(1), channel(2)).max(DVec3::ZERO)
@@ -52,7 +52,7 @@ impl Removed<'_> {
 
 /// Pixel of a footprint.
 #[derive(Clone, Copy)]
-pub struct Sample {
+pub struct PlaneSample {
     pub pixel: PlanePixel,
     pub luminance: f64,
     pub solid_angle: f64,
@@ -62,7 +62,7 @@ pub struct Sample {
 pub struct Footprint {
     /// Axes x and y of the plane, and its direction.
     pub frame: DMat3,
-    pub samples: Vec<Sample>,
+    pub samples: Vec<PlaneSample>,
     /// Luminance above which half of the flux lies, or 4 medians if that is less.
     pub reference: f64,
     /// Height of a pixel in radians.
@@ -71,7 +71,7 @@ pub struct Footprint {
 
 impl Footprint {
     /// Pixels around these lights with the `members`; `most` pixels at most. Other lights are dark.
-    pub fn new(removed: &Removed<'_>, lights: &[u32], members: &[u32], most: usize) -> Option<Self> {
+    pub fn new(removed: &RemovedRadiance<'_>, lights: &[u32], members: &[u32], most: usize) -> Option<Self> {
         let luminance = |pixel: usize| removed.radiance(pixel).dot(DVec3::from_array(LUMINANCE));
         let pixels = &removed.pixels;
         let weight = |&pixel: &u32| luminance(pixel as usize) * pixels.solid_angle(pixel as usize);
@@ -88,7 +88,7 @@ impl Footprint {
         let sample = |pixel: usize| {
             let label = removed.label(pixel);
             let is_dark = label != 0 && !lights.contains(&label);
-            Some(Sample {
+            Some(PlaneSample {
                 pixel: plane_pixel(pixels, &frame, pixel)?,
                 luminance: if is_dark { 0.0 } else { luminance(pixel) },
                 solid_angle: pixels.solid_angle(pixel),
@@ -100,7 +100,7 @@ impl Footprint {
     }
 
     /// Every n-th of the samples, so that at most this many remain.
-    pub fn thinned(&self, most: usize) -> Self {
+    pub fn every_nth(&self, most: usize) -> Self {
         let stride = self.samples.len().div_ceil(most).max(1);
         let samples = self.samples.iter().step_by(stride).copied().collect();
         Self { samples, ..*self }
@@ -108,12 +108,12 @@ impl Footprint {
 
     /// Part of each pixel that a light with this outer and inner luminance covers.
     pub fn coverage(&self, outer: f64, inner: f64) -> Vec<f64> {
-        let part = |sample: &Sample| ((sample.luminance - outer) / (inner - outer)).clamp(0.0, 1.0);
+        let part = |sample: &PlaneSample| ((sample.luminance - outer) / (inner - outer)).clamp(0.0, 1.0);
         self.samples.iter().map(part).collect()
     }
 
     /// Weighted mean of a function of the samples.
-    pub fn sum(&self, parts: &[f64], of: impl Fn(&Sample) -> f64) -> f64 {
+    pub fn sum(&self, parts: &[f64], of: impl Fn(&PlaneSample) -> f64) -> f64 {
         self.samples.iter().zip(parts).map(|(sample, part)| part * sample.solid_angle * of(sample)).sum()
     }
 }

@@ -27,7 +27,7 @@ mod shape_fit;
 mod soft_shapes;
 
 use card_pixels::CardPixels;
-use footprint::Removed;
+use footprint::RemovedRadiance;
 
 pub use card_cut::{CardCut, CardLight, cut};
 pub use card_drawing::{DrawnCard, draw};
@@ -71,7 +71,7 @@ pub fn cut_map(
     let (map_rows, other_rows) =
         (map.as_slice().ok_or_else(not_rows)?, other.as_slice().ok_or_else(not_rows)?);
     let blocks = width.div_ceil(lights.block.max(1));
-    let removed = Removed {
+    let removed = RemovedRadiance {
         pixels: CardPixels::new(height, width, registration),
         map: map_rows.as_chunks().0,
         rest: other_rows.as_chunks().0,

@@ -4,10 +4,12 @@
 //! bars between them stay in its texture.
 
 use glam::{DMat3, DVec3};
+use rayon::prelude::*;
+use rustc_hash::FxHashMap;
 
 use super::card_cut::{Group, MOST_SAMPLES};
 use super::card_matrix::{centre, corners, point, sizes};
-use super::footprint::{Footprint, Removed};
+use super::footprint::{Footprint, RemovedRadiance};
 use super::shape_fit::{FittedShape, Shape, fit};
 
 /// Largest ratio of the luminance of two panes.
@@ -22,28 +24,37 @@ const LEAST_OVERLAP: f64 = 0.7;
 const LARGEST_TURN: f64 = 0.052;
 
 /// Cards of the lights, with panes merged; in the order of their first lights.
-pub fn merge(removed: &Removed<'_>, members: &[Vec<u32>], fits: Vec<Option<FittedShape>>) -> Vec<Group> {
+pub fn merge(
+    removed: &RemovedRadiance<'_>,
+    members: &[Vec<u32>],
+    fits: Vec<Option<FittedShape>>,
+) -> Vec<Group> {
     let mut groups: Vec<Group> =
         fits.into_iter().enumerate().map(|(i, fit)| (vec![i as u32 + 1], fit)).collect();
-    let mut refused = rustc_hash::FxHashSet::default();
     let step = removed.pixels.step();
-    'again: loop {
-        for first in 0..groups.len() {
-            for second in first + 1..groups.len() {
-                let pair = (groups[first].0.clone(), groups[second].0.clone());
-                if !are_near(&groups[first].1, &groups[second].1) || refused.contains(&pair) {
-                    continue;
-                }
-                if let Some(common) = common(removed, members, &groups[first], &groups[second], step) {
-                    groups[first] = common;
-                    groups.remove(second);
-                    continue 'again;
-                }
-                refused.insert(pair);
-            }
-        }
-        return groups;
+    let mut tried: FxHashMap<(Vec<u32>, Vec<u32>), Option<Group>> = FxHashMap::default();
+    loop {
+        crate::interrupt::check();
+        let pairs = near_pairs(&groups);
+        let key = |&(first, second): &(usize, usize)| (groups[first].0.clone(), groups[second].0.clone());
+        let new: Vec<_> = pairs.iter().copied().filter(|pair| !tried.contains_key(&key(pair))).collect();
+        let common = |&(first, second): &(usize, usize)| {
+            common(removed, members, &groups[first], &groups[second], step)
+        };
+        let found: Vec<Option<Group>> = new.par_iter().map(common).collect();
+        tried.extend(new.iter().map(key).zip(found));
+        let window = pairs.iter().find_map(|pair| Some((*pair, tried[&key(pair)].clone()?)));
+        let Some(((first, second), window)) = window else { return groups };
+        groups[first] = window;
+        groups.remove(second);
     }
+}
+
+/// Pairs of cards that may be panes of one window, in order.
+fn near_pairs(groups: &[Group]) -> Vec<(usize, usize)> {
+    let all =
+        (0..groups.len()).flat_map(|first| (first + 1..groups.len()).map(move |second| (first, second)));
+    all.filter(|&(first, second)| are_near(&groups[first].1, &groups[second].1)).collect()
 }
 
 /// True for two rectangles of similar luminance with a small gap between them.
@@ -81,7 +92,7 @@ fn edge_points(matrix: &DMat3) -> Vec<DVec3> {
 
 /// Card of two groups, if one rectangle describes both.
 fn common(
-    removed: &Removed<'_>,
+    removed: &RemovedRadiance<'_>,
     members: &[Vec<u32>],
     first: &Group,
     second: &Group,

@@ -9,12 +9,14 @@ use std::f64::consts::FRAC_PI_8;
 use glam::{DMat3, DVec2};
 
 use super::card_matrix::matrix_of_corners;
-use super::footprint::{Footprint, Sample};
+use super::footprint::{Footprint, PlaneSample};
 use super::least_squares::minimise;
 use super::soft_shapes::{Ellipse, Quadrilateral, SoftRectangle, SoftShape, rectangle_corners};
 
 /// Levels of the outline, relative to the reference luminance.
 const LEVELS: [f64; 5] = [0.03, 0.06, 0.12, 0.25, 0.5];
+/// Overlap below which an ellipse is no disc. True discs reach 0.92 to 0.98; an ellipse around a screen behind a man 0.87.
+const LEAST_DISC_OVERLAP: f64 = 0.88;
 /// Covered pixels below which a light is a point.
 const POINT_PIXELS: f64 = 12.0;
 /// Overlap of the best shape below which a light is other. True shapes reach 0.87 to 0.99.
@@ -64,7 +66,7 @@ struct Fit {
 
 /// Shape of a light; none for a light without radiance.
 pub fn fit(footprint: &Footprint) -> Option<FittedShape> {
-    let thin = footprint.thinned(LEVEL_SAMPLES);
+    let thin = footprint.every_nth(LEVEL_SAMPLES);
     let (outline, level) = best_level(&thin)?;
     let (outer, inner) = levels_around(footprint, &outline);
     let parts = footprint.coverage(outer, inner);
@@ -169,7 +171,7 @@ fn fit_shapes(footprint: &Footprint, parts: &[f64], starts: Option<[[f64; 5]; 2]
 fn cost(footprint: &Footprint, parts: &[f64], numbers: &[f64; 5]) -> f64 {
     let covers = values(footprint, &SoftRectangle::new(numbers));
     let square =
-        |((sample, part), cover): ((&Sample, &f64), f64)| (cover - part).powi(2) * sample.solid_angle;
+        |((sample, part), cover): ((&PlaneSample, &f64), f64)| (cover - part).powi(2) * sample.solid_angle;
     footprint.samples.iter().zip(parts).zip(covers).map(square).sum()
 }
 
@@ -200,16 +202,16 @@ fn overlap<const N: usize>(footprint: &Footprint, parts: &[f64], shape: &dyn Sof
 }
 
 /// Centre and second moments of covered parts in the plane.
-struct Moments {
+struct PlaneMoments {
     centre: DVec2,
-    /// Moments xx, xy, yy.
+    /// PlaneMoments xx, xy, yy.
     squares: [f64; 3],
     angle: f64,
     least: f64,
 }
 
-fn moments(footprint: &Footprint, parts: &[f64]) -> Moments {
-    let area = |sample: &Sample| {
+fn moments(footprint: &Footprint, parts: &[f64]) -> PlaneMoments {
+    let area = |sample: &PlaneSample| {
         let place = sample.pixel.place;
         (1.0 + place.length_squared()).powf(1.5)
     };
@@ -224,10 +226,10 @@ fn moments(footprint: &Footprint, parts: &[f64]) -> Moments {
         mean(&|place| (place.y - centre.y).powi(2)),
     ];
     let angle = 0.5 * (2.0 * squares[1]).atan2(squares[0] - squares[2]);
-    Moments { centre, squares, angle, least: 0.25 * footprint.step }
+    PlaneMoments { centre, squares, angle, least: 0.25 * footprint.step }
 }
 
-impl Moments {
+impl PlaneMoments {
     /// Start turned from the longest axis, with half sizes of `factor` deviations.
     fn start(&self, turn: f64, factor: f64) -> [f64; 5] {
         let angle = self.angle + turn;
@@ -264,7 +266,7 @@ fn name(footprint: &Footprint, fit: &Fit, parts: &[f64], inner: f64) -> Option<F
     } else if aspect > TUBE_ASPECT {
         Shape::Tube
     } else if fit.ellipse_overlap >= box_overlap {
-        Shape::Disc
+        if fit.ellipse_overlap < LEAST_DISC_OVERLAP { Shape::Other } else { Shape::Disc }
     } else {
         Shape::Rectangle
     };

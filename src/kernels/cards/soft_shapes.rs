@@ -13,7 +13,7 @@ impl PlanePixel {
     /// Width of a pixel across an edge with this unit normal: that of a line with the same variance.
     fn width(&self, normal: DVec2) -> f64 {
         let [first, second] = self.sides.map(|side| normal.dot(side));
-        first.hypot(second).max(1e-12)
+        (first * first + second * second).sqrt().max(1e-12)
     }
 }
 
@@ -53,7 +53,12 @@ impl Quadrilateral {
 impl SoftShape<8> for Quadrilateral {
     fn cover(&self, pixel: &PlanePixel) -> Value<8> {
         let [e0, e1, e2, e3] = &self.0;
-        let edges = [e0.ramp(pixel), e1.ramp(pixel), e2.ramp(pixel), e3.ramp(pixel)];
+        // Most pixels lie outside of one edge: stop there.
+        let (r0, r2) = (e0.ramp(pixel), e2.ramp(pixel));
+        if r0.0 + r2.0 <= 1.0 {
+            return (0.0, [0.0; 8]);
+        }
+        let edges = [r0, e1.ramp(pixel), r2, e3.ramp(pixel)];
         let [first, second] = [0, 1].map(|pair| (edges[pair].0 + edges[pair + 2].0 - 1.0).max(0.0));
         let mut derivatives = [0.0; 8];
         if first == 0.0 || second == 0.0 {
@@ -147,7 +152,7 @@ impl SoftShape<5> for Ellipse {
         let (a, b) = (self.axes.x, self.axes.y);
         let offset = pixel.place - self.centre;
         let (u, v) = (offset.dot(self.along), offset.dot(self.along.perp()));
-        let radius = (u / a).hypot(v / b).max(1e-9);
+        let radius = (u * u / (a * a) + v * v / (b * b)).sqrt().max(1e-9);
         let by_place = DVec2::new(u / (a * a), v / (b * b)) / radius;
         let slope = by_place.length().max(1e-12);
         let normal = (by_place.x * self.along + by_place.y * self.along.perp()) / slope;
