@@ -31,7 +31,9 @@ def test_the_radiance_of_a_disc_is_that_of_a_light_of_its_angular_radius(radius)
 
 def test_corners_size_and_tilt_of_a_square_are_those_of_its_geometry():
     card = one_card()
-    assert np.allclose(card.corners[0] * np.sqrt(3), [[1, 1, 1], [-1, 1, 1], [-1, -1, 1], [1, -1, 1]])
+    assert np.allclose(
+        card.corners[0] * np.sqrt(3), [[1, 1, 1], [-1, 1, 1], [-1, -1, 1], [1, -1, 1]]
+    )
     assert np.allclose(card.size, np.pi / 2)
     assert np.allclose(card.aspect, 1)
     assert np.allclose(card.tilt, 0)
@@ -41,7 +43,11 @@ def test_corners_size_and_tilt_of_a_square_are_those_of_its_geometry():
 @given(st.floats(-1.4, 1.4), st.floats(-3, 3), st.floats(0.02, 0.6))
 def test_a_square_towards_a_light_reads_as_the_map(elevation, azimuth, radius):
     direction = np.array(
-        [np.cos(elevation) * np.sin(azimuth), np.sin(elevation), np.cos(elevation) * np.cos(azimuth)]
+        [
+            np.cos(elevation) * np.sin(azimuth),
+            np.sin(elevation),
+            np.cos(elevation) * np.cos(azimuth),
+        ]
     )
     matrix = geometry.square_towards(direction, radius)
     assert np.linalg.det(matrix) > 0

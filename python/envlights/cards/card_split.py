@@ -29,7 +29,7 @@ class CardSplit(_Fields, LinkedParts):
     __slots__ = ()
 
     @property
-    def lights(self) -> Cards:  # type: ignore[override]
+    def lights(self) -> Cards:
         """The cards, which texts and files show as the lights."""
         return self.cards
 

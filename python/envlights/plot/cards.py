@@ -147,12 +147,16 @@ def card_balls(env: AnyMap, parts: CardSplit) -> Picture:
     width = parts.rest.width
     discs = parts.rest.radiance + parts.cards.lights.to_map(width // 2).radiance
     planes = parts.rest.radiance + parts.cards.to_map(width).radiance
-    drawn = {"the map": env, "the rest and discs": discs, "the rest and cards": planes}
+    drawn = {
+        "the map": env,
+        "the rest and discs": EnvMap(discs),
+        "the rest and cards": EnvMap(planes),
+    }
     white = expose(working(env)).white
     eye = _eye(parts.cards)
     figure = Picture(figsize=(9, 3.6))
     for axes, (title, each) in zip(np.ravel(figure.subplots(1, 3)), drawn.items(), strict=True):
-        axes.imshow(_mirror(EnvMap(each) if isinstance(each, np.ndarray) else each, eye, white))
+        axes.imshow(_mirror(each, eye, white))
         axes.set_title(title, fontsize="small")
         hide_frame(axes)
     return figure
