@@ -31,7 +31,9 @@ def test_the_radiance_of_a_disc_is_that_of_a_light_of_its_angular_radius(radius)
 
 def test_corners_size_and_tilt_of_a_square_are_those_of_its_geometry():
     card = one_card()
-    assert np.allclose(card.corners[0] * np.sqrt(3), [[1, 1, 1], [-1, 1, 1], [-1, -1, 1], [1, -1, 1]])
+    assert np.allclose(
+        card.corners[0] * np.sqrt(3), [[1, 1, 1], [-1, 1, 1], [-1, -1, 1], [1, -1, 1]]
+    )
     assert np.allclose(card.size, np.pi / 2)
     assert np.allclose(card.aspect, 1)
     assert np.allclose(card.tilt, 0)
@@ -41,7 +43,11 @@ def test_corners_size_and_tilt_of_a_square_are_those_of_its_geometry():
 @given(st.floats(-1.4, 1.4), st.floats(-3, 3), st.floats(0.02, 0.6))
 def test_a_square_towards_a_light_reads_as_the_map(elevation, azimuth, radius):
     direction = np.array(
-        [np.cos(elevation) * np.sin(azimuth), np.sin(elevation), np.cos(elevation) * np.cos(azimuth)]
+        [
+            np.cos(elevation) * np.sin(azimuth),
+            np.sin(elevation),
+            np.cos(elevation) * np.cos(azimuth),
+        ]
     )
     matrix = geometry.square_towards(direction, radius)
     assert np.linalg.det(matrix) > 0
@@ -57,10 +63,14 @@ def test_a_texture_of_four_colours_is_drawn_as_the_map_shows_it():
     # The card is seen in the middle of the map; its left half is left of the middle.
     top_left, top_right = drawn[52, 116], drawn[52, 140]
     bottom_left, bottom_right = drawn[75, 116], drawn[75, 140]
-    assert top_left[0] > 0 and top_left[1:].max() == 0
-    assert top_right[1] > 0 and top_right[[0, 2]].max() == 0
-    assert bottom_left[2] > 0 and bottom_left[:2].max() == 0
-    assert bottom_right[:2].min() > 0 and bottom_right[2] == 0
+    assert top_left[0] > 0
+    assert top_left[1:].max() == 0
+    assert top_right[1] > 0
+    assert top_right[[0, 2]].max() == 0
+    assert bottom_left[2] > 0
+    assert bottom_left[:2].max() == 0
+    assert bottom_right[:2].min() > 0
+    assert bottom_right[2] == 0
 
 
 @pytest.mark.parametrize("shape", ["rectangle", "disc", "point"])
@@ -119,7 +129,8 @@ def test_a_slice_has_the_fields_of_its_cards():
     assert cards[[1]] == cards[1:]
     assert cards[1].shape == "tube"
     assert "1 tube, 1 disc" in repr(cards)
-    assert "tube" in str(cards) and "<table>" in cards._repr_html_()
+    assert "tube" in str(cards)
+    assert "<table>" in cards._repr_html_()
     assert cards.to_dict()["matrix"] == cards.matrix.tolist()
 
 
