@@ -63,10 +63,14 @@ def test_a_texture_of_four_colours_is_drawn_as_the_map_shows_it():
     # The card is seen in the middle of the map; its left half is left of the middle.
     top_left, top_right = drawn[52, 116], drawn[52, 140]
     bottom_left, bottom_right = drawn[75, 116], drawn[75, 140]
-    assert top_left[0] > 0 and top_left[1:].max() == 0
-    assert top_right[1] > 0 and top_right[[0, 2]].max() == 0
-    assert bottom_left[2] > 0 and bottom_left[:2].max() == 0
-    assert bottom_right[:2].min() > 0 and bottom_right[2] == 0
+    assert top_left[0] > 0
+    assert top_left[1:].max() == 0
+    assert top_right[1] > 0
+    assert top_right[[0, 2]].max() == 0
+    assert bottom_left[2] > 0
+    assert bottom_left[:2].max() == 0
+    assert bottom_right[:2].min() > 0
+    assert bottom_right[2] == 0
 
 
 @pytest.mark.parametrize("shape", ["rectangle", "disc", "point"])
@@ -125,7 +129,8 @@ def test_a_slice_has_the_fields_of_its_cards():
     assert cards[[1]] == cards[1:]
     assert cards[1].shape == "tube"
     assert "1 tube, 1 disc" in repr(cards)
-    assert "tube" in str(cards) and "<table>" in cards._repr_html_()
+    assert "tube" in str(cards)
+    assert "<table>" in cards._repr_html_()
     assert cards.to_dict()["matrix"] == cards.matrix.tolist()
 
 
