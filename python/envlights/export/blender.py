@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from envlights._native import EnvLightsError
+from envlights.cards import Cards
 from envlights.envmap import EnvMap
 from envlights.export import blender_cards
 from envlights.export.axes import AXES
@@ -96,7 +97,7 @@ main()
 
 
 def blender(
-    rig: Rig | Lights,
+    rig: Rig | Lights | Cards,
     environment: EnvMap | ArrayLike | None = None,
     texture: str = "ambient.exr",
 ) -> str:
@@ -117,7 +118,7 @@ def blender(
 
     Parameters
     ----------
-    rig : Rig or Lights
+    rig : Rig, Lights or Cards
     environment : EnvMap or array_like, optional
         Map that replaces the ambient term.
     texture : str
@@ -142,7 +143,7 @@ def blender(
 
 
 def save_blender(
-    rig: Rig | Lights,
+    rig: Rig | Lights | Cards,
     path: str | os.PathLike[str],
     environment: EnvMap | ArrayLike | None = None,
     *,
@@ -156,14 +157,16 @@ def save_blender(
     save_scene(path, _script(scene, name, prefix), textures)
 
 
-def add_to_blender(rig: Rig | Lights, environment: EnvMap | ArrayLike | None = None) -> None:
+def add_to_blender(
+    rig: Rig | Lights | Cards, environment: EnvMap | ArrayLike | None = None
+) -> None:
     """Run the script of `blender` in this process: in Blender, or with `bpy` from PyPI.
 
     The open scene gets a collection "envlights" of sun lamps, and a new world; a map is packed.
 
     Parameters
     ----------
-    rig : Rig or Lights
+    rig : Rig, Lights or Cards
     environment : EnvMap or array_like, optional
         Map that replaces the ambient term.
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from envlights.cards import Cards
 from envlights.envmap import EnvMap
 from envlights.export import gltf_cards
 from envlights.export.axes import AXES
@@ -35,7 +36,7 @@ _MAP_NOTE = (
 
 
 def gltf(
-    rig: Rig | Lights,
+    rig: Rig | Lights | Cards,
     environment: EnvMap | ArrayLike | None = None,
     *,
     texture: str = "ambient.exr",
@@ -56,7 +57,7 @@ def gltf(
 
     Parameters
     ----------
-    rig : Rig or Lights
+    rig : Rig, Lights or Cards
     environment : EnvMap or array_like, optional
         Map that replaces the ambient term.
     texture : str
@@ -113,7 +114,7 @@ def gltf(
 
 
 def save_gltf(
-    rig: Rig | Lights,
+    rig: Rig | Lights | Cards,
     path: str | os.PathLike[str],
     environment: EnvMap | ArrayLike | None = None,
     *,

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights import kernels
 from envlights._native import EnvLightsError
+from envlights.cards import Cards
 from envlights.envmap import EnvMap
 from envlights.export import mitsuba_cards
 from envlights.export.discs import MOST_ROWS, rows_for, split_by_size
@@ -39,12 +40,14 @@ _NORMALS = kernels.pixel_directions(8, 16).reshape(-1, 3)
 _LEAST_WEIGHT = 0.01
 
 
-def mitsuba(rig: Rig | Lights, environment: EnvMap | ArrayLike | None = None) -> dict[str, Any]:
+def mitsuba(
+    rig: Rig | Lights | Cards, environment: EnvMap | ArrayLike | None = None
+) -> dict[str, Any]:
     r"""The emitters of a rig, to be merged into the dictionary of a scene.
 
     Parameters
     ----------
-    rig : Rig or Lights
+    rig : Rig, Lights or Cards
     environment : EnvMap or array_like, optional
         Map that replaces the ambient term.
 
@@ -88,7 +91,7 @@ def mitsuba(rig: Rig | Lights, environment: EnvMap | ArrayLike | None = None) ->
 
 
 def save_mitsuba(
-    rig: Rig | Lights,
+    rig: Rig | Lights | Cards,
     path: str | os.PathLike[str],
     environment: EnvMap | ArrayLike | None = None,
 ) -> None:

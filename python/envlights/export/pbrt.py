@@ -7,6 +7,7 @@ import os
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from envlights.cards import Cards
 from envlights.envmap import EnvMap
 from envlights.export.axes import AXES
 from envlights.export.discs import split_by_size, with_discs
@@ -46,7 +47,7 @@ _HEADER = "# Lights of envlights for pbrt-v4: Include this file after WorldBegin
 
 
 def pbrt(
-    rig: Rig | Lights,
+    rig: Rig | Lights | Cards,
     environment: EnvMap | ArrayLike | None = None,
     texture: str = "ambient.pbrt.exr",
 ) -> str:
@@ -67,7 +68,7 @@ def pbrt(
 
     Parameters
     ----------
-    rig : Rig or Lights
+    rig : Rig, Lights or Cards
     environment : EnvMap or array_like, optional
         Map that replaces the ambient term.
     texture : str
@@ -87,7 +88,7 @@ def pbrt(
 
 
 def save_pbrt(
-    rig: Rig | Lights,
+    rig: Rig | Lights | Cards,
     path: str | os.PathLike[str],
     environment: EnvMap | ArrayLike | None = None,
 ) -> None:

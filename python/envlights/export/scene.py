@@ -15,6 +15,7 @@ from envlights._native import EnvLightsError
 from envlights._printable import printable
 from envlights._units import PHOTOMETRIC
 from envlights.ambient import ambient_rows
+from envlights.cards import Cards
 from envlights.envmap import EnvMap, as_envmap
 from envlights.export.panels import Panel, distant_and_panels
 from envlights.export.units import UNITS
@@ -50,7 +51,7 @@ class Scene(NamedTuple):
 
 
 def scene_of(
-    rig: Rig | Lights, environment: EnvMap | ArrayLike | None = None, *, target: str
+    rig: Rig | Lights | Cards, environment: EnvMap | ArrayLike | None = None, *, target: str
 ) -> Scene:
     """Parts of a rig, or of lights alone, in the units of a target.
 
@@ -112,7 +113,7 @@ def _environment(lights: Lights, environment: EnvMap | ArrayLike) -> EnvMap:
     return EnvMap(env.cells(), units=env.units) if env.is_border_sampled else env
 
 
-def _ambient_of(rig: Rig | Lights) -> tuple[NDArray[np.float64] | None, EnvMap | None]:
+def _ambient_of(rig: Rig | Lights | Cards) -> tuple[NDArray[np.float64] | None, EnvMap | None]:
     """Radiance of a constant ambient term, or a small map of another one."""
     ambient, floor = getattr(rig, "ambient", np.zeros(3)), getattr(rig, "floor", False)
     if not np.any(ambient):
@@ -163,7 +164,7 @@ def mean_radiance(rig: Any, environment: EnvMap | None) -> NDArray[np.float64]:
     return mean
 
 
-def check_rig(rig: Rig | Lights) -> Lights:
+def check_rig(rig: Rig | Lights | Cards) -> Lights:
     """Lights of a rig, or lights themselves; a refusal of anything else."""
     lights: Any = getattr(rig, "lights", rig)
     if not hasattr(lights, "discs"):

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights.ambient import turned_ambient
+from envlights.cards import Cards
 from envlights.envmap import EnvMap
 from envlights.export import three_cards
 from envlights.export.axes import AXES
@@ -29,7 +30,9 @@ _COLUMNS = 1024
 _VERSION = {"version": 4.7, "type": "Object", "generator": "envlights"}
 
 
-def three(rig: Rig | Lights, environment: EnvMap | ArrayLike | None = None) -> dict[str, Any]:
+def three(
+    rig: Rig | Lights | Cards, environment: EnvMap | ArrayLike | None = None
+) -> dict[str, Any]:
     """A scene of lights, for ``new THREE.ObjectLoader().parse(json)``.
 
     Axes: our +x, +y, +z are -z, +y, +x in three.js, so the lights fit the panorama as an
@@ -48,7 +51,7 @@ def three(rig: Rig | Lights, environment: EnvMap | ArrayLike | None = None) -> d
 
     Parameters
     ----------
-    rig : Rig or Lights
+    rig : Rig, Lights or Cards
     environment : EnvMap or array_like, optional
         Map that replaces the ambient term. It is written as text, with up to 1024 columns.
 
@@ -85,7 +88,7 @@ def three(rig: Rig | Lights, environment: EnvMap | ArrayLike | None = None) -> d
 
 
 def save_three(
-    rig: Rig | Lights,
+    rig: Rig | Lights | Cards,
     path: str | os.PathLike[str],
     environment: EnvMap | ArrayLike | None = None,
 ) -> None:

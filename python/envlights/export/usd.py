@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights._native import EnvLightsError
+from envlights.cards import Cards
 from envlights.envmap import EnvMap
 from envlights.export import usd_cards
 from envlights.export.axes import AXES
@@ -35,7 +36,7 @@ def Xform "rig"
 
 
 def usd(
-    rig: Rig | Lights,
+    rig: Rig | Lights | Cards,
     environment: EnvMap | ArrayLike | None = None,
     *,
     texture: str = "ambient.exr",
@@ -44,7 +45,7 @@ def usd(
 
     Parameters
     ----------
-    rig : Rig or Lights
+    rig : Rig, Lights or Cards
     environment : EnvMap or array_like, optional
         Map that replaces the ambient term.
     texture : str
@@ -70,7 +71,7 @@ def usd(
 
 
 def save_usd(
-    rig: Rig | Lights,
+    rig: Rig | Lights | Cards,
     path: str | os.PathLike[str],
     environment: EnvMap | ArrayLike | None = None,
     *,
