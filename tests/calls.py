@@ -54,6 +54,9 @@ from tests.call_values import (
     unit_vectors,
 )
 
+_CORNER = np.transpose([[-2.0, 0, 0], [0, -1, 0], [1, 0.5, 1]])
+CARDS = el.Cards(["rectangle"], [_CORNER], [[3.0, 2.0, 1.0]])
+
 CALLS = {
     "EnvMap": (
         el.EnvMap,
@@ -107,6 +110,17 @@ CALLS = {
     ),
     "Lights.to_map": (method_of(RIG.lights, "to_map"), {"height": SIZE}),
     "Lights[]": (light_at, {"index": st.integers(0, len(RIG.lights) - 1)}),
+    "Cards": (
+        el.Cards,
+        {
+            "shape": st.lists(st.sampled_from(["rectangle", "disc", "other"]), max_size=2),
+            "matrix": st.just([_CORNER]),
+            "irradiance": COLOURS,
+            "units": UNITS,
+        },
+    ),
+    "Cards.at": (method_of(CARDS, "at"), {"distance": st.floats(0.1, 1e4)}),
+    "Cards.far": (method_of(CARDS, "far"), {"radius": st.floats(0.1, 1e4)}),
     "Rig.probe": (method_of(RIG, "probe"), {"normals": NORMALS}),
     "Rig.to_map": (method_of(RIG, "to_map"), {"height": SIZE}),
     "Rig.load": (el.Rig.load, {"path": st.just("none.json")}),
@@ -137,6 +151,7 @@ CALLS = {
             "env": IMAGE,
             "lights": st.one_of(st.none(), st.integers(0, 3), st.just(DETECTED)),
             "share": st.one_of(st.none(), SHARE),
+            "shapes": st.booleans(),
         },
     ),
     "limit": (el.limit, {"env": IMAGE, "maximum": SMALL}),

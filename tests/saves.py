@@ -39,6 +39,17 @@ SUNS = [
     el.with_sun(image, el.Sun("sun", direction=[0, 0.6, 0.8], irradiance=[9 + which] * 3))
     for which, image in enumerate(IMAGES)
 ]
+CARDS = [
+    el.CardSplit(
+        el.Cards(
+            ["rectangle"],
+            [np.array([[-1.0, 0, 0.5], [0, -1, 0.5], [0, 0, 1]])],
+            [[1.0 + which] * 3],
+        ),
+        el.EnvMap(np.ones((8, 16, 3), np.float32)),
+    )
+    for which in (0, 1)
+]
 SHADOWS = [el.shadow_overlay(rig, el.Ball((0, 0.5, 0), 0.5), columns=64) for rig in RIGS]
 PAGES = [el.view(rig) for rig in RIGS]
 
@@ -69,6 +80,7 @@ SAVES = {
     "image": ("image.exr", lambda path, which: el.io.write_exr(path, IMAGES[which])),
     "tif": ("image.tif", lambda path, which: write_tiff(path, IMAGES[which])),
     "sun": ("sun.usda", lambda path, which: SUNS[which].save(path)),
+    "cards": ("cards.usda", lambda path, which: CARDS[which].save(path)),
     "codes": ("image.png", lambda path, which: write_png(path, IMAGES[which].clip(0, 1))),
     "places": ("photograph.csv", lambda path, which: PHOTOGRAPHS[which].save(path)),
     **{

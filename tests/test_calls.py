@@ -39,6 +39,8 @@ LEFT_OUT = {
     "FileError": "is a refusal",
     "FilePairs": "comes from read_pairs",
     "FitReport": "comes from fit",
+    "Card": "comes from split",
+    "CardSplit": "comes from split",
     "ErrorCurve": "comes from error_curve",
     "FolderComparison": "comes from compare_folders",
     "ImageErrors": "comes from image_errors",

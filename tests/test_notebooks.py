@@ -129,3 +129,18 @@ def test_the_courtyard_goes_from_a_map_to_a_lightmap_within_the_stated_error():
     error, stated, noise = map(float, said)
     assert error < stated + noise
     assert "image/png" in notebook.cells[-1].outputs[-1].data
+
+
+@pytest.mark.slow
+def test_a_window_of_an_interior_is_dimmed():
+    pytest.importorskip("mitsuba")
+    cells = run_notebook("cards")
+    told = "".join(map(printed_text, cells))
+    (error,) = re.findall(r"rest and cards: ([\d.]+) %", told)
+    (fraction,) = re.findall(r"dimmed: ([\d.]+) %", told)
+    assert float(error) < 0.1
+    # The brightest of three windows and a wall; nine tenths of its light are gone.
+    assert 40 < float(fraction) < 80
+    pictures = ["image/png" in o.get("data", {}) for cell in cells for o in cell.get("outputs", ())]
+    assert sum(pictures) == 4
+    assert "room.card_2.blender.exr" in told

@@ -15,6 +15,7 @@ from envlights._native import EnvLightsError
 from envlights._notes import Note
 from envlights._report_fields import StopReason
 from envlights._threads import threads
+from envlights.cards import Card, Cards, CardSplit
 from envlights.detection.component_tree import detect_tree
 from envlights.detection.detect import detect
 from envlights.detection.lights import DetectedLights, DetectionReport
@@ -36,6 +37,9 @@ __all__ = [
     "BakedPairs",
     "Ball",
     "Box",
+    "Card",
+    "CardSplit",
+    "Cards",
     "Comparison",
     "DamagedFileError",
     "DetectedLights",

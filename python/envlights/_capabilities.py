@@ -46,6 +46,9 @@ class Capabilities(NamedTuple):
     casters: int | None = None
     """Largest number of lights that cast shadows; None: any number."""
 
+    cards: bool = False
+    """True if cards are planes in space; False if they are discs like other lights."""
+
     units: str = "those of the map"
     """Meaning of the numbers in the file."""
 
@@ -70,6 +73,7 @@ class Capabilities(NamedTuple):
             harmonics[self.harmonics],
             "floor" if self.floor else "no floor",
             "map" if self.environment else "no map",
+            *(["cards"] if self.cards else []),
         )
         return [f"shows {', '.join(shown)}; units: {self.units}", *filter(None, [self.remark])]
 

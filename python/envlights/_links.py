@@ -29,6 +29,9 @@ class LinkedFile(NamedTuple):
     link: str | None = None
     """Relative name of a map that another file brings."""
 
+    crops: tuple[Path, ...] = ()
+    """Textures of cards that are written with it."""
+
 
 def save_with_map(
     lights: Any, environment: EnvMap, paths: Iterable[str | os.PathLike[str]]
@@ -37,7 +40,7 @@ def save_with_map(
 
     Parameters
     ----------
-    lights : Rig or Lights
+    lights : Rig, Lights or Cards
     environment : EnvMap
         Map around the lights.
     paths : iterable of path-like
@@ -53,7 +56,7 @@ def save_with_map(
     EnvLightsError
         If a suffix is unknown, two of the files have the same path, or one cannot be written.
     """
-    files = plan(environment, paths)
+    files = plan(environment, paths, lights)
     # No scene names a missing map: files of the map are written first.
     for file in sorted(files, key=lambda file: file.target is not None):
         if file.target is None:
@@ -119,13 +122,16 @@ class LinkedParts:
         return f"{self.lights._repr_html_()}{self.rest._repr_html_()}"
 
 
-def plan(environment: EnvMap, paths: Iterable[str | os.PathLike[str]]) -> list[LinkedFile]:
+def plan(
+    environment: EnvMap, paths: Iterable[str | os.PathLike[str]], lights: Any = None
+) -> list[LinkedFile]:
     """Files of `save_with_map`, checked before the first is written."""
     given = [as_path(path) for path in paths]
     panorama = _panorama(environment, given)
     files: list[LinkedFile] = []
     for path in given:
         file = _file_at(path, panorama)
+        file = file._replace(crops=_crops(file, lights))
         if panorama is None and file.target and file.target.texture == PANORAMA:
             panorama = file.texture
         files.append(file)
@@ -137,8 +143,17 @@ def paths_of(files: Iterable[LinkedFile]) -> Iterator[Path]:
     """Paths of all files and of the maps written with them."""
     for file in files:
         yield file.path
+        yield from file.crops
         if file.texture is not None:
             yield file.texture
+
+
+def _crops(file: LinkedFile, lights: Any) -> tuple[Path, ...]:
+    """Textures of the cards among lights."""
+    if file.target is None or file.target.crop is None:
+        return ()
+    names = file.target.crop.names(f"{file.path.stem}.", getattr(lights, "flat_shapes", ()))
+    return tuple(file.path.with_name(name) for name in names if name)
 
 
 def _panorama(environment: EnvMap, paths: list[Path]) -> Path | None:

@@ -15,11 +15,13 @@ from envlights.occluders import Stage
 # fmt: off
 __all__ = [
     "BASIS_SHARE", "BASIS_TILE", "GLOSS_DEGREE", "LEAST_WHITE", "LUMINANCE",
-    "ClippedDetection", "EnvLightsError", "FitAnswer", "MapSplit", "PngFile", "RadianceFile",
+    "ClippedDetection", "EnvLightsError", "FitAnswer", "MapCards", "MapSplit", "PngFile",
+    "RadianceFile",
     "ReducedMap", "RowReducer", "TreeDetection", "UnusableSamplesError", "apply_matrix",
     "are_clipped", "blur", "bounding_volume_hierarchy", "bresenham_line", "clipped_depth",
-    "clipped_light_shares", "clipped_share", "code_histogram_8", "code_histogram_16",
-    "decode_8", "decode_16", "detect_tree", "direction_to_uv", "disc_map", "even_sphere",
+    "clipped_light_shares", "clipped_share", "code_histogram_8", "code_histogram_16", "cut_cards",
+    "decode_8", "decode_16", "detect_tree", "direction_to_uv", "disc_map", "draw_cards",
+    "even_sphere",
     "face_radiance", "fill_unseen", "fit_reduced", "fit_samples", "form_factors",
     "gloss_spectrum", "halton",
     "hammersley", "harmonic_irradiance", "harmonic_radiance", "hidden_shares", "icosphere",
@@ -142,6 +144,16 @@ class FitAnswer:
     def irradiance(self) -> _Reals: ...
 
 @final
+class MapCards:
+    rest: _Image
+    shape: list[int]
+    matrix: _Reals
+    irradiance: _Reals
+    overlap: _Reals
+    radius: list[float | None]
+    texture: list[_Image]
+    lights: list[list[int]]
+
 class MapSplit:
     rest: _Image
     map_flux: float
@@ -173,12 +185,32 @@ def clipped_share(
 def decode_16(codes: NDArray[np.uint16], tables: NDArray[np.float32]) -> _Image: ...
 def code_histogram_8(codes: NDArray[np.uint8], weights: _Reals) -> _Reals: ...
 def code_histogram_16(codes: NDArray[np.uint16], weights: _Reals) -> _Reals: ...
+def cut_cards(
+    radiance: _Image,
+    rest: _Image,
+    border_sampled: bool,
+    block: int,
+    pixel: _Indices,
+    light_of_pixel: _Indices,
+    direction: _Reals,
+    radius: _Reals,
+) -> MapCards: ...
 def decode_8(codes: NDArray[np.uint8], tables: NDArray[np.float32]) -> _Image: ...
 def detect_tree(
     radiance: _Image, border_sampled: bool, options: TreeOptions, seen: _Image | None
 ) -> TreeDetection: ...
 def direction_to_uv(direction: _Reals) -> _Reals: ...
 def disc_map(height: int, directions: _Reals, irradiance: _Reals, radii: _Reals) -> _Reals: ...
+def draw_cards(
+    height: int,
+    width: int,
+    border_sampled: bool,
+    matrix: _Reals,
+    is_disc: list[bool],
+    irradiance: _Reals,
+    sizes: list[list[int]],
+    texels: _Image,
+) -> _Image: ...
 def even_sphere(count: int) -> _Reals: ...
 def face_radiance(radiance: _Image, faces: int, border_sampled: bool) -> _Reals: ...
 def fill_unseen(

@@ -19,6 +19,26 @@ from envlights.io.files import PICTURES, as_path
 PANORAMA = ".ambient.exr"
 
 
+class Crops(NamedTuple):
+    """Textures of the cards of a target: files beside the scene."""
+
+    end: str
+    """End of their names. Each target has its own, because not all show the map through a card."""
+
+    has_discs: bool = False
+    """True if discs have textures too; False if they have one colour."""
+
+    def names(self, prefix: str, shapes: Iterable[str]) -> list[str]:
+        """Names for cards of these shapes: ``scene.card_0.usd.exr`` beside ``scene.usda``.
+
+        A card without a texture has an empty name.
+        """
+        return [
+            f"{prefix}card_{j}{self.end}" if self.has_discs or shape != "disc" else ""
+            for j, shape in enumerate(shapes)
+        ]
+
+
 class Target(NamedTuple):
     """Program or format that rigs can be exported to."""
 
@@ -41,6 +61,9 @@ class Target(NamedTuple):
     """End of the name of the map beside a file; empty if there is no such map.
 
     For `PANORAMA` the writer accepts the keyword `texture`, the name of an existing map."""
+
+    crop: Crops | None = None
+    """Textures of cards beside a file; None if there are none."""
 
 
 #: Error in a file up to which `save` does not warn, and largest ratio to the error of the rig: a
@@ -160,12 +183,13 @@ def save_for(
     **options: Any,
 ) -> None:
     """Write a file for a target, with a warning if it shows the rig with a larger error."""
+    shown = getattr(rig, "distant", rig) if target.shows.cards else rig
     if environment is None:
-        _warn_of_losses(rig, target)
+        _warn_of_losses(shown, target)
         target.save(rig, path, **options)
     else:
         # The map replaces the ambient term, so only the lights can change.
-        _warn_of_losses(getattr(rig, "lights", rig), target)
+        _warn_of_losses(getattr(shown, "lights", shown), target)
         target.save(rig, path, environment, **options)
 
 

@@ -4,6 +4,7 @@
 //! [`pool::in_pool`] uses several threads, and [`pool::interruptible`] also checks for Ctrl-C, for kernels that may
 //! last seconds. All of them turn a panic into an error.
 
+mod cards;
 mod detect;
 mod error;
 mod fill;
@@ -48,6 +49,8 @@ mod _native {
     #[pymodule_export]
     const BASIS_TILE: usize = crate::kernels::transfer::TILE;
 
+    #[pymodule_export]
+    use super::cards::{MapCards, cut_cards, draw_cards};
     #[pymodule_export]
     use super::detect::{ClippedDetection, TreeDetection, detect_tree, reduced_luminance};
     #[pymodule_export]

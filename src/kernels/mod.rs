@@ -23,11 +23,13 @@
 //! | lights of a map                                | `detect/`      |
 //! | clipped part of a map, and its missing light   | `repair/`      |
 //! | lights removed from a map                      | `split/`       |
+//! | lights as planar shapes with textures        | `cards/`       |
 //! | ambient + directional lights from the probe    | `fit/`         |
 //! | equations of Madsen et al. (2003)              | `madsen/`      |
 //! | indirect light from direct light               | `transfer/`    |
 
 mod cache;
+pub mod cards;
 mod cell_integrals;
 pub mod detect;
 pub mod disc;

@@ -1,7 +1,8 @@
 """Exported scripts in Blender, run by `bpy` in a new process.
 
 ``in_blender.py irradiance NORMALS.npy SCRIPT.py ...`` writes SCRIPT.npy, irradiance on surfaces
-with these normals; ``in_blender.py balls CAMERA.npy SCRIPT.py`` writes an image, SCRIPT.exr.
+with these normals; ``in_blender.py balls CAMERA.npy SCRIPT.py`` writes an image, SCRIPT.exr;
+``in_blender.py towards DIRECTIONS.npy SCRIPT.py`` writes one for each direction, SCRIPT.0.exr.
 """
 
 import runpy
@@ -112,6 +113,19 @@ def still_life(matrices, script):
         photograph(eye, (120, 80), script.with_suffix(f".{seed}.exr"))
 
 
+def towards(directions, script):
+    """Render one image for each direction from the origin."""
+    scene = empty_scene(samples=4)
+    scene.cycles.pixel_filter_type, scene.cycles.filter_width = "BOX", 1
+    runpy.run_path(str(script))
+    eye = bpy.data.objects.new("eye", bpy.data.cameras.new("eye"))
+    eye.data.type, eye.data.ortho_scale, eye.data.clip_end = "ORTHO", 1e-3, 1e5
+    eye.rotation_mode = "QUATERNION"
+    for j, there in enumerate(directions):
+        eye.rotation_quaternion = Vector(there).to_track_quat("-Z", "Y")
+        photograph(eye, (4, 4), script.with_suffix(f".{j}.exr"))
+
+
 def photograph(eye, size, path):
     scene = bpy.context.scene
     if eye.name not in scene.collection.objects:
@@ -136,5 +150,7 @@ if __name__ == "__main__":
             np.save(path.with_suffix(".npy"), irradiance(np.load(given), path))
         elif task == "still_life":
             still_life({name: each.tolist() for name, each in np.load(given).items()}, path)
+        elif task == "towards":
+            towards(np.load(given).tolist(), path)
         else:
             balls(np.load(given).tolist(), path)

@@ -26,7 +26,7 @@ RIGS["one_wide"] = el.Rig([0, 0, 0], el.Lights([[0.48, 0.8, 0.36]], [[3, 2, 1]],
 needs_bpy = pytest.mark.skipif(importlib.util.find_spec("bpy") is None, reason="needs bpy")
 
 
-def run(*arguments):
+def run_blender(*arguments):
     # A process of its own: bpy may be in a process only once, and never leaves it.
     command = [sys.executable, Path(__file__).with_name("in_blender.py"), *arguments]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
@@ -41,7 +41,7 @@ def irradiances(tmp_path_factory):
     scripts = [folder / f"{name}.py" for name in RIGS]
     for rig, script in zip(RIGS.values(), scripts, strict=True):
         rig.save(script)
-    run("irradiance", folder / "normals.npy", *scripts)
+    run_blender("irradiance", folder / "normals.npy", *scripts)
     return {script.stem: np.load(script.with_suffix(".npy")) for script in scripts}
 
 
@@ -55,7 +55,7 @@ def test_the_irradiance_that_cycles_renders_is_that_of_the_rig(name, irradiances
 def test_map_and_lights_meet_on_two_balls(tmp_path):
     np.save(tmp_path / "camera.npy", AXES["blender"].to_target(CAMERA))
     LAMPS.save(tmp_path / "balls.py", environment=environment())
-    run("balls", tmp_path / "camera.npy", tmp_path / "balls.py")
+    run_blender("balls", tmp_path / "camera.npy", tmp_path / "balls.py")
     check_balls(el.io.read_image(tmp_path / "balls.exr").pixels)
 
 
@@ -79,7 +79,7 @@ def test_image_errors_of_rigs_are_those_of_mitsuba(tmp_path):
     frames["eye"] = frames["eye"] @ np.diag([-1, 1, -1, 1])
     np.savez(tmp_path / "frames.npz", **{name: there @ each for name, each in frames.items()})
     names = ["map", "rig_1", "rig_4"]
-    run("still_life", tmp_path / "frames.npz", *(tmp_path / f"{name}.py" for name in names))
+    run_blender("still_life", tmp_path / "frames.npz", *(tmp_path / f"{name}.py" for name in names))
     pairs = [
         [el.io.read_image(tmp_path / f"{name}.{k}.exr").pixels for k in (1, 2)] for name in names
     ]
@@ -101,7 +101,7 @@ def test_the_parts_of_a_split_map_light_as_the_map(tmp_path):
         (tmp_path / folder).mkdir()
     el.split(env, 1).save(tmp_path / "maps/rest.exr", tmp_path / "scenes/sun.py")
     np.save(tmp_path / "normals.npy", AXES["blender"].to_target(NORMALS))
-    run("irradiance", tmp_path / "normals.npy", tmp_path / "scenes/sun.py")
+    run_blender("irradiance", tmp_path / "normals.npy", tmp_path / "scenes/sun.py")
     seen, wanted = np.load(tmp_path / "scenes/sun.npy"), env.probe(NORMALS)
     assert relative(seen, wanted) < 0.005
     np.testing.assert_allclose(seen.mean(axis=0), wanted.mean(axis=0), rtol=1e-3)

@@ -31,6 +31,11 @@ def room():
     return el.TransferModel.fit(pairs.direct, pairs.indirect, rank=6), pairs
 
 
+@cache
+def in_cards():
+    return el.split(HALL, shapes=True)
+
+
 def clipped():
     lamp = el.synthetic.Disc((1, 0.5, 0), 20.0, (9, 9, 9))
     made = el.synthetic.scene(64, background=[0.1] * 3, shapes=[lamp])
@@ -63,6 +68,9 @@ PICTURES = {
     "article_picture": (lambda: ((HALL,), {}), 4),
     "axes_picture": (lambda: ((), {}), len(el.export.axes.AXES)),
     "basis_picture": (lambda: ((room()[0],), {"directions": 4}), 4),
+    "card_balls": (lambda: ((HALL, in_cards()), {}), 3),
+    "card_textures": (lambda: ((in_cards().cards[:2],), {}), 2),
+    "cards": (lambda: ((HALL, in_cards().cards), {}), 1),
     "detection_picture": (lambda: ((HALL, el.detect(HALL)), {}), 1),
     "error_curve": (lambda: ((el.error_curve(HALL, [1, 2]),), {}), 1),
     "error_picture": (lambda: ((rig(),), {}), 1),

@@ -13,6 +13,7 @@ import click
 from envlights._links import paths_of, plan, save_with_map
 from envlights._map_pixels import PROJECTION
 from envlights._native import EnvLightsError
+from envlights.cards.card_split import CardSplit, at_place
 from envlights.cli.convert import layout_option, write_map
 from envlights.cli.map_input import MapFile, map_argument
 from envlights.cli.outputs import (
@@ -34,7 +35,7 @@ from envlights.sun.choice import AnySun, sun_of
 from envlights.sun.result import Sun
 from envlights.sun.sun_split import SunSplit, with_sun
 
-_Parts = Split | Limit | SunSplit
+_Parts = Split | CardSplit | Limit | SunSplit
 
 
 @click.command("split")
@@ -59,6 +60,17 @@ _Parts = Split | Limit | SunSplit
     help="Remove only the radiance above this value, such as 65504 for half floats: one light for"
     " each region.",
 )
+@click.option(
+    "--shapes",
+    is_flag=True,
+    help="Remove the lights as cards: rectangles, tubes and discs with their textures.",
+)
+@click.option(
+    "--distance",
+    type=float,
+    help="Distance of the cards from the origin in scenes. Default: 1000 times --radius.",
+)
+@click.option("--radius", type=float, help="Radius of the scene that the cards light. Default: 1.")
 @sun_options
 @reading_options
 @layout_option("the map without the lights")
@@ -74,6 +86,9 @@ def command(
     lights: int | None,
     share: float | None,
     maximum: float | None,
+    shapes: bool,
+    distance: float | None,
+    radius: float | None,
     sun: AnySun | None,
     irradiance: float | None,
     ratio: float | None,
@@ -88,7 +103,8 @@ def command(
     env = map_file.open()
     found = None if sun is None else sun_of(env, sun)
     readings = {"irradiance": irradiance, "ratio": ratio}
-    parts = _parts(env, lights, share, maximum, found, readings)
+    parts = _parts(env, lights, share, maximum, found, readings, shapes)
+    parts = _at_place(parts, distance, radius)
     draw = partial(_draw, env, parts, found)
     written = _write(parts, map_file.path, outputs, layout, draw)
     removed = parts.lights
@@ -104,9 +120,12 @@ def _parts(
     maximum: float | None,
     sun: Sun | None,
     readings: dict[str, float | None],
+    shapes: bool,
 ) -> _Parts:
     """Lights and rest, of detection, above a maximum, or of the sun."""
     has_choice = lights is not None or share is not None
+    if shapes and (sun is not None or maximum is not None):
+        raise EnvLightsError("cards are detected lights; leave out --sun and --limit, or --shapes")
     if sun is not None:
         if has_choice or maximum is not None:
             raise EnvLightsError(
@@ -115,11 +134,22 @@ def _parts(
         return with_sun(env, sun, **readings)
     if any(reading is not None for reading in readings.values()):
         raise EnvLightsError("--irradiance and --ratio are readings of a sun; add --sun")
+    if shapes:
+        return split(env, lights, share=share, shapes=True)
     if maximum is None:
         return split(env, lights, share=share)
     if has_choice:
         raise EnvLightsError("--limit takes all radiance above it; leave out --lights and --share")
     return limit(env, maximum)
+
+
+def _at_place(parts: _Parts, distance: float | None, radius: float | None) -> _Parts:
+    """Parts with their cards at a distance."""
+    if isinstance(parts, CardSplit):
+        return parts._replace(cards=at_place(parts.cards, distance, radius))
+    if distance is not None or radius is not None:
+        raise EnvLightsError("--distance and --radius place cards; add --shapes")
+    return parts
 
 
 def _write(
@@ -130,7 +160,7 @@ def _write(
     # Programs read panoramas alone, so scenes name no map of another layout.
     maps = [output for output in outputs if layout != PROJECTION and _is_map(output)]
     scenes = [output for output in outputs if output not in (*pictures, *maps)]
-    written = list(map(str, paths_of(plan(parts.rest, scenes))))
+    written = list(map(str, paths_of(plan(parts.rest, scenes, parts.lights))))
     for path in written:
         check_source(path, {"the map": source})
     with print_losses():
@@ -149,7 +179,9 @@ def _draw(env: EnvMap, parts: _Parts, sun: Sun | None, output: str) -> None:
         )
     from envlights import plot
 
-    if isinstance(parts, Split):
+    if isinstance(parts, CardSplit):
+        plot.save(plot.cards(env, parts.cards), output)
+    elif isinstance(parts, Split):
         plot.save(plot.split_picture(env, parts), output)
     elif sun is not None:
         if len(parts.lights):  # a reading replaces the estimate

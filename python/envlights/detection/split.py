@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from dataclasses import fields, replace
 from time import perf_counter
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _native
-from envlights._check import amount, count, describe
+from envlights._check import amount, count, describe, flag
 from envlights._links import LinkedParts
 from envlights._native import EnvLightsError
+from envlights.cards.card_split import CardSplit
+from envlights.cards.cut import cut
 from envlights.detection.component_tree import detect_with_luminance
 from envlights.detection.lights import DetectedLights, DetectionReport
 from envlights.detection.removed_lights import RemovedLights
@@ -68,13 +70,36 @@ class Split(_SplitFields, LinkedParts):
         return f"{self.lights}\n\nthe map without these lights: {self.rest}"
 
 
+@overload
 def split(
     env: AnyMap,
     lights: int | DetectedLights | None = None,
     *,
     share: float | None = None,
+    shapes: Literal[False] = False,
     **options: Any,
-) -> Split:
+) -> Split: ...
+
+
+@overload
+def split(
+    env: AnyMap,
+    lights: int | DetectedLights | None = None,
+    *,
+    share: float | None = None,
+    shapes: Literal[True],
+    **options: Any,
+) -> CardSplit: ...
+
+
+def split(
+    env: AnyMap,
+    lights: int | DetectedLights | None = None,
+    *,
+    share: float | None = None,
+    shapes: bool = False,
+    **options: Any,
+) -> Split | CardSplit:
     r"""Split a map into lights and the rest: a sun as a lamp, and the sky without it.
 
     Each light is removed with its rim and its glare. Its pixels are filled smoothly from around
@@ -93,6 +118,10 @@ def split(
     share : float, optional
         Remove the fewest lights, the brightest first, that have this fraction of the flux of all
         lights.
+    shapes : bool
+        True: the lights leave the map as `Cards` (rectangles, tubes, discs) with textures. What
+        lies beside the cards, such as the glow on a wall, stays in the map. Panes of one window
+        become one card.
     **options
         Options of `detect_tree`. Here `rise` is 2.25 and `min_worth` is 0 by default, so that
         weak lights do not remain in the rest.
@@ -100,7 +129,7 @@ def split(
     Returns
     -------
     lights : RemovedLights
-        The removed lights, with their irradiance at normal incidence.
+        The removed lights, with their irradiance at normal incidence; `Cards` if `shapes` is True.
     rest : EnvMap
         A map like any other; its `notes` name the removed lights.
 
@@ -156,6 +185,7 @@ def split(
     >>> np.allclose(rig.probe([[0, 1, 0]]), env.probe([[0, 1, 0]]), rtol=1e-4)
     True
     """
+    flag("shapes", shapes)
     env = as_envmap(env)
     found, chosen, luminance = _choose(env, lights, share, options)
     start = perf_counter()
@@ -165,8 +195,22 @@ def split(
     is_border = env.registration == "border-sampled"
     parts = _native.split_map(env.radiance, is_border, pixels, env.seen)
     removed = _removed_lights(chosen, parts, _report(chosen, len(found), perf_counter() - start))
+    if shapes:
+        return _cards_and_rest(env, removed, parts.rest, pixels)
     notes = (*env.notes, *_notes(removed))
     return Split(removed, env.with_radiance(parts.rest, notes))
+
+
+def _cards_and_rest(
+    env: EnvMap, removed: RemovedLights, rest: NDArray[np.float32], pixels: LightPixels
+) -> CardSplit:
+    """Cards of removed lights, and the map with all that lies beside them."""
+    blocks = pixels.pixel, pixels.light_of_pixel
+    cards, around = cut(
+        env, rest, blocks, pixels.block, (removed.direction, removed.angular_radius)
+    )
+    remark = [f"{cards.in_short()} removed"] if len(cards) else []
+    return CardSplit(cards, env.with_radiance(around, (*env.notes, *remark)))
 
 
 def _choose(

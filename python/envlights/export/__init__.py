@@ -5,6 +5,8 @@
 | lights, and a constant or a map around them              | `scene.py`     |
 | from our frame to the target's                           | `axes.py`      |
 | from lux and cd/m2 to the target's units                 | `units.py`     |
+| cards as panels in front of the map                      | `panels.py`    |
+| pixels of a map in given directions                      | `look_up.py`   |
 | textures beside the file, and the file last              | `files.py`     |
 | the package's own JSON                                   | `own_json.py`  |
 | a table of numbers                                       | `csv.py`       |
@@ -20,6 +22,9 @@
 | Radiance                                                 | `radiance.py`  |
 | pbrt-v4                                                  | `pbrt.py`      |
 | table of targets: suffixes, and what each can show     | `targets.py`   |
+
+Cards of a target are in a file of its name and `_cards`; `three_things.py` and `usd_text.py` hold
+the parts that both files of a target need.
 
 Each target has a file with two functions: one with its name, which returns the target's own form,
 and one with `save_` and its name, which writes a file. `save` selects the target by the suffix.

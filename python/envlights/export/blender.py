@@ -10,10 +10,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from envlights._native import EnvLightsError
+from envlights.cards import Cards
 from envlights.envmap import EnvMap
+from envlights.export import blender_cards
 from envlights.export.axes import AXES
 from envlights.export.files import check_link, panorama, save_scene
 from envlights.export.scene import Scene, scene_of
+from envlights.io.files import as_path
 from envlights.lights import Lights
 from envlights.rig import Rig
 
@@ -21,10 +24,11 @@ from envlights.rig import Rig
 _SCRIPT = '''\
 """Lights of envlights: run this in Blender's Text Editor, or by blender --python."""
 
+import math
 import os
 
 import bpy
-from mathutils import Vector
+from mathutils import Matrix, Vector
 
 # Units: @UNITS@.
 # Direction towards the light (z up), irradiance at normal incidence, full angle in radians.
@@ -33,7 +37,7 @@ LIGHTS = [
 # Radiance of the world, and an equirectangular map in its place.
 AMBIENT = @AMBIENT@
 MAP = @MAP@
-
+@CARDS@
 
 def add_lights(collection):
     for j, (towards, irradiance, angle) in enumerate(LIGHTS):
@@ -85,7 +89,7 @@ def main():
     new = bpy.data.collections.new("envlights")
     bpy.context.scene.collection.children.link(new)
     add_lights(new)
-    set_world(bpy.context.scene)
+@ADD_CARDS@    set_world(bpy.context.scene)
 
 
 main()
@@ -93,7 +97,7 @@ main()
 
 
 def blender(
-    rig: Rig | Lights,
+    rig: Rig | Lights | Cards,
     environment: EnvMap | ArrayLike | None = None,
     texture: str = "ambient.exr",
 ) -> str:
@@ -114,7 +118,7 @@ def blender(
 
     Parameters
     ----------
-    rig : Rig or Lights
+    rig : Rig, Lights or Cards
     environment : EnvMap or array_like, optional
         Map that replaces the ambient term.
     texture : str
@@ -135,11 +139,11 @@ def blender(
     >>> next(line for line in script.splitlines() if line.startswith("    ("))
     '    ([0.0, 0.0, 1.0], [3.0, 2.0, 1.0], 0.5),'
     """
-    return _script(scene_of(rig, environment, target="blender"), texture)
+    return _script(scene_of(rig, environment, target="blender"), texture, "")
 
 
 def save_blender(
-    rig: Rig | Lights,
+    rig: Rig | Lights | Cards,
     path: str | os.PathLike[str],
     environment: EnvMap | ArrayLike | None = None,
     *,
@@ -148,17 +152,21 @@ def save_blender(
     """Write `blender` at `path`, and its map beside it, unless the map is the file `texture`."""
     scene = scene_of(rig, environment, target="blender")
     name, textures = panorama(path, scene.environment, texture)
-    save_scene(path, _script(scene, name), textures)
+    prefix = f"{as_path(path).stem}."
+    textures = {**textures, **blender_cards.textures(scene.panels, prefix)}
+    save_scene(path, _script(scene, name, prefix), textures)
 
 
-def add_to_blender(rig: Rig | Lights, environment: EnvMap | ArrayLike | None = None) -> None:
+def add_to_blender(
+    rig: Rig | Lights | Cards, environment: EnvMap | ArrayLike | None = None
+) -> None:
     """Run the script of `blender` in this process: in Blender, or with `bpy` from PyPI.
 
     The open scene gets a collection "envlights" of sun lamps, and a new world; a map is packed.
 
     Parameters
     ----------
-    rig : Rig or Lights
+    rig : Rig, Lights or Cards
     environment : EnvMap or array_like, optional
         Map that replaces the ambient term.
 
@@ -179,7 +187,7 @@ def add_to_blender(rig: Rig | Lights, environment: EnvMap | ArrayLike | None = N
             ) from None
 
 
-def _script(scene: Scene, name: str) -> str:
+def _script(scene: Scene, name: str, prefix: str) -> str:
     if scene.environment is not None:
         # Blender takes backslashes in paths for slashes on all systems.
         check_link(name, "Blender", "\\")
@@ -193,6 +201,8 @@ def _script(scene: Scene, name: str) -> str:
         "@LIGHTS@": written,
         "@AMBIENT@": str(ambient.tolist()),
         "@MAP@": "None" if scene.environment is None else ascii(name),
+        "@CARDS@": blender_cards.code(scene.panels, prefix),
+        "@ADD_CARDS@": "    add_cards(new)\n" if scene.panels else "",
     }
     script = _SCRIPT
     for mark, text in parts.items():

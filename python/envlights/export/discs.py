@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from envlights.envmap import EnvMap
 from envlights.export.scene import Scene
-from envlights.kernels import sphere
 from envlights.lights import Lights
 
 #: Rows in the radius of the smallest disc, and limits on the rows of the map. With 64 rows,
@@ -43,15 +42,6 @@ def rows_for(discs: Lights) -> int:
     """Rows of a map that shows the smallest disc as a disc."""
     rows = int(_DISC_ROWS * np.pi / discs.angular_radius.min())
     return min(max(rows, _LEAST_ROWS), MOST_ROWS)
-
-
-def looked_up(env: EnvMap, directions: NDArray[np.float64]) -> NDArray[np.float32]:
-    """Pixel of a cell-centred map in each direction, (n, 3)."""
-    uv = sphere.direction_to_uv(directions)
-    columns = (uv[:, 0] * env.width).astype(int) % env.width
-    rows = np.minimum((uv[:, 1] * env.height).astype(int), env.height - 1)
-    pixels: NDArray[np.float32] = env.radiance[rows, columns]
-    return pixels
 
 
 def _some(lights: Lights, which: NDArray[np.bool_]) -> Lights:

@@ -9,9 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from envlights.cards import Cards
 from envlights.envmap import EnvMap
+from envlights.export import gltf_cards
 from envlights.export.axes import AXES
 from envlights.export.files import check_link, panorama, save_scene
+from envlights.export.panels import distant_and_panels
 from envlights.export.scene import check_rig, scene_of, statement_of
 from envlights.lights import Lights
 from envlights.rig import Rig
@@ -33,7 +36,7 @@ _MAP_NOTE = (
 
 
 def gltf(
-    rig: Rig | Lights,
+    rig: Rig | Lights | Cards,
     environment: EnvMap | ArrayLike | None = None,
     *,
     texture: str = "ambient.exr",
@@ -54,7 +57,7 @@ def gltf(
 
     Parameters
     ----------
-    rig : Rig or Lights
+    rig : Rig, Lights or Cards
     environment : EnvMap or array_like, optional
         Map that replaces the ambient term.
     texture : str
@@ -76,10 +79,12 @@ def gltf(
     >>> light["color"], light["intensity"]
     ([1.0, 0.5, 0.25], 4.0)
     """
-    lights = check_rig(rig).discs()
+    every = check_rig(rig).discs()
+    around = None if environment is None else scene_of(rig, environment, target="gltf").environment
+    lights, panels = distant_and_panels(rig, around)
     towards = AXES["gltf"].to_target(lights.direction)
     scene: dict[str, Any] = {"name": "envlights"}
-    extras = {"units": statement_of(lights, lights.units, "gltf")}
+    extras = {"units": statement_of(every, every.units, "gltf")}
     about = {"version": "2.0", "generator": "envlights", "extras": extras}
     asset: dict[str, Any] = {"asset": about, "scene": 0}
     asset["scenes"] = [scene]
@@ -98,6 +103,8 @@ def gltf(
         found = [_light(j, *row) for j, row in enumerate(rows)]
         asset["extensions"] = {_EXTENSION: {"lights": found}}
         asset["extensionsUsed"] = [_EXTENSION]
+    if panels:
+        gltf_cards.add(asset, panels)
     if environment is not None:
         check_link(texture, "a reader of JSON")
         scene["extras"] = {"environment": texture, "note": _MAP_NOTE}
@@ -107,7 +114,7 @@ def gltf(
 
 
 def save_gltf(
-    rig: Rig | Lights,
+    rig: Rig | Lights | Cards,
     path: str | os.PathLike[str],
     environment: EnvMap | ArrayLike | None = None,
     *,

@@ -17,10 +17,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights import kernels
 from envlights._native import EnvLightsError
+from envlights.cards import Cards
 from envlights.envmap import EnvMap
+from envlights.export import mitsuba_cards
 from envlights.export.discs import MOST_ROWS, rows_for, split_by_size
 from envlights.export.files import check_link, save_scene, texture_name
+from envlights.export.panels import crop_names
 from envlights.export.scene import Scene, scene_of
+from envlights.io.files import as_path
 from envlights.lights import Lights
 from envlights.rig import Rig
 
@@ -36,12 +40,14 @@ _NORMALS = kernels.pixel_directions(8, 16).reshape(-1, 3)
 _LEAST_WEIGHT = 0.01
 
 
-def mitsuba(rig: Rig | Lights, environment: EnvMap | ArrayLike | None = None) -> dict[str, Any]:
+def mitsuba(
+    rig: Rig | Lights | Cards, environment: EnvMap | ArrayLike | None = None
+) -> dict[str, Any]:
     r"""The emitters of a rig, to be merged into the dictionary of a scene.
 
     Parameters
     ----------
-    rig : Rig or Lights
+    rig : Rig, Lights or Cards
     environment : EnvMap or array_like, optional
         Map that replaces the ambient term.
 
@@ -74,17 +80,18 @@ def mitsuba(rig: Rig | Lights, environment: EnvMap | ArrayLike | None = None) ->
     ([0.0, -1.0, 0.0], [3.0, 2.0, 1.0])
     """
     scene = scene_of(rig, environment, target="mitsuba")
-    emitters = directional(scene.lights)
+    emitters = {**directional(scene.lights), **mitsuba_cards.shapes(scene.panels)}
     radiance = _map_of(scene, is_sharp=environment is not None)
     if radiance is not None:
         emitters["ambient"] = envmap(radiance)
     elif scene.ambient is not None:
         emitters["ambient"] = constant(scene.ambient)
-    return add_weights(emitters, largest_irradiance(radiance, scene.ambient))
+    cards = {panel.name: panel.irradiance.tolist() for panel in scene.panels}
+    return add_weights(emitters, largest_irradiance(radiance, scene.ambient), cards)
 
 
 def save_mitsuba(
-    rig: Rig | Lights,
+    rig: Rig | Lights | Cards,
     path: str | os.PathLike[str],
     environment: EnvMap | ArrayLike | None = None,
 ) -> None:
@@ -102,7 +109,13 @@ def save_mitsuba(
         x, y, z = map(repr, light["direction"])
         ElementTree.SubElement(emitter, "vector", name="direction", x=x, y=y, z=z)
         _rgb_element(emitter, "irradiance", light["irradiance"]["value"])
-    textures = {}
+    names = crop_names(scene.panels, f"{as_path(path).stem}.", "mitsuba")
+    textures: dict[str, NDArray[Any]] = {}
+    for panel, name in zip(scene.panels, names, strict=True):
+        check_link(name, "Mitsuba", _REFUSED)
+        if name:
+            textures[name] = mitsuba_cards.texture_of(panel)
+    mitsuba_cards.elements(root, scene.panels, names)
     if radiance is not None:
         name = texture_name(path, TEXTURE)
         check_link(name, "Mitsuba", _REFUSED)
@@ -112,7 +125,8 @@ def save_mitsuba(
     elif scene.ambient is not None:
         emitter = ElementTree.SubElement(root, "emitter", type="constant", id="ambient")
         _rgb_element(emitter, "radiance", scene.ambient.tolist())
-    weights = sampling_weights(lights, largest_irradiance(radiance, scene.ambient))
+    cards = [panel.irradiance.tolist() for panel in scene.panels]
+    weights = sampling_weights(lights, largest_irradiance(radiance, scene.ambient), cards)
     for emitter, weight in zip(root.iter("emitter"), weights, strict=True):
         ElementTree.SubElement(emitter, "float", name="sampling_weight", value=repr(weight))
     ElementTree.indent(root)
@@ -151,22 +165,37 @@ def envmap(radiance: NDArray[Any]) -> dict[str, Any]:
 
 
 def add_weights(
-    emitters: dict[str, dict[str, Any]], surroundings: NDArray[np.float64] | None
+    emitters: dict[str, dict[str, Any]],
+    surroundings: NDArray[np.float64] | None,
+    cards: dict[str, list[float]] | None = None,
 ) -> dict[str, dict[str, Any]]:
-    """Emitters of `directional`, and surroundings after them, with their `sampling_weight`."""
+    """Emitters of `directional`, cards, and surroundings after them, with `sampling_weight`.
+
+    `cards` are the irradiances of the cards among the emitters.
+    """
     lights = {name: each for name, each in emitters.items() if "irradiance" in each}
-    weights = sampling_weights(lights, surroundings)
+    weights = sampling_weights(lights, surroundings, list((cards or {}).values()))
     return {
-        name: {**emitter, "sampling_weight": weight}
+        name: _with_weight(emitter, weight)
         for (name, emitter), weight in zip(emitters.items(), weights, strict=True)
     }
 
 
+def _with_weight(emitter: dict[str, Any], weight: float) -> dict[str, Any]:
+    """Emitter, or shape with an emitter, with its weight."""
+    if "emitter" not in emitter:
+        return {**emitter, "sampling_weight": weight}
+    return {**emitter, "emitter": {**emitter["emitter"], "sampling_weight": weight}}
+
+
 def sampling_weights(
-    lights: dict[str, dict[str, Any]], surroundings: NDArray[np.float64] | None
+    lights: dict[str, dict[str, Any]],
+    surroundings: NDArray[np.float64] | None,
+    cards: list[list[float]] | None = None,
 ) -> list[float]:
-    """Weights in proportion to irradiance, of each light and of surroundings; their mean is 1."""
+    """Weights in proportion to irradiance: of lights, cards and surroundings; their mean is 1."""
     irradiances = [light["irradiance"]["value"] for light in lights.values()]
+    irradiances += cards or []
     if surroundings is not None:
         irradiances.append(surroundings.tolist())
     sizes = np.linalg.norm(np.reshape(irradiances, (-1, 3)), axis=1)

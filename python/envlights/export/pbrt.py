@@ -7,11 +7,14 @@ import os
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from envlights.cards import Cards
 from envlights.envmap import EnvMap
 from envlights.export.axes import AXES
 from envlights.export.discs import split_by_size, with_discs
 from envlights.export.files import check_link, save_scene, texture_name
+from envlights.export.panels import Panel, crop_names
 from envlights.export.scene import Scene, scene_of
+from envlights.io.files import as_path
 from envlights.layouts.layout import Layout, equirectangular
 from envlights.lights import Lights
 from envlights.resampling import resample
@@ -34,11 +37,17 @@ _ESCAPES = str.maketrans(
         **{"\b": r"\b", "\f": r"\f", "\n": r"\n", "\r": r"\r", "\t": r"\t"},
     }
 )
+#: Card that reflects no light.
+_MATTER = """AttributeBegin
+  Material "diffuse" "rgb reflectance" [0 0 0]
+  AreaLightSource "diffuse" {light}
+  {shape}
+AttributeEnd"""
 _HEADER = "# Lights of envlights for pbrt-v4: Include this file after WorldBegin."
 
 
 def pbrt(
-    rig: Rig | Lights,
+    rig: Rig | Lights | Cards,
     environment: EnvMap | ArrayLike | None = None,
     texture: str = "ambient.pbrt.exr",
 ) -> str:
@@ -59,7 +68,7 @@ def pbrt(
 
     Parameters
     ----------
-    rig : Rig or Lights
+    rig : Rig, Lights or Cards
     environment : EnvMap or array_like, optional
         Map that replaces the ambient term.
     texture : str
@@ -75,11 +84,11 @@ def pbrt(
     >>> print(el.export.pbrt(el.Lights([[0, 1, 0]], [[3, 2, 1]])).splitlines()[-1])
     LightSource "distant" "rgb L" [3 2 1] "point3 from" [0 0 1] "point3 to" [0 0 0]
     """
-    return _sources(*_parts(scene_of(rig, environment, target="pbrt")), texture)
+    return _sources(*_parts(scene_of(rig, environment, target="pbrt")), texture, "")
 
 
 def save_pbrt(
-    rig: Rig | Lights,
+    rig: Rig | Lights | Cards,
     path: str | os.PathLike[str],
     environment: EnvMap | ArrayLike | None = None,
 ) -> None:
@@ -87,7 +96,9 @@ def save_pbrt(
     lights, scene = _parts(scene_of(rig, environment, target="pbrt"))
     name = texture_name(path, TEXTURE)
     textures = {} if scene.environment is None else {name: _equal_area(scene.environment)}
-    save_scene(path, _sources(lights, scene, name), textures)
+    prefix = f"{as_path(path).stem}."
+    textures |= _crops(scene.panels, prefix)
+    save_scene(path, _sources(lights, scene, name, prefix), textures)
 
 
 def _parts(scene: Scene) -> tuple[Lights, Scene]:
@@ -96,18 +107,59 @@ def _parts(scene: Scene) -> tuple[Lights, Scene]:
     return narrow, with_discs(scene, wide)
 
 
-def _sources(lights: Lights, scene: Scene, name: str) -> str:
+def _sources(lights: Lights, scene: Scene, name: str, prefix: str) -> str:
     towards = AXES["pbrt"].to_target(lights.direction)
     lines = [
         f'LightSource "distant" "rgb L" {_numbers(irradiance)}'
         f' "point3 from" {_numbers(direction)} "point3 to" [0 0 0]'
         for direction, irradiance in zip(towards, lights.irradiance, strict=True)
     ]
+    names = crop_names(scene.panels, prefix, "pbrt")
+    lines += [_card(*each) for each in zip(scene.panels, names, strict=True)]
     if scene.environment is not None:
         lines.append(f'LightSource "infinite" "string filename" {_string(name)}')
     elif scene.ambient is not None:
         lines.append(f'LightSource "infinite" "rgb L" {_numbers(scene.ambient)}')
     return "\n".join([_HEADER, f"# Units: {scene.statement}.", *lines]) + "\n"
+
+
+def _crops(panels: tuple[Panel, ...], prefix: str) -> dict[str, NDArray[np.float32]]:
+    """Textures by their names; a card hides the map, so it shows it too."""
+    names = crop_names(panels, prefix, "pbrt")
+    pairs = zip(names, panels, strict=True)
+    return {name: panel.opaque_texture for name, panel in pairs if name}
+
+
+def _card(panel: Panel, name: str) -> str:
+    """A black surface that shines to the side of its normal."""
+    if panel.is_ellipse:
+        light = f'"rgb L" {_numbers(panel.opaque_radiance)}'
+        return _MATTER.format(light=light, shape=_disk(panel))
+    return _MATTER.format(light=f'"string filename" {_string(name)}', shape=_patch(panel))
+
+
+def _patch(panel: Panel) -> str:
+    """A bilinear patch whose (u, v) run from the lower left, because row 0 of an image is at v = 1.
+
+    Its normal is the cross product of the derivatives, which points to the origin.
+    """
+    u, v, facing, centre = panel.axes("pbrt")
+    if np.cross(u, -v) @ facing > 0:
+        corners, uv = [-u + v, u + v, -u - v, u - v], "0 0 1 0 0 1 1 1"
+    else:  # a frame that mirrors
+        corners, uv = [-u + v, -u - v, u + v, u - v], "0 0 0 1 1 0 1 1"
+    points = _numbers(np.ravel([centre + corner / 2 for corner in corners]))
+    return f'Shape "bilinearmesh" "point3 P" {points} "point2 uv" [{uv}]'
+
+
+def _disk(panel: Panel) -> str:
+    """A disk of the same area, because pbrt measures disks without the scale of a transform."""
+    u, _, facing, centre = panel.axes("pbrt")
+    x = u / np.linalg.norm(u)
+    columns = [x, np.cross(facing, x), facing, centre]
+    rows = [[*column, place] for column, place in zip(columns, (0, 0, 0, 1), strict=True)]
+    radius = np.sqrt(panel.size.prod()) / 2
+    return f'ConcatTransform {_numbers(np.ravel(rows))} Shape "disk" "float radius" {radius:.9g}'
 
 
 def _string(name: str) -> str:

@@ -12,8 +12,9 @@ from envlights._light_arrays import LARGEST_LIGHT
 from envlights._native import EnvLightsError
 from envlights.envmap import EnvMap
 from envlights.export.axes import AXES
-from envlights.export.discs import looked_up, split_by_size, with_discs
+from envlights.export.discs import split_by_size, with_discs
 from envlights.export.files import CONTROLS, check_link, save_scene, texture_name
+from envlights.export.look_up import looked_up
 from envlights.export.scene import Scene, scene_of
 from envlights.lights import Lights
 from envlights.rig import Rig

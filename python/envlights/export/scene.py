@@ -15,7 +15,9 @@ from envlights._native import EnvLightsError
 from envlights._printable import printable
 from envlights._units import PHOTOMETRIC
 from envlights.ambient import ambient_rows
+from envlights.cards import Cards
 from envlights.envmap import EnvMap, as_envmap
+from envlights.export.panels import Panel, distant_and_panels
 from envlights.export.units import UNITS
 from envlights.io.source import is_source
 from envlights.kernels.sphere import pixel_solid_angles
@@ -24,6 +26,9 @@ from envlights.rig import Rig
 
 #: Lights that cast shadows, the brightest, in renderers that draw the scene again for each of them.
 CASTERS = 3
+
+#: Targets that show cards as planes in space.
+PANELS = ("gltf", "three", "usd", "mitsuba", "blender", "pbrt")
 
 
 class Scene(NamedTuple):
@@ -41,16 +46,20 @@ class Scene(NamedTuple):
     statement: str
     """Sentence for the file on the units of all numbers, and on estimates among them."""
 
+    panels: tuple[Panel, ...] = ()
+    """Cards as planes in space; the `lights` are without them."""
+
 
 def scene_of(
-    rig: Rig | Lights, environment: EnvMap | ArrayLike | None = None, *, target: str
+    rig: Rig | Lights | Cards, environment: EnvMap | ArrayLike | None = None, *, target: str
 ) -> Scene:
     """Parts of a rig, or of lights alone, in the units of a target.
 
     Parameters
     ----------
-    rig : Rig or Lights
-        Detected lights become discs of the same flux and solid angle.
+    rig : Rig, Lights or Cards
+        Detected lights become discs of the same flux and solid angle. Cards become panels if the
+        target is in `PANELS`, and discs otherwise.
     environment : EnvMap or array_like, optional
         Map that replaces the ambient term; an array has the units of the lights.
     target : str
@@ -72,8 +81,12 @@ def scene_of(
     else:
         env = _environment(lights, environment)
         ambient, units = None, env.units
-    scene = Scene(lights, ambient, env, statement_of(lights, units, target))
-    return _times(scene, UNITS[target].factor if units == PHOTOMETRIC else 1.0)
+    statement = statement_of(lights, units, target)
+    factor = UNITS[target].factor if units == PHOTOMETRIC else 1.0
+    panels: tuple[Panel, ...] = ()
+    if target in PANELS:
+        lights, panels = distant_and_panels(rig, env, factor)
+    return _times(Scene(lights, ambient, env, statement, panels), factor)
 
 
 def statement_of(lights: Lights, units: str, target: str) -> str:
@@ -100,7 +113,7 @@ def _environment(lights: Lights, environment: EnvMap | ArrayLike) -> EnvMap:
     return EnvMap(env.cells(), units=env.units) if env.is_border_sampled else env
 
 
-def _ambient_of(rig: Rig | Lights) -> tuple[NDArray[np.float64] | None, EnvMap | None]:
+def _ambient_of(rig: Rig | Lights | Cards) -> tuple[NDArray[np.float64] | None, EnvMap | None]:
     """Radiance of a constant ambient term, or a small map of another one."""
     ambient, floor = getattr(rig, "ambient", np.zeros(3)), getattr(rig, "floor", False)
     if not np.any(ambient):
@@ -114,7 +127,7 @@ def _times(scene: Scene, factor: float) -> Scene:
     """Scene with all numbers times `factor`."""
     if factor == 1:
         return scene
-    lights, ambient, env, _ = scene
+    lights, ambient, env, *_ = scene
     dimmed = Lights(lights.direction, factor * lights.irradiance, lights.angular_radius)
     return scene._replace(
         lights=dimmed,
@@ -151,7 +164,7 @@ def mean_radiance(rig: Any, environment: EnvMap | None) -> NDArray[np.float64]:
     return mean
 
 
-def check_rig(rig: Rig | Lights) -> Lights:
+def check_rig(rig: Rig | Lights | Cards) -> Lights:
     """Lights of a rig, or lights themselves; a refusal of anything else."""
     lights: Any = getattr(rig, "lights", rig)
     if not hasattr(lights, "discs"):

@@ -13,11 +13,12 @@ from envlights.export.mitsuba import TEXTURE as MITSUBA_TEXTURE
 from envlights.export.mitsuba import save_mitsuba
 from envlights.export.mujoco import LAMPS, save_mujoco
 from envlights.export.own_json import save_json
+from envlights.export.panels import CROPS
 from envlights.export.pbrt import TEXTURE as PBRT_TEXTURE
 from envlights.export.pbrt import save_pbrt
 from envlights.export.radiance import TEXTURE as RADIANCE_TEXTURE
 from envlights.export.radiance import save_radiance
-from envlights.export.scene import CASTERS
+from envlights.export.scene import CASTERS, PANELS
 from envlights.export.three import save_three
 from envlights.export.units import UNITS
 from envlights.export.usd import save_usd
@@ -173,15 +174,17 @@ _TARGETS = (
 )
 
 
-def _with_units(target: Target) -> Target:
-    """`target` with its units from their own table; our own files keep those of the map."""
+def _complete(target: Target) -> Target:
+    """`target` with its units and cards; our own files keep the units of the map."""
     if target.name not in UNITS:
         return target
-    return target._replace(shows=target.shows._replace(units=UNITS[target.name].in_short()))
+    has_cards = target.name in PANELS
+    shows = target.shows._replace(units=UNITS[target.name].in_short(), cards=has_cards)
+    return target._replace(shows=shows, crop=CROPS.get(target.name))
 
 
 #: Targets in the order of the help.
-TARGETS = tuple(map(_with_units, _TARGETS))
+TARGETS = tuple(map(_complete, _TARGETS))
 
 register(TARGETS)
 

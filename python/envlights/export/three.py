@@ -2,45 +2,37 @@
 
 from __future__ import annotations
 
-import colorsys
 import json
 import os
-import uuid
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights._srgb import encode_srgb
 from envlights.ambient import turned_ambient
+from envlights.cards import Cards
 from envlights.envmap import EnvMap
+from envlights.export import three_cards
 from envlights.export.axes import AXES
 from envlights.export.files import save_scene
 from envlights.export.scene import scene_of
+from envlights.export.three_things import colour_of, image_of, texture_of, thing_of
 from envlights.lights import Lights
 from envlights.rig import Rig
 
 #: Distance of lights from the origin, for their shadow cameras; it does not change their light.
 _DISTANCE = 10.0
-#: Constants of three.js: EquirectangularReflectionMapping, FloatType, RGBAFormat, LinearFilter,
-#: and wrapping: repeated along a row, clamped at the poles.
-_TEXTURE = {
-    "mapping": 303,
-    "type": 1015,
-    "format": 1023,
-    "minFilter": 1006,
-    "magFilter": 1006,
-    "wrap": [1000, 1001],
-    "colorSpace": "srgb-linear",
-    "flipY": True,
-    "generateMipmaps": False,
-}
+#: Constants of three.js: EquirectangularReflectionMapping, and wrapping: repeated along a row,
+#: clamped at the poles.
+_TEXTURE = {"mapping": 303, "wrap": [1000, 1001]}
 #: Columns of the largest map: as text, it has 20 MB; one of 4096 columns has 16 times as many.
 _COLUMNS = 1024
 _VERSION = {"version": 4.7, "type": "Object", "generator": "envlights"}
 
 
-def three(rig: Rig | Lights, environment: EnvMap | ArrayLike | None = None) -> dict[str, Any]:
+def three(
+    rig: Rig | Lights | Cards, environment: EnvMap | ArrayLike | None = None
+) -> dict[str, Any]:
     """A scene of lights, for ``new THREE.ObjectLoader().parse(json)``.
 
     Axes: our +x, +y, +z are -z, +y, +x in three.js, so the lights fit the panorama as an
@@ -59,7 +51,7 @@ def three(rig: Rig | Lights, environment: EnvMap | ArrayLike | None = None) -> d
 
     Parameters
     ----------
-    rig : Rig or Lights
+    rig : Rig, Lights or Cards
     environment : EnvMap or array_like, optional
         Map that replaces the ambient term. It is written as text, with up to 1024 columns.
 
@@ -80,11 +72,15 @@ def three(rig: Rig | Lights, environment: EnvMap | ArrayLike | None = None) -> d
     lights = scene.lights
     rows = zip(lights.direction, lights.irradiance, lights.angular_radius, strict=True)
     children = [_light(j, *row) for j, row in enumerate(rows)]
-    root = _thing("Scene", "envlights", children=children, userData={"units": scene.statement})
+    root = thing_of("Scene", "envlights", children=children, userData={"units": scene.statement})
     written: dict[str, Any] = {"metadata": _VERSION}
+    if scene.panels:
+        written |= three_cards.tables(scene.panels)
+        children += three_cards.things(scene.panels)
     if environment is not None and scene.environment is not None:
         image, texture = _map(_at_most(scene.environment))
-        written |= {"images": [image], "textures": [texture]}
+        for name, each in {"images": image, "textures": texture}.items():
+            written[name] = [*written.get(name, []), each]
         root |= {"environment": texture["uuid"], "background": texture["uuid"]}
     elif scene.ambient is not None or scene.environment is not None:
         children.append(_ambient(rig))
@@ -92,7 +88,7 @@ def three(rig: Rig | Lights, environment: EnvMap | ArrayLike | None = None) -> d
 
 
 def save_three(
-    rig: Rig | Lights,
+    rig: Rig | Lights | Cards,
     path: str | os.PathLike[str],
     environment: EnvMap | ArrayLike | None = None,
 ) -> None:
@@ -106,8 +102,8 @@ def _light(
     place = _DISTANCE * AXES["three"].to_target(direction)
     matrix = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, *place.tolist(), 1]
     size = {"angular_radius": float(radius)}
-    shone = _colour(irradiance)
-    return _thing("DirectionalLight", f"light_{j}", matrix=matrix, userData=size, **shone)
+    shone = colour_of(irradiance)
+    return thing_of("DirectionalLight", f"light_{j}", matrix=matrix, userData=size, **shone)
 
 
 def _ambient(rig: Any) -> dict[str, Any]:
@@ -115,24 +111,11 @@ def _ambient(rig: Any) -> dict[str, Any]:
     if rig.ambient.ndim == 2:
         # three.js has our order, signs and lengths of harmonics.
         harmonics = turned_ambient(rig.ambient, AXES["three"].matrix)
-        return _thing("LightProbe", "ambient", sh=harmonics.ravel().tolist())
-    lit = _colour(np.pi * rig.ambient)
+        return thing_of("LightProbe", "ambient", sh=harmonics.ravel().tolist())
+    lit = colour_of(np.pi * rig.ambient)
     if rig.floor:
-        return _thing("HemisphereLight", "ambient", groundColor=0, **lit)
-    return _thing("AmbientLight", "ambient", **lit)
-
-
-def _colour(values: NDArray[np.float64]) -> dict[str, Any]:
-    """Colour and intensity with the product `values`.
-
-    A hexadecimal colour has only 8 bits, so the colour is given as hue, saturation and lightness.
-    three.js decodes it from sRGB.
-    """
-    most = float(values.max())
-    codes = encode_srgb(values / (most or 1.0))
-    hue, lightness, saturation = colorsys.rgb_to_hls(*codes.tolist())
-    colour = f"hsl({360 * hue:.12f},{100 * saturation:.12f}%,{100 * lightness:.12f}%)"
-    return {"color": colour, "intensity": most}
+        return thing_of("HemisphereLight", "ambient", groundColor=0, **lit)
+    return thing_of("AmbientLight", "ambient", **lit)
 
 
 def _at_most(env: EnvMap) -> EnvMap:
@@ -140,20 +123,6 @@ def _at_most(env: EnvMap) -> EnvMap:
 
 
 def _map(env: EnvMap) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Image and texture in the form of `DataTexture`."""
-    opaque = np.ones((env.height, env.width, 1), np.float32)
-    samples = np.concatenate([env.radiance, opaque], axis=2)
-    data = [float(f"{sample:.7g}") for sample in samples.ravel().tolist()]
-    content = {"data": data, "width": env.width, "height": env.height, "type": "Float32Array"}
-    image = {"uuid": _uuid("image"), "url": content}
-    texture = {"uuid": _uuid("texture"), "name": "environment", "image": image["uuid"], **_TEXTURE}
-    return image, texture
-
-
-def _thing(kind: str, name: str, **parts: Any) -> dict[str, Any]:
-    return {"uuid": _uuid(name), "type": kind, "name": name, **parts}
-
-
-def _uuid(name: str) -> str:
-    """Identifier that depends on the name alone, so that files can be compared."""
-    return str(uuid.uuid5(uuid.NAMESPACE_URL, f"envlights/{name}"))
+    """Image and texture of the environment."""
+    image = image_of("image", env.radiance)
+    return image, texture_of("texture", "environment", image, **_TEXTURE)

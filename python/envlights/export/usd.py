@@ -11,10 +11,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights._native import EnvLightsError
+from envlights.cards import Cards
 from envlights.envmap import EnvMap
+from envlights.export import usd_cards
 from envlights.export.axes import AXES
-from envlights.export.files import CONTROLS, check_link, panorama, save_scene
+from envlights.export.files import panorama, save_scene
 from envlights.export.scene import Scene, scene_of
+from envlights.export.usd_text import asset, colour, prim
 from envlights.io.files import as_path
 from envlights.lights import Lights
 from envlights.rig import Rig
@@ -33,7 +36,7 @@ def Xform "rig"
 
 
 def usd(
-    rig: Rig | Lights,
+    rig: Rig | Lights | Cards,
     environment: EnvMap | ArrayLike | None = None,
     *,
     texture: str = "ambient.exr",
@@ -42,7 +45,7 @@ def usd(
 
     Parameters
     ----------
-    rig : Rig or Lights
+    rig : Rig, Lights or Cards
     environment : EnvMap or array_like, optional
         Map that replaces the ambient term.
     texture : str
@@ -64,11 +67,11 @@ def usd(
     >>> "float inputs:intensity = 3.0" in text, "color3f inputs:color = (1.0, 0.5, 0.0)" in text
     (True, True)
     """
-    return _text(scene_of(rig, environment, target="usd"), texture)
+    return _text(scene_of(rig, environment, target="usd"), texture, "")
 
 
 def save_usd(
-    rig: Rig | Lights,
+    rig: Rig | Lights | Cards,
     path: str | os.PathLike[str],
     environment: EnvMap | ArrayLike | None = None,
     *,
@@ -80,36 +83,27 @@ def save_usd(
     """
     scene = scene_of(rig, environment, target="usd")
     name, textures = panorama(path, scene.environment, texture)
-    text = _text(scene, name)
+    prefix = f"{as_path(path).stem}."
+    text = _text(scene, name, prefix)
+    textures = {**textures, **usd_cards.textures(scene.panels, prefix)}
     content = crate(text) if as_path(path).suffix.lower() == ".usdc" else text
     save_scene(path, content, textures)
 
 
-def _text(scene: Scene, texture: str) -> str:
+def _text(scene: Scene, texture: str, prefix: str) -> str:
     lights = scene.lights
     rows = zip(lights.direction, lights.irradiance, lights.angular_radius, strict=True)
     prims = [_light(f"light_{j}", *row) for j, row in enumerate(rows)]
+    prims += usd_cards.prims(scene.panels, prefix)
     if scene.environment is not None:
         file = [
-            f"asset inputs:texture:file = {_asset(texture)}",
+            f"asset inputs:texture:file = {asset(texture)}",
             'token inputs:texture:format = "latlong"',
         ]
         prims.append(prim("DomeLight", "ambient", ["float inputs:intensity = 1.0", *file]))
     elif scene.ambient is not None:
-        prims.append(prim("DomeLight", "ambient", _colour(scene.ambient)))
+        prims.append(prim("DomeLight", "ambient", colour(scene.ambient)))
     return _HEAD.replace("@UNITS@", scene.statement) + "\n".join(prims) + "}\n"
-
-
-def _asset(texture: str) -> str:
-    """A path as a literal, which OpenUSD looks up beside the stage, not in its search paths.
-
-    <UDIM> would stand for the numbers of many files, and a backslash for a slash.
-    """
-    check_link(texture, "OpenUSD", ["<UDIM>", "\\", *CONTROLS])
-    path = texture if texture.startswith("../") else f"./{texture}"
-    if "@" not in path:
-        return f"@{path}@"
-    return "@@@" + path.replace("@@@", r"\@@@") + "@@@"
 
 
 def _light(
@@ -121,7 +115,7 @@ def _light(
         name,
         [
             f"float inputs:angle = {float(2 * np.rad2deg(radius))!r}",
-            *_colour(irradiance),
+            *colour(irradiance),
             "bool inputs:normalize = 1",
             f"matrix4d xformOp:transform = {light_matrix(direction)}",
             'uniform token[] xformOpOrder = ["xformOp:transform"]',
@@ -137,22 +131,6 @@ def light_matrix(direction: NDArray[np.float64]) -> str:
     x /= np.linalg.norm(x)
     rows = [(*axis.tolist(), 0.0) for axis in (x, np.cross(z, x), z)]
     return f"( {', '.join(map(repr, [*rows, (0.0, 0.0, 0.0, 1.0)]))} )"
-
-
-def _colour(values: NDArray[np.float64]) -> list[str]:
-    """Colour and intensity with the product `values`."""
-    most = float(values.max())
-    colour = values / most if most > 0 else values
-    return [
-        f"color3f inputs:color = {tuple(colour.tolist())!r}",
-        f"float inputs:intensity = {most!r}",
-    ]
-
-
-def prim(kind: str, name: str, lines: list[str]) -> str:
-    """Definition of a prim with these properties."""
-    body = "".join(f"        {line}\n" for line in lines)
-    return f'    def {kind} "{name}"\n    {{\n{body}    }}\n'
 
 
 def crate(text: str) -> bytes:

@@ -4,6 +4,7 @@
 |----------------------------------------------------------------|---------------|
 | a map alone, with a rig, or with detected lights               | `maps.py`     |
 | a map, its lights, and the map without them                    | `split.py`    |
+| cards on a map, their textures, and mirror balls               | `cards.py`    |
 | the sun of a clipped map, and its shadows                      | `sun.py`      |
 | several rigs of a map; the errors of the search for each        | `compare.py`  |
 | errors of shading, shadows and metal, by number of lights      | `curve.py`    |
@@ -49,6 +50,9 @@ __all__ = [
     "article_picture",
     "axes_picture",
     "basis_picture",
+    "card_balls",
+    "card_textures",
+    "cards",
     "detection_picture",
     "error_curve",
     "error_picture",
@@ -74,6 +78,7 @@ if can_draw():
     from envlights.plot.article import article_picture
     from envlights.plot.axes import axes_picture
     from envlights.plot.basis import basis_picture, spectrum_picture
+    from envlights.plot.cards import card_balls, card_textures, cards
     from envlights.plot.compare import error_picture, rigs_picture
     from envlights.plot.curve import error_curve
     from envlights.plot.figure import Picture, save

@@ -1,0 +1,58 @@
+"""Cards of lights that were removed from a map."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights import _native
+from envlights.cards.arrays import SHAPES
+from envlights.cards.cards import Cards
+from envlights.envmap import EnvMap
+
+
+def cut(
+    env: EnvMap,
+    rest: NDArray[np.float32],
+    pixels: tuple[NDArray[np.int64], NDArray[np.int64]],
+    block: int,
+    lights: tuple[NDArray[np.float64], NDArray[np.float64]],
+) -> tuple[Cards, NDArray[np.float32]]:
+    """Cards of removed lights, and the map without the cards.
+
+    Parameters
+    ----------
+    env : EnvMap
+        The whole map.
+    rest : ndarray, shape (height, width, 3)
+        The map without the lights; what lies beside the cards returns to it.
+    pixels : pair of ndarray, shapes (k, 2) and (k,)
+        Row and column of each block of a light, and the index of its light.
+    block : int
+        Pixels of the map along each side of a block.
+    lights : pair of ndarray, shapes (n, 3) and (n,)
+        Directions and angular radii of the removed lights.
+    """
+    parts = _native.cut_cards(env.radiance, rest, env.is_border_sampled, block, *pixels, *lights)
+    radius = [np.nan if each is None else each for each in parts.radius]
+    cards = Cards(
+        tuple(SHAPES[shape] for shape in parts.shape),
+        np.reshape(parts.matrix, (-1, 3, 3)),
+        np.reshape(parts.irradiance, (-1, 3)),
+        tuple(parts.texture),
+        parts.overlap,
+        np.array(radius),
+        units=env.units,
+        notes=_notes(parts, len(lights[0])),
+    )
+    return cards, parts.rest
+
+
+def _notes(parts: _native.MapCards, lights: int) -> tuple[str, ...]:
+    """Remark on lights that became one card."""
+    windows = [each for each in parts.lights if len(each) > 1]
+    if not windows:
+        return ()
+    panes = sum(map(len, windows))
+    cards = "1 card" if len(windows) == 1 else f"{len(windows)} cards"
+    return (f"{panes} of {lights} lights are panes, and became {cards}",)

@@ -1,0 +1,156 @@
+"""Panels of an exported scene: cards in space, in front of the map that they hide."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights._targets import Crops
+from envlights.cards import Card, Cards
+from envlights.envmap import EnvMap
+from envlights.export.axes import AXES
+from envlights.export.look_up import looked_up
+from envlights.lights import Lights
+
+#: Least rows and columns of a texture that shows the map behind a card of one colour.
+_HIDDEN_TEXELS = 16
+#: Largest cosine between the sides of a rectangle.
+_SQUARE = 1e-6
+#: Vertices of the polygon of a disc; its area is 0.16 % less than that of a circle.
+VERTICES = 64
+
+#: Textures by the target. glTF and three.js have them in their file.
+CROPS = {
+    "usd": Crops(".usd.exr"),
+    "mitsuba": Crops(".mitsuba.exr"),
+    "pbrt": Crops(".pbrt.exr"),
+    "blender": Crops(".blender.exr", has_discs=True),
+}
+
+
+class Panel(NamedTuple):
+    """Planar light: the points O + a U + b V, or the ellipse inscribed in this parallelogram.
+
+    Seen from the origin, U goes to the right and V down, in the frame of envlights.
+    """
+
+    name: str
+    """Name in the scene, such as ``card_0``."""
+
+    matrix: NDArray[np.float64]
+    """Columns U, V, O, (3, 3)."""
+
+    is_ellipse: bool
+    """True for a disc."""
+
+    irradiance: NDArray[np.float64]
+    """Irradiance of a surface that faces its centre at the origin, (3,)."""
+
+    radiance: NDArray[np.float64]
+    """Uniform radiance of the light alone, (3,)."""
+
+    texture: NDArray[np.float32]
+    """Radiance of the light alone, (rows, columns, 3), row 0 at b = 0."""
+
+    hidden: NDArray[np.float32]
+    """Radiance of the map behind it, of the size of `texture`."""
+
+    @property
+    def opaque_texture(self) -> NDArray[np.float32]:
+        """Texture for a renderer in which the light hides the map behind it."""
+        return self.texture + self.hidden
+
+    @property
+    def opaque_radiance(self) -> NDArray[np.float64]:
+        """Uniform radiance for a renderer in which the light hides the map behind it."""
+        mean: NDArray[np.float64] = self.hidden.mean(axis=(0, 1), dtype=np.float64)
+        return self.radiance + mean
+
+    @property
+    def is_rectangle(self) -> bool:
+        """True if the sides U and V are perpendicular."""
+        u, v, _ = self.matrix.T
+        return bool(abs(u @ v) <= _SQUARE * np.linalg.norm(u) * np.linalg.norm(v))
+
+    @property
+    def size(self) -> NDArray[np.float64]:
+        """Lengths of U and V, (2,)."""
+        lengths: NDArray[np.float64] = np.linalg.norm(self.matrix[:, :2], axis=0)
+        return lengths
+
+    def axes(self, target: str) -> tuple[NDArray[np.float64], ...]:
+        """U, V, the unit vector to the origin's side, and the centre, in the target's frame."""
+        u, v, start = self.matrix.T
+        facing = np.cross(v, u)
+        vectors = u, v, facing / np.linalg.norm(facing), start + (u + v) / 2
+        return tuple(AXES[target].to_target(vector) for vector in vectors)
+
+    def outline(self, target: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Vertices in the target's frame, (n, 3), and their (a, b), (n, 2).
+
+        They go counter-clockwise as seen from the origin: top left, bottom left, and so on.
+        """
+        if self.is_ellipse:
+            angle = 2 * np.pi * np.arange(VERTICES) / VERTICES
+            places = 0.5 + 0.5 * np.stack([np.cos(angle), -np.sin(angle)], axis=1)
+        else:
+            places = np.array([[0, 0], [0, 1], [1, 1], [1, 0]], float)
+        points = np.insert(places, 2, 1.0, axis=1) @ self.matrix.T
+        return AXES[target].to_target(points), places
+
+
+def crop_names(panels: tuple[Panel, ...], prefix: str, target: str) -> list[str]:
+    """Name of the texture of each panel in the files of a target; empty if it has none."""
+    return CROPS[target].names(prefix, ("disc" if each.is_ellipse else "" for each in panels))
+
+
+def distant_and_panels(
+    rig: Any, environment: EnvMap | None, factor: float = 1.0
+) -> tuple[Lights, tuple[Panel, ...]]:
+    """Lights at infinity of a rig, lights or cards, and the panels of cards.
+
+    Parameters
+    ----------
+    rig : Rig, Lights or Cards
+    environment : EnvMap, optional
+        Cell-centred map behind the panels.
+    factor : float
+        Factor of all radiance, for the units of a target.
+    """
+    if not isinstance(rig, Cards):
+        lights: Lights = getattr(rig, "lights", rig).discs()
+        return lights, ()
+    flat = rig[rig.is_flat]
+    cards = flat if flat.is_placed else flat.far()
+    panels = (_panel(j, card, environment, factor) for j, card in enumerate(cards))
+    return rig.distant, tuple(panels)
+
+
+def _panel(j: int, card: Card, environment: EnvMap | None, factor: float) -> Panel:
+    texture = card.texture
+    if environment is not None:
+        times = [-(-_HIDDEN_TEXELS // length) for length in texture.shape[:2]]
+        texture = texture.repeat(times[0], axis=0).repeat(times[1], axis=1)
+    hidden = np.zeros_like(texture) if environment is None else _behind(card, texture, environment)
+    return Panel(
+        f"card_{j}",
+        card.matrix,
+        card.shape == "disc",
+        factor * card.irradiance,
+        factor * card.radiance,
+        np.float32(factor) * texture,
+        np.float32(factor) * hidden,
+    )
+
+
+def _behind(card: Card, texture: NDArray[np.float32], env: EnvMap) -> NDArray[np.float32]:
+    """Radiance of the map in the direction of each texel."""
+    rows, columns, _ = texture.shape
+    b, a = np.meshgrid(
+        (np.arange(rows) + 0.5) / rows, (np.arange(columns) + 0.5) / columns, indexing="ij"
+    )
+    towards = np.stack([a, b, np.ones_like(a)], axis=-1).reshape(-1, 3) @ card.matrix.T
+    towards /= np.linalg.norm(towards, axis=1, keepdims=True)
+    return looked_up(env, towards).reshape(texture.shape)
