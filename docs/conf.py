@@ -25,7 +25,7 @@ extensions = [
 root_doc = "docs/index"
 include_patterns = ["docs/**.md", "docs/**.rst", "notebooks/*.ipynb", "*.md"]
 exclude_patterns = [
-    *("README.md", "docs/examples", "docs/site", "docs/templates"),
+    *("README.md", "docs/examples", "docs/_build", "docs/templates"),
     *("target", "**/node_modules", "python", "src", "tests", "benchmarks", "fuzz", ".*"),
 ]
 templates_path = ["templates"]
