@@ -20,6 +20,7 @@ extensions = [
     "numpydoc",
     "sphinx_gallery.gen_gallery",
     "math_markup",
+    "program_facts",
     "reference_pages",
 ]
 root_doc = "docs/index"
@@ -58,7 +59,8 @@ sphinx_gallery_conf = {
     "write_computation_times": False,
     "plot_gallery": True,
     "abort_on_example_error": True,
-    "capture_repr": ("__str__",),
+    "capture_repr": (),
+    "image_scrapers": ("example_pictures.scrape",),
     "copyfile_regex": "",
 }
 
