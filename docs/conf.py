@@ -20,6 +20,7 @@ extensions = [
     "numpydoc",
     "sphinx_gallery.gen_gallery",
     "math_markup",
+    "other_pages",
     "program_facts",
     "reference_pages",
 ]
@@ -29,7 +30,7 @@ exclude_patterns = [
     *("README.md", "docs/examples", "docs/_build", "docs/templates"),
     *("target", "**/node_modules", "python", "src", "tests", "benchmarks", "fuzz", ".*"),
 ]
-templates_path = ["templates"]
+templates_path = [str(HERE / "templates")]
 
 # Markdown, and notebooks with the outputs that they store.
 myst_enable_extensions = ["dollarmath", "colon_fence"]

@@ -42,6 +42,10 @@ PAGES = (
     Page("transfer", "Transfer", "Predict indirect light from direct light.", ("transfer",)),
     Page("other", "Other names", "Errors, and what concerns the whole package."),
 )
+INTRODUCTION = """Every public name has a page with its shapes, units, errors and sources. ``import envlights as el``
+gives the names of the first pages, and the packages below as ``el.plot``, ``el.export`` and so on.
+
+"""
 #: Packages with names of their own.
 PACKAGES = ("plot", "export", "kernels", "synthetic", "io", "scene", "comparison", "transfer")
 
@@ -121,7 +125,10 @@ def texts() -> dict[str, str]:
         page.file: heading(page.title) + page.text + "\n\n" + table(found[page.file]) for page in PAGES
     }
     pages |= {f"package_{package}": package_page(package) for package in PACKAGES}
-    return {**pages, "commands": commands_page()}
+    pages["commands"] = commands_page()
+    listed = "".join(f"   {name}\n" for name in pages)
+    index = f"{INTRODUCTION}.. toctree::\n   :maxdepth: 1\n\n{listed}"
+    return {**pages, "index": heading("Reference") + index}
 
 
 def write_pages(app, _config) -> None:
