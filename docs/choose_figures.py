@@ -12,7 +12,7 @@ from envlights.scene.closed_form import closed_form
 from envlights.scene.path_traced import SolidsOnFloor
 
 HERE = Path(__file__).parent
-CAMERA = Camera((-2.4, 1.9, -3.2), (0, 0.4, 0), 34, 200, 150)
+CAMERA = Camera((-2.4, 1.9, -3.2), (0, 0.4, 0), 34, 300, 225)
 
 
 def still_life() -> SolidsOnFloor:
@@ -22,7 +22,7 @@ def still_life() -> SolidsOnFloor:
 
 
 def draw_errors(env: el.EnvMap) -> None:
-    """The same scene with image errors near 1, 3 and 10 %, and the reference."""
+    """Draw one scene with image errors near 10, 3 and 1 %, and the reference."""
     reference = el.fit(env, 32, floor=True)
     truth = closed_form(reference, still_life(), CAMERA)
     print(f"reference: 32 lights, error of shadows {reference.report.shadow_error:.2%}")
@@ -39,15 +39,16 @@ def draw_errors(env: el.EnvMap) -> None:
         kind = "discs" if sizes else "points"
         print(f"image {error:.1%}: {lights} {kind}; {rig.error:.2%}, {rig.report.shadow_error:.1%}")
         images.append(image)
-    picture = np.concatenate([*images, truth], axis=1)
+    rows = (images[:2], [images[2], truth])
+    picture = np.concatenate([np.concatenate(row, axis=1) for row in rows])
     white = np.quantile(truth, 0.99)
     plt.imsave(HERE / "choose_errors.png", np.clip(picture / white, 0, 1) ** (1 / 2.2))
 
 
 def draw_frame(env: el.EnvMap) -> None:
-    """Azimuth and elevation on a map, and azimuth from above."""
-    figure = plt.figure(figsize=(10, 4), layout="constrained")
-    on_map, plan = figure.subplots(1, 2, width_ratios=(2, 1))
+    """Draw azimuth and elevation on a map, and azimuth from above."""
+    figure = plt.figure(figsize=(6.5, 7), layout="constrained")
+    on_map, plan = figure.subplots(2, 1, height_ratios=(5, 4))
     label_map(on_map, env)
     label_plan(plan)
     figure.savefig(HERE / "axes_frame.png", dpi=100)

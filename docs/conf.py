@@ -33,13 +33,14 @@ exclude_patterns = [
 templates_path = [str(HERE / "templates")]
 
 # Markdown, and notebooks with the outputs that they store.
-myst_enable_extensions = ["dollarmath", "colon_fence"]
+myst_enable_extensions = ["dollarmath", "deflist"]
 myst_heading_anchors = 3
 myst_update_mathjax = False
 nb_execution_mode = "off"
 nb_merge_streams = True
 
 # The reference: numpydoc's sections, one page for each name.
+default_role = "py:obj"
 autosummary_generate = True
 autosummary_ignore_module_all = False
 autodoc_typehints = "none"

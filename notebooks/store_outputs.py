@@ -22,7 +22,7 @@ WIDGET = "application/vnd.jupyter.widget-view+json"
 
 
 def small_png(data: bytes) -> bytes:
-    """The same picture with 128 colours, in as few pixels as its size demands."""
+    """Reduce a picture to 128 colours, and to as few pixels as its size demands."""
     picture = Image.open(io.BytesIO(data)).convert("RGB")
     while True:
         file = io.BytesIO()
@@ -53,7 +53,7 @@ def small_output(output: nbformat.NotebookNode) -> nbformat.NotebookNode:
     return output
 
 
-def joined(outputs: list[nbformat.NotebookNode]) -> list[nbformat.NotebookNode]:
+def without_bars(outputs: list[nbformat.NotebookNode]) -> list[nbformat.NotebookNode]:
     """Outputs without progress bars, adjacent pieces of text as one."""
     kept: list[nbformat.NotebookNode] = []
     for output in outputs:
@@ -73,7 +73,7 @@ def store(path: Path) -> None:
     for cell in notebook.cells:
         cell.metadata.clear()
         if cell.cell_type == "code":
-            cell.outputs = [small_output(each) for each in joined(cell.outputs)]
+            cell.outputs = [small_output(each) for each in without_bars(cell.outputs)]
     notebook.metadata.pop("widgets", None)
     notebook.metadata.language_info = {"name": "python"}
     nbformat.write(notebook, path)

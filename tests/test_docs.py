@@ -48,7 +48,9 @@ def folder(tmp_path, monkeypatch):
     """A folder with a map and a model, in which the code of a page runs."""
     monkeypatch.chdir(tmp_path)
     el.EnvMap(el.synthetic.hall(32).radiance).save("hall.exr")
-    Path("chair.obj").write_text("v 0 0 0\nv 90 0 0\nv 0 90 0\nv 0 0 90\nf 1 3 2\nf 1 2 4\nf 1 4 3\n")
+    Path("chair.obj").write_text(
+        "v 0 0 0\nv 90 0 0\nv 0 90 0\nv 0 0 90\nf 1 3 2\nf 1 2 4\nf 1 4 3\n"
+    )
     return tmp_path
 
 
@@ -97,7 +99,7 @@ def test_every_page_is_in_the_table_of_contents():
     pages = [path.stem for path in DOCS.glob("*.md") if path.stem != "index"]
     complete = other_pages.with_other_pages(index, [*pages, "a_new_page"])
     for page in [*pages, "a_new_page"]:
-        assert len(re.findall(rf"^{page}$", complete, re.M)) == 1, page
+        assert len(re.findall(rf"^(?:.* <)?{page}>?$", complete, re.M)) == 1, page
     assert other_pages.MARK not in complete
 
 
@@ -122,12 +124,22 @@ def test_every_public_name_is_in_the_reference(package, name):
         assert re.search(rf"^.. (auto)?module:: {owner.__name__}\.{name}$", everything, re.M)
     else:
         full = f"envlights.{package}.{name}".replace("..", ".")
-        assert re.search(rf"^   ~{full}$|`envlights\.{name}`", everything, re.M)
+        assert re.search(
+            rf"^   ~{full}$|^.. py:data:: {full}$|`envlights\.{name}`", everything, re.M
+        )
+
+
+def test_the_help_of_every_command_is_in_the_reference():
+    page = reference_pages.texts()["commands"]
+    for command in ("fit", "detect", "export", "transfer fit", "view"):
+        assert re.search(rf"^   Usage: envlights {command} ", page, re.M), command
 
 
 def test_every_public_package_has_a_page():
     """Packages with `__all__` that `import envlights` gives."""
-    modules = {name: getattr(el, name) for name in dir(el) if isinstance(getattr(el, name), ModuleType)}
+    modules = {
+        name: getattr(el, name) for name in dir(el) if isinstance(getattr(el, name), ModuleType)
+    }
     listed = {name for name, module in modules.items() if hasattr(module, "__all__")}
     assert listed <= {*reference_pages.PACKAGES}
 

@@ -49,7 +49,7 @@ def pictures_in(cells):
     ]
 
 
-def reduced(file):
+def thumbnail(file):
     """Grey values of a picture in 64x32 pixels, from 0 to 1."""
     picture = Image.open(io.BytesIO(file)).convert("L")
     return np.asarray(picture.resize((64, 32), Image.Resampling.BOX)) / 255
@@ -73,7 +73,7 @@ def assert_stored_pictures_look_like(name, cells):
     new = pictures_in(cells)
     assert len(stored) == len(new)
     for one, other in zip(stored, new, strict=True):
-        difference = np.abs(reduced(one) - reduced(other))
+        difference = np.abs(thumbnail(one) - thumbnail(other))
         assert np.sqrt((difference**2).mean()) < 0.03
 
 

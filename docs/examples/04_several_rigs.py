@@ -1,6 +1,6 @@
 """
-Several rigs side by side
-=========================
+Several rigs in one picture
+===========================
 
 One light, two, and four: the probe under each, and where it is too bright or too dark.
 """

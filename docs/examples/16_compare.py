@@ -1,6 +1,6 @@
 """
-How well one lighting replaces another
-======================================
+Comparison of a map and a rig
+=============================
 
 The errors of a guess on three spheres, between lights, and of shading and shadows.
 """

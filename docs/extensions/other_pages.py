@@ -8,7 +8,7 @@ MARK = "(other pages)"
 
 def with_other_pages(index: str, pages: list[str]) -> str:
     """Table of contents with the pages that it does not name in place of the mark."""
-    named = set(re.findall(r"^[\w/]+$", index, re.MULTILINE))
+    named = set(re.findall(r"^(?:.* <)?([\w/]+)>?$", index, re.MULTILINE))
     return index.replace(MARK, "\n".join(page for page in sorted(pages) if page not in named))
 
 

@@ -1,6 +1,7 @@
 """Pages of the reference, written from the names that the package makes public."""
 
 import inspect
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
@@ -23,7 +24,9 @@ class Page(NamedTuple):
 
 #: Names of `envlights` by the module that defines them; the last page takes what is left.
 PAGES = (
-    Page("maps", "Maps", "Open, calibrate and convert environment maps.", ("envmap", "io", "repair")),
+    Page(
+        "maps", "Maps", "Open, calibrate and convert environment maps.", ("envmap", "io", "repair")
+    ),
     Page(
         "fit",
         "Fit",
@@ -42,8 +45,9 @@ PAGES = (
     Page("transfer", "Transfer", "Predict indirect light from direct light.", ("transfer",)),
     Page("other", "Other names", "Errors, and what concerns the whole package."),
 )
-INTRODUCTION = """Every public name has a page with its shapes, units, errors and sources. ``import envlights as el``
-gives the names of the first pages, and the packages below as ``el.plot``, ``el.export`` and so on.
+INTRODUCTION = """Every public name has a page with its shapes, units, errors and sources.
+``import envlights as el`` gives the names of the first pages, and the packages below as
+``el.plot``, ``el.export`` and so on.
 
 """
 #: Packages with names of their own.
@@ -79,6 +83,23 @@ def table(names: list[str]) -> str:
     return f".. autosummary::\n   :nosignatures:\n   :toctree: names\n\n{listed}\n"
 
 
+def constant(package: str, name: str) -> str:
+    """Entry of a constant, with the comment before it in the source."""
+    folder = Path(inspect.getfile(getattr(el, package))).parent
+    comments = (
+        re.search(rf"^((?:#: .*\n)+){name}\b", path.read_text(encoding="utf-8"), re.MULTILINE)
+        for path in sorted(folder.glob("*.py"))
+    )
+    comment = next((found[1] for found in comments if found), "")
+    text = " ".join(line[3:] for line in comment.splitlines())
+    return f".. py:data:: envlights.{package}.{name}\n\n   {text}\n\n"
+
+
+def is_constant(value: object) -> bool:
+    """True for a value that has no text of its own."""
+    return not (inspect.ismodule(value) or inspect.isclass(value) or inspect.isroutine(value))
+
+
 def package_page(package: str) -> str:
     """Page of a package: its text, its names, and its names that `envlights` has too."""
     names = list(names_of(package))
@@ -87,7 +108,11 @@ def package_page(package: str) -> str:
     # The rest of the text is for those who change the package.
     first = inspect.getdoc(module).split("\n\n")[0]
     text = f"{heading(module.__name__)}{first}\n\n"
-    text += table([name for name in names if name not in modules])
+    constants = [name.split(".")[-1] for name in names]
+    constants = [name for name in constants if is_constant(getattr(module, name))]
+    apart = {*modules, *(f"{module.__name__}.{name}" for name in constants)}
+    text += table([name for name in names if name not in apart])
+    text += "".join(constant(package, name) for name in constants)
     text += f".. module:: {module.__name__}\n\n"
     for name in modules:
         text += f".. automodule:: {name}\n   :members:\n\n"
@@ -99,7 +124,10 @@ def package_page(package: str) -> str:
 
 def commands_page() -> str:
     """Help of each command."""
-    text = heading("Commands") + "``envlights --help`` and ``envlights COMMAND --help`` print this page.\n\n"
+    text = (
+        heading("Commands")
+        + "``envlights --help`` and ``envlights COMMAND --help`` print this page.\n\n"
+    )
     for path, command in commands(main, ("envlights",)):
         title = " ".join(path)
         context = click.Context(command, info_name=title)
@@ -108,11 +136,17 @@ def commands_page() -> str:
     return text
 
 
-def commands(group: click.Command, path: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], click.Command]]:
+def commands(
+    group: click.Command, path: tuple[str, ...]
+) -> Iterator[tuple[tuple[str, ...], click.Command]]:
     """Commands of a group, with the words that call them."""
     yield path, group
-    for name, command in getattr(group, "commands", {}).items():
-        yield from commands(command, (*path, name))
+    if isinstance(group, click.Group):
+        context = click.Context(group)
+        for name in group.list_commands(context):
+            command = group.get_command(context, name)
+            assert command is not None
+            yield from commands(command, (*path, name))
 
 
 def texts() -> dict[str, str]:
@@ -122,7 +156,8 @@ def texts() -> dict[str, str]:
         if not isinstance(getattr(el, name), ModuleType):
             found.setdefault(page_of(name).file, []).append(f"envlights.{name}")
     pages = {
-        page.file: heading(page.title) + page.text + "\n\n" + table(found[page.file]) for page in PAGES
+        page.file: heading(page.title) + page.text + "\n\n" + table(found[page.file])
+        for page in PAGES
     }
     pages |= {f"package_{package}": package_page(package) for package in PACKAGES}
     pages["commands"] = commands_page()
