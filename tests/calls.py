@@ -65,6 +65,15 @@ CALLS = {
             "units": UNITS,
         },
     ),
+    "EnvMap.harmonics": (
+        lambda env, **options: el.EnvMap(env).harmonics(**options),
+        {
+            "env": IMAGE,
+            "degree": st.integers(0, 2),
+            "convention": st.sampled_from(["envlights", "ramamoorthi", "three", "unity"]),
+        },
+    ),
+    "rigs_to_frame": (el.rigs_to_frame, {"rigs": st.lists(st.just(RIG), max_size=3)}),
     "EnvMap.calibrated": (
         lambda env, **readings: el.EnvMap(env).calibrated(**readings),
         {"env": IMAGE, "lux": SMALL, "facing": AXIS_OF_SURFACE, "patch": SMALL},

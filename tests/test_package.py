@@ -1,6 +1,7 @@
 """The package as a whole: the names and the imports of `import envlights`."""
 
 import ast
+import importlib.metadata
 import subprocess
 import sys
 from pathlib import Path
@@ -8,6 +9,7 @@ from pathlib import Path
 import pytest
 
 import envlights as el
+from tests import release_notes
 
 FOLDER = Path(el.__file__).parent
 MODULES = sorted(FOLDER.rglob("*.py"))
@@ -72,3 +74,22 @@ def test_a_module_imports_the_modules_that_it_uses_and_not_the_root(path):
             assert "envlights" not in [name.name for name in node.names]
         if isinstance(node, ast.ImportFrom) and node.module == "envlights":
             assert all(is_module(name.name) for name in node.names)
+
+
+def test_the_constraints_of_the_lowest_versions_are_those_of_the_package():
+    """`tests/installed.sh . --constraint tests/lowest.txt` tests what the package promises."""
+    promised = {}
+    for requirement in importlib.metadata.requires("envlights"):
+        if "extra ==" not in requirement:
+            name, least = requirement.split(">=")
+            promised[name] = least
+    lines = Path(__file__).with_name("lowest.txt").read_text().splitlines()
+    lowest = dict(line.split("==") for line in lines if line and not line.startswith("#"))
+    assert lowest.keys() == promised.keys()
+    for name, least in promised.items():
+        assert lowest[name].startswith(least)
+
+
+def test_the_release_notes_are_the_newest_entry_of_the_changelog():
+    entries = ("# Log", "## 0.3.0 (unreleased)", "- c", "## 0.2.0 - 2026-03-04", "- b")
+    assert release_notes.newest("\n\n".join(entries)) == ("0.2.0", "- b")

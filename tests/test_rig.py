@@ -21,7 +21,7 @@ UNIT = st.tuples(st.floats(0, 1), st.floats(0, 1))
 
 def a_rig():
     report = el.FitReport(
-        errors={0: 0.5, 1: 0.3},
+        search_errors={0: 0.5, 1: 0.3},
         sized_error=0.25,
         steps=7,
         stop_reason=el.StopReason.CONVERGED,
@@ -172,7 +172,10 @@ def test_the_table_says_where_each_light_is_and_how_wrong_the_rig_is():
     assert "a floor hides ambient light from below the horizon" in text
     assert "note: alpha was ignored" in text
     report = a_rig().report.verbose()
-    assert "error by number of lights, as points: 0: 50 %  1: 30 %; with sizes: 25 %" in report
+    assert (
+        "error in the search by number of lights, as points: 0: 50 %  1: 30 %; with sizes: 25 %"
+        in report
+    )
     assert "\nerror with shadows 3.1 %\n" in report
     assert "error in red, green, blue: 20 %  25 %  30 %; largest 50 %" in report
     assert (
@@ -193,7 +196,7 @@ def test_the_table_says_where_each_light_is_and_how_wrong_the_rig_is():
     [
         ({"format": "another"}, "is not a rig"),
         ({"version": 1}, "version 1; this package reads 2, 3, 4"),
-        ({"version": 5}, "version 5; this package reads 2, 3, 4"),
+        ({"version": 6}, "version 6; this package reads 2, 3, 4, 5"),
         ({"floor": 1}, "floor must be True or False; got 1"),
         (
             {"lights": {**a_rig().lights.to_dict(), "angular_radius": [0.1]}},
@@ -251,7 +254,7 @@ REPORT = a_rig().to_dict()["report"]
         {"error": -1},
         {"error": 10**400},
         {"error": True},
-        {"report": {**REPORT, "errors": {"1": float("nan")}}},
+        {"report": {**REPORT, "search_errors": {"1": float("nan")}}},
         {"report": {**REPORT, "steps": "x"}},
         {"report": {**REPORT, "seconds": {"fit": -1}}},
         {"report": {**REPORT, "direction_tolerances": [-1]}},
@@ -264,7 +267,7 @@ def test_files_with_impossible_numbers_are_refused(tmp_path, change):
     path.write_text(json.dumps({**a_rig().to_dict(), **change}))
     with pytest.raises(
         el.EnvLightsError,
-        match=r"holds an impossible rig: (error|steps|seconds|direction_tol|lights|shadow_error)",
+        match=r"impossible rig: ((search_|shadow_)?error|steps|seconds|direction_tol|lights)",
     ):
         el.Rig.load(path)
 
@@ -322,3 +325,11 @@ def test_harmonics_over_a_floor_are_refused():
         el.Rig(np.zeros((9, 3)), a_rig().lights, 0.0, floor=True)
     with pytest.raises(el.EnvLightsError, match=r"shape \(3,\) where there is a floor"):
         el.kernels.rig_irradiance(NORMALS, np.zeros((9, 3)), [], [], floor=True)
+
+
+def test_the_old_name_of_the_errors_in_the_search_works_with_a_warning():
+    report = el.FitReport({0: 0.5})
+    with pytest.warns(DeprecationWarning, match=r"search_errors.*el\.error_curve"):
+        assert report.errors == report.search_errors == {0: 0.5}
+    assert "errors" not in report.to_dict()
+    assert el.FitReport.from_dict(report.to_dict()) == report

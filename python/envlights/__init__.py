@@ -12,6 +12,8 @@ from importlib import import_module as _import_module
 
 from envlights import _map_repair, _targets, kernels
 from envlights._native import EnvLightsError
+from envlights._notes import Note
+from envlights._report_fields import StopReason
 from envlights._threads import threads
 from envlights.detection.component_tree import detect_tree
 from envlights.detection.detect import detect
@@ -24,11 +26,11 @@ from envlights.detection.split import Split, split
 from envlights.envmap import EnvMap
 from envlights.excess import Limit, limit
 from envlights.fitting.fit import fit, fit_probe
-from envlights.io.errors import DamagedFileError, MissingFileError
+from envlights.io.errors import DamagedFileError, FileError, MissingFileError
 from envlights.lights import Lights
 from envlights.occluders import Ball, Box, Polyhedron
-from envlights.report import FitReport, StopReason
-from envlights.rig import Rig
+from envlights.report import FitReport
+from envlights.rig import Rig, rigs_to_frame
 
 __all__ = [
     "BakedPairs",
@@ -42,6 +44,7 @@ __all__ = [
     "EnvLightsError",
     "EnvMap",
     "ErrorCurve",
+    "FileError",
     "FilePairs",
     "FitReport",
     "FolderComparison",
@@ -52,6 +55,7 @@ __all__ = [
     "MissingFileError",
     "MitsubaScene",
     "Model",
+    "Note",
     "PaperFit",
     "PhotographLight",
     "PhotographLights",
@@ -86,6 +90,7 @@ __all__ = [
     "kernels",
     "limit",
     "read_pairs",
+    "rigs_to_frame",
     "shadow_overlay",
     "split",
     "synthetic",

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _unseen, _visibility
-from envlights._check import amount, one_or_more
+from envlights._check import amount, check_choice, count, one_or_more
+from envlights._map_harmonics import CONVENTIONS, in_convention, map_harmonics
 from envlights._map_pixels import MapPixels
 from envlights._unseen import PartialMap, Unseen
 from envlights.kernels.image import LUMINANCE
@@ -55,6 +56,55 @@ class MapLight(MapPixels):
         radiance = self.filled(unseen).radiance
         values = irradiance(radiance, rows, border_sampled=self.is_border_sampled)
         return values[0] if is_one else values
+
+    def harmonics(
+        self, degree: int = 2, convention: str = "envlights", *, unseen: Unseen = None
+    ) -> NDArray[np.float64]:
+        r"""Spherical harmonics of the map up to order 2, as other programs store them.
+
+        Parameters
+        ----------
+        degree : int
+            Highest order, from 0 to 2.
+        convention : {"envlights", "ramamoorthi", "three", "unity"}
+            "envlights" and "ramamoorthi": coefficients L of the radiance for the real harmonics of
+            `kernels.harmonic_radiance`, which are those of Ramamoorthi and Hanrahan (2001) in our
+            axes. "three": the same in the axes of three.js, for ``LightProbe.sh.coefficients``.
+            "unity": row i is ``sh[channel, i]`` of ``SphericalHarmonicsL2``, in the axes of Unity:
+            irradiance over pi, with the factors of the polynomials multiplied in.
+        unseen : {"black", "harmonic", "ground"}, float or array_like, shape (3,), optional
+            Radiance where the map shows nothing; see `filled`.
+
+        Returns
+        -------
+        ndarray, shape ((degree + 1)\ :sup:`2`, 3)
+            Multiples of 1; y, z, x; xy, yz, 3z² - 1, xz, x² - y², in linear RGB. The integral is
+            exact for pixels of one radiance each.
+
+        Raises
+        ------
+        EnvLightsError
+            If `degree` is not from 0 to 2, `convention` is unknown, or `filled` refuses `unseen`.
+
+        References
+        ----------
+        R. Ramamoorthi, P. Hanrahan: "An Efficient Representation for Irradiance Environment Maps",
+        SIGGRAPH 2001; equations 3, 8 and 12.
+
+        Examples
+        --------
+        The irradiance over pi of a uniform map is its radiance, which Unity holds in row 0:
+
+        >>> import envlights as el
+        >>> env = el.EnvMap(np.full((16, 32, 3), 0.5))
+        >>> env.harmonics(convention="unity")[0].round(6)
+        array([0.5, 0.5, 0.5])
+        """
+        count("degree", degree, most=2)
+        check_choice("convention", convention, CONVENTIONS)
+        radiance = self.filled(unseen).radiance
+        rows = in_convention(map_harmonics(radiance, self.is_border_sampled), convention)
+        return rows[: (degree + 1) ** 2]
 
     def filled(self, unseen: Unseen = None, *, albedo: float = 0.25) -> Self:
         r"""Map with radiance where it shows nothing: its unseen part is filled.

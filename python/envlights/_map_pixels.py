@@ -15,6 +15,7 @@ from envlights._arrays import convert
 from envlights._check import amount, count, describe, texts
 from envlights._map_array import image_array
 from envlights._native import EnvLightsError
+from envlights._notes import Note
 from envlights._units import OWN_SCALE, checked_units, in_nits
 from envlights._white import white_of_codes
 from envlights.io.hints import NO_HINTS, Hints
@@ -186,9 +187,9 @@ class MapPixels:
         return self._registration == REGISTRATIONS[1]
 
     @property
-    def notes(self) -> tuple[str, ...]:
-        """Remarks on samples that were changed and on assumptions."""
-        return tuple(self._notes)
+    def notes(self) -> tuple[Note, ...]:
+        """Remarks on samples that were changed and on assumptions; `code` has the kind of each."""
+        return tuple(map(Note, self._notes))
 
     @property
     def white(self) -> float | None:

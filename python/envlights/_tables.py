@@ -65,7 +65,8 @@ def frame_of(columns: Mapping[str, NDArray[Any]]) -> pd.DataFrame:
         import pandas as pd
     except ImportError:
         raise EnvLightsError(
-            "to_frame needs pandas: pip install 'envlights[frame]', or pip install pandas"
+            "to_frame needs pandas: pip install 'envlights[frame]', or pip install pandas;"
+            " `to_dict` needs nothing"
         ) from None
     return pd.DataFrame(columns)
 

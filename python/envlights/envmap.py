@@ -13,6 +13,7 @@ from envlights._map_layouts import MapLayouts
 from envlights._map_pixels import checked_white
 from envlights._map_repair import MapRepair
 from envlights._native import EnvLightsError, UnusableSamplesError
+from envlights._notes import log
 from envlights.io.colour import ColourArgument
 from envlights.io.exposures import merge_exposures
 from envlights.io.image_output import COMPRESSIONS, map_suffix, write_exr, write_hdr
@@ -179,6 +180,7 @@ class EnvMap(MapCalibration, MapRepair, MapLayouts):
             env._set_pixels(image.pixels, image.seen, image.hints, arguments, width)
         except EnvLightsError as refusal:
             raise EnvLightsError(f"{name_of(path)}: {refusal}") from None
+        log(env._notes)
         return env
 
     @classmethod

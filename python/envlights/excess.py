@@ -85,7 +85,7 @@ def limit(env: AnyMap, maximum: float) -> Limit:
     integrals = PixelIntegrals(env.height, env.width, env.is_border_sampled).of(rows, columns)
     regions = connected_regions(rows, columns, env.radiance.shape[:2])
     lights = _lights(excess, integrals, regions, level, env.units)
-    notes = env.notes
+    notes: tuple[str, ...] = env.notes
     if len(lights):
         percent = 100 * (excess * integrals[:, 3:]).sum() / _flux(env)
         note = f"limited to {level:g}: {percent:.2g} % of the flux is in {lights.in_short()}"

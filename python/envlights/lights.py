@@ -17,6 +17,7 @@ from envlights._check import rotation, texts
 from envlights._light_arrays import LARGEST_LIGHT, light_arrays, radii, rotate, row_of, rows_of
 from envlights._lobes import SphericalGaussians, lobes
 from envlights._native import EnvLightsError
+from envlights._notes import Note
 from envlights._result import Result
 from envlights._tables import MOST_ROWS, Table, frame_of
 from envlights._units import OWN_SCALE, checked_units, in_lux
@@ -100,7 +101,7 @@ class Lights(Result):
 
     def __post_init__(self) -> None:
         checked_units(self.units)
-        object.__setattr__(self, "notes", tuple(texts("notes", self.notes)))
+        object.__setattr__(self, "notes", tuple(map(Note, texts("notes", self.notes))))
         direction, irradiance = light_arrays(self.direction, self.irradiance)
         radius = radii(self.angular_radius, len(direction))
         order = brightest_first(irradiance)

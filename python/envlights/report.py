@@ -2,38 +2,35 @@
 
 from __future__ import annotations
 
-import enum
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from envlights import _html
-from envlights._check import amount, check_choice, count
-from envlights._report_fields import bands, finite, number, optional, rgb
+from envlights._check import amount, count
+from envlights._report_fields import (
+    StopReason,
+    bands,
+    degrees,
+    finite,
+    number,
+    optional,
+    percent,
+    rgb,
+    row_of,
+    search_errors,
+    stop_reason,
+)
 from envlights._result import Result
-from envlights._tables import Table
+from envlights._tables import Table, frame_of
 from envlights._times import time_lines, times_of
 from envlights.kernels import gloss
 
-
-class StopReason(enum.Enum):
-    """Reason why the solver stopped; the value is its text."""
-
-    NOT_FITTED = "not fitted"
-    CONVERGED = "converged: the error no longer falls"
-    EXACT = "exact: the lights reproduce the irradiance"
-    OUT_OF_STEPS = "stopped at the step limit; a better set of lights may exist"
-    ERROR_NOT_REACHED = "the requested error was not reached; allow more lights"
-    RAN_AWAY = "stopped because the next step is not finite; the lights are those before it"
-    NOTHING_TO_FIT = "the map is black, so there is no light to fit"
-
-    @property
-    def is_success(self) -> bool:
-        """True if more steps would change nothing."""
-        successes = (StopReason.CONVERGED, StopReason.EXACT, StopReason.NOTHING_TO_FIT)
-        return self in successes
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 #: Roughness of the metal in the text of a report: the matte silver of published comparisons.
@@ -47,12 +44,15 @@ class FitReport(Result):
     `str` gives the part for users; `verbose` gives everything.
     """
 
-    errors: Mapping[int, float] = field(default_factory=dict)
-    """Relative RMS error for each number of lights in the search. Without a requested error, these
-    lights are points, and only the last number was searched in full; see `sized_error`."""
+    search_errors: Mapping[int, float] = field(default_factory=dict)
+    """Relative RMS error of the sets that the search passed, by their number of lights.
+
+    Without a requested error, these lights are points, and only the last number was searched in
+    full; see `sized_error`. `error_curve` compares full fits."""
 
     sized_error: float | None = None
-    """Relative RMS error of the rig, if its lights have sizes and `errors` are those of points."""
+    """Relative RMS error of the rig, if its lights have sizes and those of the search
+    have none."""
 
     steps: int = 0
     """Number of steps of the solver."""
@@ -158,7 +158,7 @@ class FitReport(Result):
     def to_dict(self) -> dict[str, Any]:
         """All fields except the times as plain numbers, lists and strings."""
         return {
-            "errors": {str(lights): error for lights, error in self.errors.items()},
+            "search_errors": {str(n): error for n, error in self.search_errors.items()},
             "sized_error": self.sized_error,
             "steps": self.steps,
             "stop_reason": self.stop_reason.name,
@@ -189,17 +189,25 @@ class FitReport(Result):
             "skipped": list(self.skipped),
         }
 
+    def row(self) -> dict[str, Any]:
+        """Single numbers and words of the report; NaN for what was not measured."""
+        return row_of(self)
+
+    def to_frame(self) -> pd.DataFrame:
+        """Data frame with one row of the errors and the choices of the fit; needs pandas."""
+        return frame_of({name: np.array([value]) for name, value in self.row().items()})
+
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> FitReport:
         """Report that `to_dict` wrote; fields that an older version did not write get defaults."""
         return cls(
-            errors={
-                count("lights", int(n)): amount("errors", error)
-                for n, error in data["errors"].items()
+            search_errors={
+                count("lights", int(n)): amount("search_errors", error)
+                for n, error in search_errors(data).items()
             },
             sized_error=optional("sized_error", data.get("sized_error")),
             steps=count("steps", data["steps"]),
-            stop_reason=_stop_reason(data["stop_reason"]),
+            stop_reason=stop_reason(data["stop_reason"]),
             seconds=times_of(data),
             measured_on=str(data["measured_on"]),
             ambient=str(data.get("ambient", "")),
@@ -266,14 +274,25 @@ class FitReport(Result):
         """
         return gloss.error(self.gloss_bands, gloss.checked_roughness(roughness), material)
 
+    @property
+    def errors(self) -> Mapping[int, float]:
+        """Old name of `search_errors`."""
+        warnings.warn(
+            "FitReport.errors is now FitReport.search_errors: errors of points that the search"
+            " tried; el.error_curve compares full fits",
+            DeprecationWarning,
+            stacklevel=2,
+        )
+        return self.search_errors
+
     def in_short(self) -> str:
         """Number of lights, error, and reason why the solver stopped."""
-        if not self.errors:
+        if not self.search_errors:
             return self.stop_reason.value
-        lights, error = list(self.errors.items())[-1]
+        lights, error = list(self.search_errors.items())[-1]
         error = error if self.sized_error is None else self.sized_error
         plural = "" if lights == 1 else "s"
-        return f"{lights} light{plural}, {_percent(error)}; {self.stop_reason.value}"
+        return f"{lights} light{plural}, {percent(error)}; {self.stop_reason.value}"
 
     def __str__(self) -> str:
         return "\n".join(filter(None, [self._by_number(), *self._short()]))
@@ -284,18 +303,20 @@ class FitReport(Result):
 
     def _html_parts(self) -> tuple[str, ...]:
         has_sizes = self.sized_error is not None
-        columns = ["lights", *map(str, self.errors), *(["with sizes"] if has_sizes else [])]
+        columns = ["lights", *map(str, self.search_errors), *(["with sizes"] if has_sizes else [])]
         each = [
-            *self.errors.values(),
+            *self.search_errors.values(),
             *([self.sized_error] if self.sized_error is not None else []),
         ]
-        curve = Table(columns, [["error", *map(_percent, each)]]).html() if self.errors else ""
+        curve = (
+            Table(columns, [["error", *map(percent, each)]]).html() if self.search_errors else ""
+        )
         return curve, _html.lines("\n".join(filter(None, self._short())))
 
     def _short(self) -> list[str]:
         """Lines for users, below the error of each number of lights."""
         # A rig shows the stop reason of its fit itself.
-        unfitted = "" if self.errors else self.stop_reason.value
+        unfitted = "" if self.search_errors else self.stop_reason.value
         made_for = f"fitted for {', '.join(self.target)}" if self.target else ""
         lines = [made_for, self._radius_bound(), self._unseen(), self.fewer_lights, unfitted]
         return [*self._choice(), *lines]
@@ -309,29 +330,31 @@ class FitReport(Result):
             f"error {self.with_gloss()}" if self.with_gloss() else "",
             *self._accuracy(),
             f"{self.steps} steps of the solver" if self.steps else "",
-            self.stop_reason.value if self.errors else "",
+            self.stop_reason.value if self.search_errors else "",
             *self.skipped,
             *time_lines(self.seconds),
         ]
 
     def with_shadows(self) -> str:
         """Error with shadows in words; empty if it was not measured."""
-        return "" if self.shadow_error is None else f"with shadows {_percent(self.shadow_error)}"
+        return "" if self.shadow_error is None else f"with shadows {percent(self.shadow_error)}"
 
     def with_gloss(self) -> str:
         """Error of rough metal in words; empty if it was not measured."""
         error = self.gloss_error()
-        return "" if error is None else f"on metal of roughness 0.33 {_percent(error)}"
+        return "" if error is None else f"on metal of roughness 0.33 {percent(error)}"
 
     def _by_number(self) -> str:
         """Error of each number of lights, and of the last number with sizes."""
-        if not self.errors:
+        if not self.search_errors:
             return ""
-        curve = "  ".join(f"{lights}: {_percent(error)}" for lights, error in self.errors.items())
+        curve = "  ".join(
+            f"{lights}: {percent(error)}" for lights, error in self.search_errors.items()
+        )
         if self.sized_error is None:
-            return f"error by number of lights: {curve}"
-        sized = _percent(self.sized_error)
-        return f"error by number of lights, as points: {curve}; with sizes: {sized}"
+            return f"error in the search by number of lights: {curve}"
+        sized = percent(self.sized_error)
+        return f"error in the search by number of lights, as points: {curve}; with sizes: {sized}"
 
     def _radius_bound(self) -> str:
         """Lights at the largest radius, counted from 1 like the rows of a rig; empty if none is."""
@@ -344,22 +367,22 @@ class FitReport(Result):
         if self.seen_share == 1:
             return ""
         return (
-            f"{_percent(self.seen_share)} of the sphere is seen; a black or a harmonic fill of the"
-            f" rest changes the probe by {_percent(self.unseen_spread)}"
+            f"{percent(self.seen_share)} of the sphere is seen; a black or a harmonic fill of the"
+            f" rest changes the probe by {percent(self.unseen_spread)}"
         )
 
     def _by_channel(self) -> tuple[str, ...]:
         if not self.channel_errors:
             return ()
-        channels = "  ".join(_percent(error) for error in self.channel_errors)
-        return (f"error in red, green, blue: {channels}; largest {_percent(self.max_error)}",)
+        channels = "  ".join(percent(error) for error in self.channel_errors)
+        return (f"error in red, green, blue: {channels}; largest {percent(self.max_error)}",)
 
     def _choice(self) -> tuple[str, ...]:
         """Selected ambient term, with lights and error of each."""
         if not self.ambients:
             return ()
         each = "  ".join(
-            f"{name}: {lights} light{'' if lights == 1 else 's'}, {_percent(error)}"
+            f"{name}: {lights} light{'' if lights == 1 else 's'}, {percent(error)}"
             for name, (lights, error) in self.ambients.items()
         )
         return (f"ambient term {self.ambient!r} selected from  {each}",)
@@ -367,25 +390,11 @@ class FitReport(Result):
     def _accuracy(self) -> tuple[str, ...]:
         """Accuracy of the directions."""
         if self.direction_tolerances:
-            angles = _degrees(self.direction_tolerances)
+            angles = degrees(self.direction_tolerances)
             return (f"direction tolerance (10 % more error): {angles}",)
         if self.direction_errors:
             return (
                 f"condition number {self.condition:.3g}",
-                f"standard error of the directions: {_degrees(self.direction_errors)}",
+                f"standard error of the directions: {degrees(self.direction_errors)}",
             )
         return ()
-
-
-def _percent(share: float) -> str:
-    return f"{100 * share:.3g} %"
-
-
-def _degrees(angles: tuple[float, ...]) -> str:
-    degrees = np.degrees(angles)
-    return "  ".join(f"{each:.2g}°" if each < 100 else f"{each:.0f}°" for each in degrees)
-
-
-def _stop_reason(name: object) -> StopReason:
-    check_choice("stop_reason", name, tuple(StopReason.__members__))
-    return StopReason[str(name)]

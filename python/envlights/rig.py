@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,10 +13,13 @@ from numpy.typing import ArrayLike, NDArray
 from envlights import _html, _targets
 from envlights._arrays import freeze
 from envlights._blocks import in_blocks
-from envlights._check import amount, flag, one_or_more, rotation, texts
+from envlights._check import amount, describe, flag, one_or_more, rotation, texts
 from envlights._light_arrays import LARGEST_LIGHT
 from envlights._native import EnvLightsError
+from envlights._notes import Note
+from envlights._report_fields import StopReason
 from envlights._result import Result
+from envlights._tables import frame_of
 from envlights._units import in_nits, statement
 from envlights.ambient import ambient_rows, turned_ambient
 from envlights.envmap import EnvMap
@@ -23,14 +27,19 @@ from envlights.io.csv_table import Table, load_csv
 from envlights.io.files import as_path
 from envlights.io.own_json import read_json
 from envlights.kernels import probe
+from envlights.kernels.image import LUMINANCE
 from envlights.kernels.sphere import FRAME
 from envlights.lights import Lights, lights_of, lights_of_table
-from envlights.report import FitReport, StopReason
+from envlights.report import FitReport
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 _KIND = "rig"
-_VERSION = 4
-#: Version 2 had neither sizes nor floors; version 3 had wall times, and no scale.
-_READABLE_VERSIONS = (2, 3, 4)
+_VERSION = 5
+#: Version 2 had neither sizes nor floors; version 3 had wall times, and no scale; version 4 named
+#: `FitReport.search_errors` "errors".
+_READABLE_VERSIONS = (2, 3, 4, 5)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -61,7 +70,7 @@ class Rig(Result):
     """Report of the fit."""
 
     notes: tuple[str, ...] = ()
-    """Remarks on samples of the map that were changed, and on assumptions."""
+    """Remarks on samples of the map that were changed, and on assumptions, as `Note`."""
 
     floor: bool = False
     """True if a floor hides the ambient light from below the horizon."""
@@ -70,6 +79,7 @@ class Rig(Result):
         object.__setattr__(self, "ambient", freeze(_ambient(self.ambient)))
         if flag("floor", self.floor) and self.ambient.ndim == 2:
             raise EnvLightsError("ambient must be one radiance where there is a floor; got (9, 3)")
+        object.__setattr__(self, "notes", tuple(map(Note, self.notes)))
         object.__setattr__(self, "error", amount("error", self.error))
 
     @property
@@ -181,6 +191,20 @@ class Rig(Result):
             "floor": self.floor,
         }
 
+    def to_frame(self) -> pd.DataFrame:
+        """Data frame with a row for each light, as of `Lights.to_frame`; needs pandas.
+
+        Its ``attrs`` hold `ambient`, `error`, `floor` and `units`.
+        """
+        frame = self.lights.to_frame()
+        frame.attrs = {
+            "ambient": self.ambient.tolist(),
+            "error": self.error,
+            "floor": self.floor,
+            "units": self.units,
+        }
+        return frame
+
     def save(
         self, path: str | os.PathLike[str], environment: EnvMap | ArrayLike | None = None
     ) -> None:
@@ -267,6 +291,58 @@ class Rig(Result):
     def in_short(self) -> str:
         """Ambient term, number of lights and error."""
         return f"{parts_line(self)}, error {100 * self.error:.3g} %"
+
+
+def rigs_to_frame(rigs: Iterable[Rig] | Mapping[str, Rig]) -> pd.DataFrame:
+    """Data frame with a row for each rig; needs pandas.
+
+    Parameters
+    ----------
+    rigs : iterable of Rig, or mapping
+        Rigs; the keys of a mapping, such as names of maps, are the index of the frame.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Lights, luminance of the ambient term (of harmonics: its mean over all directions) and of
+        all lights, error, and the columns of `FitReport.to_frame`.
+
+    Raises
+    ------
+    EnvLightsError
+        If one of `rigs` is no rig, or pandas is not installed.
+
+    Examples
+    --------
+    >>> rig = Rig([0.1, 0.1, 0.1], Lights([[0, 1, 0]], [[2, 2, 2]]), error=0.25)
+    >>> rigs_to_frame({"one": rig})["error"].to_dict()
+    {'one': 0.25}
+    """
+    names = list(rigs) if isinstance(rigs, Mapping) else None
+    if isinstance(rigs, str | Rig) or not isinstance(rigs, Iterable):
+        raise EnvLightsError(f"rigs must be a sequence or a mapping of rigs; got {describe(rigs)}")
+    each = list(rigs.values()) if isinstance(rigs, Mapping) else list(rigs)
+    for rig in each:
+        if not isinstance(rig, Rig):
+            raise EnvLightsError(f"rigs must hold rigs of `fit`; got {describe(rig)}")
+    rows = [{**_row(rig), **rig.report.row()} for rig in each]
+    columns = (
+        rows[0] if rows else _row(Rig(np.zeros(3), Lights(np.zeros((0, 3)), np.zeros((0, 3))), 0.0))
+    )
+    frame = frame_of({name: np.array([row[name] for row in rows]) for name in columns})
+    return frame if names is None else frame.set_axis(names)
+
+
+def _row(rig: Rig) -> dict[str, Any]:
+    """Cells of a rig in a data frame."""
+    # The first harmonic is constant: 1 / sqrt(4 pi).
+    mean = rig.ambient if rig.ambient.ndim == 1 else rig.ambient[0] / np.sqrt(4 * np.pi)
+    return {
+        "lights": len(rig.lights),
+        "ambient_luminance": float(mean @ LUMINANCE),
+        "lights_luminance": float(rig.lights.luminance.sum()),
+        "error": rig.error,
+    }
 
 
 def parts_line(rig: Rig) -> str:

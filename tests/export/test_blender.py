@@ -1,5 +1,6 @@
 """Blender: irradiance as Cycles renders it, in a process of its own."""
 
+import ast
 import importlib.util
 import subprocess
 import sys
@@ -131,3 +132,14 @@ def test_the_script_compiles_whatever_it_holds():
 def test_without_blender_there_is_one_sentence():
     with pytest.raises(el.EnvLightsError, match=r"Blender cannot be imported: .*; run this inside"):
         el.export.add_to_blender(POINTS)
+
+
+def test_by_the_formula_of_cycles_a_light_stands_where_the_map_shows_it():
+    """`direction_to_equirectangular` of Cycles; the script gives directions towards the lights."""
+    script = el.export.blender(POINTS)
+    listed = script[script.index("LIGHTS = ") + len("LIGHTS = ") : script.index("# Radiance of")]
+    x, y, z = np.array([towards for towards, _, _ in ast.literal_eval(listed)]).T
+    u = (0.5 - np.arctan2(y, x) / (2 * np.pi)) % 1
+    v = 0.5 - np.arctan2(z, np.hypot(x, y)) / np.pi
+    expected = el.kernels.direction_to_uv(POINTS.direction)
+    np.testing.assert_allclose(np.stack([u, v], axis=1), expected, atol=1e-12)

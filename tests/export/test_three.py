@@ -62,7 +62,7 @@ def test_a_map_lies_where_the_lights_are(tmp_path):
     # `equirectUv` of three.js: v grows upwards, and a flipped image has its first row on top.
     directions = el.kernels.pixel_directions(16, 32).reshape(-1, 3)
     x, y, z = AXES["three"].to_target(directions).T
-    u, v = np.arctan2(z, x) / (2 * np.pi) + 0.5, np.arcsin(y) / np.pi + 0.5
+    u, v = (np.arctan2(z, x) / (2 * np.pi) + 0.5) % 1, np.arcsin(y) / np.pi + 0.5
     looked_up = data[(16 * (1 - v)).astype(int), (32 * u).astype(int), :3]
     np.testing.assert_allclose(looked_up, env.radiance.reshape(-1, 3), rtol=1e-6)
 
@@ -79,3 +79,13 @@ def test_colours_have_no_exponent_and_no_more_than_all_digits():
     colour = three(dim)["object"]["children"][0]["color"]
     assert "e" not in colour
     assert three(el.Lights([[0, 1, 0]], [[0, 0, 0]]))["object"]["children"][0]["intensity"] == 0
+
+
+def test_by_the_formula_of_three_js_a_light_stands_where_the_map_shows_it():
+    """`equirectUv` of three.js, by which a background without rotation is looked up."""
+    lights = three(POINTS)["object"]["children"]
+    places = np.array([light["matrix"][12:15] for light in lights if "matrix" in light])
+    x, y, z = (places / np.linalg.norm(places, axis=1, keepdims=True)).T
+    u, v = (np.arctan2(z, x) / (2 * np.pi) + 0.5) % 1, np.arcsin(y) / np.pi + 0.5
+    expected = el.kernels.direction_to_uv(POINTS.direction)
+    np.testing.assert_allclose(np.stack([u, 1 - v], axis=1), expected, atol=1e-12)

@@ -57,7 +57,7 @@ def test_error_is_that_of_the_rig_against_the_exact_probe_at_other_normals():
     error = kernels.relative_rms(rig.probe(normals), env.probe(normals), solid_angles)
     assert rig.error == pytest.approx(error, rel=0.02)
     assert rig.report.sized_error == rig.error
-    assert len(rig.report.errors) == 3
+    assert len(rig.report.search_errors) == 3
 
 
 def test_energy_of_the_field_is_that_of_the_probe_at_many_normals():
@@ -73,7 +73,7 @@ def test_no_light_is_an_answer():
     rig = el.fit(radiance, lights=0)
     assert len(rig.lights) == 0
     assert (rig.ambient > 0).all()
-    assert rig.report.errors == {0: rig.error}
+    assert rig.report.search_errors == {0: rig.error}
     assert rig.report.sized_error is None
 
 
@@ -172,7 +172,7 @@ def test_real_maps_give_lights_that_a_renderer_can_use(path):
     assert (rig.lights.irradiance >= 0).all()
     assert (rig.ambient >= 0).all()
     assert rig.error < 0.06
-    assert rig.error < rig.report.errors[0]
+    assert rig.error < rig.report.search_errors[0]
 
 
 @pytest.mark.parametrize(
@@ -228,7 +228,7 @@ def test_an_error_that_ambient_reaches_needs_no_light():
     even[:32] += 0.01
     rig = el.fit(even, error=0.05)
     assert len(rig.lights) == 0
-    assert len(rig.report.errors) == 1
+    assert len(rig.report.search_errors) == 1
 
 
 def test_an_error_out_of_reach_is_said():
@@ -269,7 +269,7 @@ def test_lights_that_only_follow_the_pattern_of_the_normals_are_not_tried():
     """A coarse constant map: its error is that of its few rows, which no light can mend."""
     rig = el.fit(np.ones((8, 16, 3)), lights=40, ambient="sh2")
     assert len(rig.lights) <= 1
-    assert max(rig.report.errors) < 10
+    assert max(rig.report.search_errors) < 10
     assert "of at most 40 lights used: the error is already below 1e-4" in rig.report.fewer_lights
 
 

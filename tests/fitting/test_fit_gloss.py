@@ -189,6 +189,7 @@ def test_an_error_curve_has_the_errors_of_the_fits(hall):
     assert curve.shadows == tuple(rig.report.shadow_error for rig in rigs)
     assert curve.gloss == tuple(rig.report.gloss_error(0.5) for rig in rigs)
     assert curve.used == (0, 2)
+    assert curve.rigs == tuple(rigs)
     assert curve.to_dict()["gloss"] == list(curve.gloss)
     assert str(curve).splitlines()[0].split() == [
         *("lights", "used", "objective", "probe", "shadows", "gloss", "seconds")

@@ -135,17 +135,17 @@ def test_without_sizes_all_are_points():
 def test_errors_by_number_of_lights_are_all_of_one_kind():
     radiance = el.synthetic.hall(128).radiance
     points, discs = (el.fit(radiance, 3, sizes=sizes) for sizes in (False, True))
-    assert points.report.errors[3] == points.error
+    assert points.report.search_errors[3] == points.error
     assert points.report.sized_error is None
-    assert "error by number of lights: 0:" in str(points.report)
+    assert "error in the search by number of lights: 0:" in str(points.report)
     # With sizes, those of the points that led there, and the one with sizes beside.
-    assert discs.report.errors == pytest.approx(points.report.errors, rel=1e-3)
-    assert discs.report.sized_error == discs.error < 0.9 * discs.report.errors[3]
-    assert "error by number of lights, as points: 0:" in str(discs.report)
+    assert discs.report.search_errors == pytest.approx(points.report.search_errors, rel=1e-3)
+    assert discs.report.sized_error == discs.error < 0.9 * discs.report.search_errors[3]
+    assert "error in the search by number of lights, as points: 0:" in str(discs.report)
     assert f"; with sizes: {100 * discs.error:.3g} %" in str(discs.report)
     # With an error target, each number of lights has sizes.
     asked = el.fit(radiance, 3, error=discs.error)
-    assert asked.report.errors[3] == asked.error == pytest.approx(discs.error)
+    assert asked.report.search_errors[3] == asked.error == pytest.approx(discs.error)
     assert asked.report.sized_error is None
 
 

@@ -49,6 +49,16 @@ def test_an_error_curve_never_rises(options):
     assert all(used <= lights for used, lights in zip(curve.used, curve.lights, strict=True))
 
 
+def test_the_rigs_of_an_error_curve_are_those_of_fits_on_their_own(tmp_path):
+    """The map is read and reduced once, in memory or from a file."""
+    discs(1).resized(512).save(tmp_path / "map.exr")
+    for env in (discs(1), tmp_path / "map.exr"):
+        for options in ({"ambient": "auto"}, {"floor": True, "max_radius": 0.2}):
+            curve = el.error_curve(env, [3, 1], **options)
+            alone = [el.fit(env, lights, **options) for lights in (3, 1)]
+            assert curve.rigs == tuple(alone)
+
+
 @pytest.mark.slow
 @real_maps("hdr/*.hdr", "exr/*.exr")
 @pytest.mark.parametrize("options", OBJECTIVES, ids=name_of)
@@ -62,7 +72,9 @@ def test_a_row_holds_a_rig_of_fewer_lights_if_that_is_better(monkeypatch):
     rigs = {count: el.fit(discs(1), count) for count in range(5)}
     rigs[3] = el.fit(discs(1), 3, fixed=np.eye(3))
     assert rigs[3].report.objective_error > rigs[2].report.objective_error
-    monkeypatch.setattr(curves, "fit", lambda _, count, **__: rigs[count])
+    monkeypatch.setattr(
+        curves, "fit_map_for", lambda _, each: [rigs[arguments.lights] for arguments in each]
+    )
     curve = el.error_curve(discs(1), [4, 3, 2, 0])
     assert curve.used == (4, 2, 2, 0)
     assert curve.objective[1] == curve.objective[2] == rigs[2].report.objective_error

@@ -145,7 +145,7 @@ radiance = np.random.default_rng(3).gamma(0.3, 1.0, size=(256, 512, 3)).astype(n
 radiance[60, 100] = 3e4
 normals, _ = el.kernels.icosphere(320)
 rig = el.fit(radiance, lights=3)
-errors = np.array(list(rig.report.errors.values()))
+errors = np.array(list(rig.report.search_errors.values()))
 found = [rig.ambient, rig.lights.direction, rig.lights.irradiance, errors]
 # Of eight lights that are tried at once, two are needed: the tries are given up.
 two = el.kernels.rig_irradiance(normals, [0, 0, 0], np.eye(3)[:2], [[3, 2, 1], [1, 2, 3]])

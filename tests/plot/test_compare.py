@@ -35,7 +35,7 @@ def test_each_rig_has_a_row_with_its_error():
 def test_the_curve_is_that_of_the_report_and_the_ring_the_rig():
     axes = plot.error_picture(*fitted_rigs()).axes[0]
     for rig, curve, ring in zip(fitted_rigs(), axes.lines[::2], axes.lines[1::2], strict=True):
-        tried = np.array(list(rig.report.errors.items()))
+        tried = np.array(list(rig.report.search_errors.items()))
         np.testing.assert_allclose(curve.get_xydata(), tried * (1, 100))
         np.testing.assert_allclose(ring.get_xydata(), [[len(rig.lights), 100 * rig.error]])
     assert plot.error_picture(EXACT)._repr_png_()

@@ -31,7 +31,7 @@ def test_the_sun_is_one_light_and_the_error_is_against_sky_and_sun(options):
     error = kernels.relative_rms(rig.probe(normals), wanted, weights)
     # A fit measures its error on a map of 256 columns, which adds 1e-4.
     assert rig.error == pytest.approx(error, rel=0.02, abs=2e-4)
-    assert rig.report.errors[len(rig.lights)] > 0
+    assert rig.report.search_errors[len(rig.lights)] > 0
 
 
 def test_errors_of_channels_are_relative_to_their_own_irradiance():

@@ -9,6 +9,9 @@ from typing import Any
 import click
 
 from envlights._native import EnvLightsError
+from envlights.cli.examples import with_examples
+from envlights.cli.quiet import with_quiet
+from envlights.io.errors import FileError
 
 #: Subcommands with their help. The file of a subcommand is imported when it is called.
 _COMMANDS = {
@@ -21,6 +24,7 @@ _COMMANDS = {
     "merge": "Merge exposures into one map.",
     "photograph": "Find the lights of a photograph.",
     "repair": "Estimate the clipped light of a picture.",
+    "show": "Write one page on a map: its lights, errors and notes.",
     "split": "Remove the lights from a map.",
     "transfer": "Learn indirect light from pairs of images, and predict it.",
     "view": "Make a page that shows things in a map, lit by a few lights.",
@@ -28,7 +32,10 @@ _COMMANDS = {
 
 
 class _Main(click.Group):
-    """Group of all subcommands, which prints a refusal as one sentence with exit code 2."""
+    """Group of all subcommands, which prints a refusal as one sentence.
+
+    Exit codes: 0 for success, 1 if a file or the work failed, 2 for a wrong use.
+    """
 
     def list_commands(self, _: click.Context) -> list[str]:
         return list(_COMMANDS)
@@ -37,6 +44,8 @@ class _Main(click.Group):
         if name not in _COMMANDS:
             return None
         command: click.Command = import_module(f"{__name__}.{name}").command
+        with_quiet(command)
+        with_examples(command)
         return command
 
     def format_commands(self, _: click.Context, formatter: click.HelpFormatter) -> None:
@@ -48,15 +57,20 @@ class _Main(click.Group):
             return super().invoke(context)
         except EnvLightsError as refusal:
             click.echo(f"envlights: {refusal}", err=True)
-            context.exit(2)
+            context.exit(1 if isinstance(refusal, FileError) else 2)
         except OSError as error:
             if error.errno == errno.EPIPE:
                 raise  # `| head`: click ends quietly
             click.echo(f"envlights: cannot print the answer: {error.strerror}", err=True)
-            context.exit(2)
+            context.exit(1)
 
 
 @click.group(cls=_Main, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(package_name="envlights", prog_name="envlights")
 def main() -> None:
-    """Turn an environment map into a handful of lights."""
+    """Turn an environment map into a handful of lights.
+
+    Exit codes: 0 for success, 1 if a file or the work failed, 2 for a wrong use. Completion of
+    names and options in bash: eval "$(_ENVLIGHTS_COMPLETE=bash_source envlights)"; also zsh_source
+    and fish_source.
+    """

@@ -14,6 +14,7 @@ import click
 
 from envlights._native import EnvLightsError
 from envlights._printable import printable
+from envlights.io.errors import FileError
 from envlights.io.files import check_writable
 from envlights.rig import Rig
 
@@ -56,7 +57,7 @@ def print_losses(*, strict: bool = False) -> Iterator[None]:
         try:
             yield
         except UserWarning as loss:
-            raise EnvLightsError(f"--strict refuses a file: {loss}") from None
+            raise FileError(f"--strict refuses a file: {loss}") from None
     for each in caught:
         click.echo(f"warning: {each.message}", err=True)
 

@@ -19,7 +19,7 @@ from envlights._tables import Table, frame_of
 from envlights.comparison.compare import Comparison, compare
 from envlights.comparison.protocol import Protocol, as_protocol
 from envlights.detection.lights_file import SUFFIXES as LIGHT_FILES
-from envlights.io.errors import MissingFileError
+from envlights.io.errors import FileError, MissingFileError
 from envlights.io.files import as_path, write_atomically
 
 if TYPE_CHECKING:
@@ -240,7 +240,7 @@ def _files(name: str, folder: str | os.PathLike[str]) -> dict[str, list[Path]]:
     try:
         paths = sorted(path.iterdir())
     except OSError as error:
-        raise EnvLightsError(f"cannot read the folder {folder}: {error.strerror}") from None
+        raise FileError(f"cannot read the folder {folder}: {error.strerror}") from None
     files: dict[str, list[Path]] = {}
     for each in paths:
         if each.suffix.lower() in _SUFFIXES and each.is_file():

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
-from time import perf_counter
+from dataclasses import dataclass, field, replace
+from itertools import accumulate
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,8 +15,9 @@ from envlights._native import EnvLightsError
 from envlights._result import Result
 from envlights._tables import Table, frame_of
 from envlights._unseen import Unseen
-from envlights.envmap import AnyMap, as_envmap
-from envlights.fitting.fit import fit
+from envlights.envmap import AnyMap
+from envlights.fitting.arguments import FitArguments
+from envlights.fitting.map_fit import fit_map_for
 from envlights.kernels import gloss
 from envlights.rig import Rig
 
@@ -52,7 +53,10 @@ class ErrorCurve(Result):
     """Roughness of the metal."""
 
     seconds: tuple[float, ...] = field(compare=False)
-    """Wall time of each fit."""
+    """Wall time of each fit, without reading and reducing the map, which is done once."""
+
+    rigs: tuple[Rig, ...] = ()
+    """Rig of each row."""
 
     def to_dict(self) -> dict[str, Any]:
         """All fields except the times as plain numbers and lists."""
@@ -108,6 +112,7 @@ def error_curve(
     *,
     roughness: float = 0.33,
     sizes: bool = True,
+    max_radius: float | None = None,
     objective: str = "mixed",
     ambient: str | None = None,
     floor: bool = False,
@@ -115,10 +120,13 @@ def error_curve(
 ) -> ErrorCurve:
     """Fit a map with several numbers of lights, and compare the errors.
 
-    Each fit is a full search of its own. A row holds the rig with the least error that the fits
-    minimise, among those of all rows with at most as many lights: so one more light never raises
-    that error. `used` tells if a rig of fewer lights was the best. To get the fewest lights for an
-    error, call `fit` with that error instead.
+    Each fit is a full search of its own, equal to ``fit(env, n)`` bit by bit; only the map is read
+    and reduced once. A row holds the rig with the least error that the fits minimise, among those
+    of all rows with at most as many lights: so one more light never raises that error, which
+    `objective` holds. If `used` is less than `lights`, the row repeats a rig of fewer lights
+    because it was better than the fit. The other errors may rise a little, because no fit minimises
+    them alone. To get the fewest lights for an error, call `fit` with that error instead.
+    `FitReport.search_errors` is no such curve: it holds points that a search tried on its way.
 
     Parameters
     ----------
@@ -128,7 +136,7 @@ def error_curve(
         Largest numbers of lights.
     roughness : float
         Roughness of the metal, from 0.3 to 1.
-    sizes, objective, ambient, floor, unseen
+    sizes, max_radius, objective, ambient, floor, unseen
         As for `fit`.
 
     Returns
@@ -158,15 +166,12 @@ def error_curve(
     roughness, numbers = gloss.checked_roughness(roughness), counts("lights", lights)
     if not numbers:
         raise EnvLightsError("lights must hold at least one number; got none")
-    world, best, seconds = as_envmap(env), {}, {}
-    least: Rig | None = None
-    for number in sorted(set(numbers)):
-        start = perf_counter()
-        options = {"objective": objective, "ambient": ambient, "floor": floor, "unseen": unseen}
-        rig = fit(world, number, sizes=sizes, **options)  # type: ignore[arg-type]
-        seconds[number] = perf_counter() - start
-        least = rig if least is None or _objective_error(rig) < _objective_error(least) else least
-        best[number] = least
+    shape, world = (sizes, max_radius, objective, ambient), (floor, unseen, None)
+    options = FitArguments(None, None, None, None, roughness, *shape, "greedy", None, *world)
+    increasing = sorted(set(numbers))
+    fits = [*fit_map_for(env, [replace(options, lights=number) for number in increasing])]
+    seconds = {n: sum(rig.report.seconds.values()) for n, rig in zip(increasing, fits, strict=True)}
+    best = dict(zip(increasing, accumulate(fits, _better), strict=True))
     rigs = [best[number] for number in numbers]
     return ErrorCurve(
         tuple(numbers),
@@ -177,7 +182,13 @@ def error_curve(
         tuple(rig.report.gloss_error(roughness) or 0.0 for rig in rigs),
         roughness,
         tuple(seconds[number] for number in numbers),
+        tuple(rigs),
     )
+
+
+def _better(rig: Rig, more: Rig) -> Rig:
+    """Rig with the lower error that the fits minimise; `rig` if both are equal."""
+    return more if _objective_error(more) < _objective_error(rig) else rig
 
 
 def _objective_error(rig: Rig) -> float:

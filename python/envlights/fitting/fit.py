@@ -71,7 +71,7 @@ def fit(
         Default: 4, or the number in `fixed` or `start`, or 32 if an error is set.
     error : float, optional
         Largest accepted relative RMS error. The result has the fewest lights that reach it, which
-        may be none. `report` holds the error for each number of lights.
+        may be none. `error_curve` has the errors of several numbers of lights.
     shadow_error : float, optional
         Largest accepted error with shadows.
     gloss_error : float, optional

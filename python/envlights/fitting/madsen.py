@@ -13,6 +13,7 @@ from envlights._arrays import freeze
 from envlights._check import amount, colour, count, reals
 from envlights._interruptible import interruptible
 from envlights._native import EnvLightsError
+from envlights._report_fields import StopReason
 from envlights._result import Result
 from envlights._tables import Table
 from envlights._units import OWN_SCALE
@@ -22,7 +23,7 @@ from envlights.fitting.wording import clipping
 from envlights.kernels import madsen, probe, sampling
 from envlights.light import azimuths, elevations
 from envlights.lights import Lights, rgb_cell, rgb_heading
-from envlights.report import FitReport, StopReason
+from envlights.report import FitReport
 from envlights.rig import Rig
 
 #: Faces of the probe and of the scene (section 3.1).

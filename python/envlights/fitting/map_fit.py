@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 from envlights import _native
 from envlights._check import check_choice, flag
 from envlights._native import FitAnswer
+from envlights._notes import LOG, log
 from envlights._targets import shown_by, target_names
 from envlights._unseen import checked_unseen
 from envlights.envmap import AnyMap, EnvMap, apply_to_map
@@ -63,6 +65,28 @@ def fit_map(env: AnyMap, arguments: FitArguments) -> Rig:
     """Rig for a map; see `fit`."""
     plan, clock = _plan(arguments), Clock()
     reduction, answers = _answers(env, plan, clock)
+    rig = _clocked_rig(plan, reduction, answers, clock)
+    LOG.info("fit: %s in %.3g seconds", rig.in_short(), sum(rig.report.seconds.values()))
+    log(rig.notes)
+    return rig
+
+
+def fit_map_for(env: AnyMap, each: Sequence[FitArguments]) -> Iterator[Rig]:
+    """Rigs for one map, which is read and reduced once; equal to those of `fit_map`.
+
+    All arguments have the same `floor` and `unseen`, and the start "greedy".
+    """
+    plans, clock = [_plan(arguments) for arguments in each], Clock()
+    first = plans[0]._replace(ambients=())  # reduces the map, and fits nothing
+    reduction, _ = _answers(env, first, clock)
+    for plan in plans:
+        clock = Clock()
+        start = plan.request.first_directions_under(None, plan.arguments.floor)
+        yield _clocked_rig(plan, reduction, _under(reduction, plan, start), clock)
+
+
+def _clocked_rig(plan: _Plan, reduction: Reduction, answers: Answers, clock: Clock) -> Rig:
+    """Rig of the best result, with the times of fit and report."""
     clock.lap("fit")
     rig = _rig(plan, reduction, answers, clock)
     clock.lap("report")

@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights._native import FitAnswer
+from envlights._report_fields import StopReason
 from envlights._units import OWN_SCALE
 from envlights.fitting.request import Request
 from envlights.lights import Lights, brightest_first
-from envlights.report import FitReport, StopReason
+from envlights.report import FitReport
 from envlights.rig import Rig
 
 
@@ -35,7 +36,7 @@ def rig_of(
     order = brightest_first(irradiance)
     ambient = answer.ambient * scale
     report = FitReport(
-        errors=dict(answer.errors),
+        search_errors=dict(answer.errors),
         steps=answer.steps,
         stop_reason=_stop_reason(answer, request),
         channel_errors=tuple(answer.channel_errors),

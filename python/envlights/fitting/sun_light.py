@@ -232,7 +232,7 @@ def _report(report: FitReport, order: NDArray[np.intp], ratios: Ratios) -> FitRe
     has_tolerances = len(tolerances) == len(order)
     return replace(
         report,
-        errors={lights + 1: scale * error for lights, error in report.errors.items()},
+        search_errors={n + 1: scale * error for n, error in report.search_errors.items()},
         sized_error=times(report.sized_error),
         ambients={name: (n + 1, scale * error) for name, (n, error) in report.ambients.items()},
         channel_errors=tuple(np.multiply(report.channel_errors, ratios.channels).tolist()),

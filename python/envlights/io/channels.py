@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from envlights._native import EnvLightsError
+from envlights.io.errors import FileError
 from envlights.io.raw_image import Part
 
 #: Component of a colour for each name of a channel, in lower case, without its layer.
@@ -221,7 +222,7 @@ def _grey(name: str, parts: Sequence[Part], wanted: list[int]) -> Choice:
     for place in wanted:
         names = parts[place].channels
         if {"RY", "BY"} <= {channel.rpartition(".")[2] for channel in names}:
-            raise EnvLightsError(
+            raise FileError(
                 f"cannot read {name}: it holds luminance and chroma (Y, RY, BY), which are not"
                 " converted; give R, G and B"
             )

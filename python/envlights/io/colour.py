@@ -23,6 +23,7 @@ from envlights._check import describe
 from envlights._native import EnvLightsError
 from envlights.io import colour_spaces, icc, primaries
 from envlights.io.colour_spaces import Space
+from envlights.io.errors import FileError
 from envlights.io.raw_image import Header
 from envlights.io.transfer_curves import Curve
 
@@ -125,7 +126,7 @@ def _profile_bytes(colour: object) -> bytes:
                     return file.read(icc.MOST_BYTES + 1)
         except (OSError, ValueError) as error:
             reason = getattr(error, "strerror", None) or error
-            raise EnvLightsError(f"cannot read the profile {colour!r}: {reason}") from None
+            raise FileError(f"cannot read the profile {colour!r}: {reason}") from None
     names = ", ".join(f'"{name}"' for name in colour_spaces.NAMES)
     raise EnvLightsError(
         f"colour must be {names}, or an ICC profile (a path or bytes); got {describe(colour)}"

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from envlights._native import EnvLightsError
 from envlights._units import OWN_SCALE, PHOTOMETRIC
+from envlights.io.errors import DamagedFileError, unreadable
 from envlights.io.files import as_path
 
 _T = TypeVar("_T")
@@ -62,11 +63,11 @@ def read_csv(path: str | os.PathLike[str]) -> Table:
     try:
         lines = as_path(path).read_text(encoding="utf-8").splitlines()
     except OSError as error:
-        raise EnvLightsError(f"cannot read {path}: {error.strerror}") from None
+        raise unreadable(path, error) from None
     except UnicodeDecodeError:
-        raise EnvLightsError(f"{path} is not a CSV file: it is not text") from None
+        raise DamagedFileError(f"{path} is not a CSV file: it is not text") from None
     if lines[:1] != [FORMAT]:
-        raise EnvLightsError(f"{path} is not a table of lights: its first line is not '{FORMAT}'")
+        raise DamagedFileError(f"{path} is not a table of lights: its first line is not '{FORMAT}'")
     header = re.fullmatch(_RIG, lines[2]) if len(lines) > 2 else None
     try:
         rms = float(header[1]) if header else None
@@ -74,9 +75,9 @@ def read_csv(path: str | os.PathLike[str]) -> Table:
         ambient = _ambient([row for row in rows if row[0] != "light"])
         lights = np.array([row[1:] for row in rows if row[0] == "light"], float).reshape(-1, 7)
     except ValueError as reason:
-        raise EnvLightsError(f"{path} is not a complete table of lights: {reason}") from None
+        raise DamagedFileError(f"{path} is not a complete table of lights: {reason}") from None
     if (ambient is None) != (rms is None):
-        raise EnvLightsError(f"{path} is not a complete rig: ambient and error go together")
+        raise DamagedFileError(f"{path} is not a complete rig: ambient and error go together")
     floor = bool(header and header[2])
     units = PHOTOMETRIC if lines[1].endswith(f"{SCALE}{PHOTOMETRIC}") else OWN_SCALE
     return Table(lights[:, :3], lights[:, 3:6], lights[:, 6], ambient, rms, units, floor)
@@ -88,7 +89,7 @@ def load_csv(path: str | os.PathLike[str], build: Callable[[Table], _T]) -> _T:
     try:
         return build(table)
     except EnvLightsError as error:
-        raise EnvLightsError(f"{path} holds impossible lights: {error}") from None
+        raise DamagedFileError(f"{path} holds impossible lights: {error}") from None
 
 
 def _rows(lines: list[str]) -> list[list[str]]:

@@ -17,7 +17,11 @@ def _on_one_line(refusal: EnvLightsError) -> str:
 EnvLightsError.__str__ = _on_one_line  # type: ignore[method-assign, assignment]
 
 
-class MissingFileError(EnvLightsError, FileNotFoundError):
+class FileError(EnvLightsError):
+    """Refusal of a file that cannot be read or written; the command line ends with exit code 1."""
+
+
+class MissingFileError(FileError, FileNotFoundError):
     """Refusal of a file that does not exist."""
 
     def __init__(self, *args: object) -> None:
@@ -25,5 +29,14 @@ class MissingFileError(EnvLightsError, FileNotFoundError):
         self.errno = errno.ENOENT
 
 
-class DamagedFileError(EnvLightsError):
+class DamagedFileError(FileError):
     """Refusal of a file whose content contradicts its format."""
+
+
+def unreadable(path: object, error: OSError) -> FileError:
+    """Refusal of a file that the system does not open."""
+    if isinstance(error, FileNotFoundError):
+        return MissingFileError(f"cannot read {path}: there is no such file; check its path")
+    return FileError(
+        f"cannot read {path}: {error.strerror or error}; check its path and its rights"
+    )

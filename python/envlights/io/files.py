@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from envlights._native import EnvLightsError
+from envlights.io.errors import FileError
 
 try:
     import fcntl
@@ -53,7 +54,7 @@ def check_writable(path: str | os.PathLike[str]) -> Path:
     except (OSError, ValueError) as error:  # a name that is too long, or names no file
         obstacle = getattr(error, "strerror", None) or str(error)
     if obstacle:
-        raise EnvLightsError(f"cannot write {path}: {obstacle}")
+        raise FileError(f"cannot write {path}: {obstacle}")
     return target
 
 
@@ -93,7 +94,7 @@ def write_atomically(path: str | os.PathLike[str], write: Callable[[Path], objec
             beside.replace(target)
         _flush(target.parent)
     except OSError as error:
-        raise EnvLightsError(f"cannot write {path}: {error.strerror or error}") from error
+        raise FileError(f"cannot write {path}: {error.strerror or error}") from error
 
 
 @contextlib.contextmanager

@@ -15,6 +15,7 @@ from envlights._check import check_choice, flag
 from envlights._native import EnvLightsError
 from envlights._srgb import encode_srgb
 from envlights._units import OWN_SCALE, PHOTOMETRIC
+from envlights.io.errors import FileError
 from envlights.io.files import as_path, write_atomically
 from envlights.io.images import REC709, read_image
 from envlights.io.openimageio import WHITE_LUMINANCE, failure, oiio
@@ -64,7 +65,7 @@ def write_exr(
     check_choice("compression", compression, COMPRESSIONS)
     check_choice("environment", environment, ("", *_TEXTURE_FORMATS))
     if flag("half", half) and radiance.max(initial=0) > _LARGEST_HALF:
-        raise EnvLightsError(
+        raise FileError(
             f"cannot write {path} with half floats: its largest sample is {radiance.max():g},"
             f" above their {_LARGEST_HALF:g}; write it with half=False"
         )
@@ -110,7 +111,7 @@ def write_hdr(
     """
     largest = float(radiance.max(initial=0))
     if not largest < _END_OF_RGBE:
-        raise EnvLightsError(
+        raise FileError(
             f"cannot write {path}: its largest sample is {largest:g}, above the"
             f" {_END_OF_RGBE:.3g} of Radiance files; scale the map, or write an .exr file"
         )
@@ -175,7 +176,7 @@ def write_png(
     """
     largest = float(radiance.max(initial=0))
     if not largest <= 1:
-        raise EnvLightsError(
+        raise FileError(
             f"cannot write {path}: its largest sample is {largest:g}, above the 1 of PNG files;"
             " scale the map, use its `limited(1)`, or write an .exr, .hdr or .tif file"
         )

@@ -11,13 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights._check import count
-from envlights._native import EnvLightsError
 from envlights._printable import printable
 from envlights._units import OWN_SCALE, PHOTOMETRIC
 from envlights._white import CodeHistogram, white_of
 from envlights.io.alpha import seen_of_alpha, straight_codes, visible
 from envlights.io.channels import Choice, choose
 from envlights.io.colour import ColourArgument, ColourConversion, conversion
+from envlights.io.errors import FileError
 from envlights.io.hints import NO_HINTS, Hints
 from envlights.io.linear import Linear
 from envlights.io.native import open_png, open_radiance
@@ -170,7 +170,7 @@ class OpenImage:
     def _check_alpha(self) -> None:
         """Refuse a file whose alpha is 0 everywhere; straight alpha would hide all pixels."""
         if self.raw.header.alpha == "straight":
-            raise EnvLightsError(
+            raise FileError(
                 f"cannot read {self.name}: alpha is 0 in all pixels, so that nothing is seen;"
                 f" leave it out with channels={','.join(self.choice.colours)!r}"
             )
@@ -227,7 +227,7 @@ def open_image(
 def _check_projection(hints: Hints) -> None:
     """Refuse a picture whose metadata name a projection other than equirectangular."""
     if other := hints.names_other_projection:
-        raise EnvLightsError(
+        raise FileError(
             f"cannot read {hints.name}: its metadata name the projection {other}; give an"
             " equirectangular map"
         )
@@ -298,6 +298,6 @@ def read_image(
         try:
             return file.image()
         except MemoryError:
-            raise EnvLightsError(
+            raise FileError(
                 f"cannot read {file.name}: its pixels do not fit into memory; give a smaller map"
             ) from None

@@ -15,7 +15,7 @@ from envlights.io.description import (
     description_of_radiance,
     layout_of_description,
 )
-from envlights.io.errors import DamagedFileError
+from envlights.io.errors import DamagedFileError, FileError
 from envlights.io.raw_image import FileColour, Header, Part, RawImage
 from envlights.io.source import WANTED, Source
 
@@ -118,5 +118,5 @@ def _refusals_named(name: str, work: Callable[[], Any]) -> Any:
     except EnvLightsError as refusal:
         if str(refusal).startswith("an image may have up to"):
             way_out = "if it is not damaged, give a higher max_pixels"
-            raise EnvLightsError(f"cannot read {name}: {refusal}; {way_out}") from None
+            raise FileError(f"cannot read {name}: {refusal}; {way_out}") from None
         raise DamagedFileError(f"cannot read {name}: {refusal}; {WANTED}") from None

@@ -17,10 +17,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._native import EnvLightsError
 from envlights._printable import printable
 from envlights.io.description import layout_of_description
-from envlights.io.errors import DamagedFileError
+from envlights.io.errors import DamagedFileError, FileError
 from envlights.io.exif_exposure import ev100_of, exposure_tags
 from envlights.io.jpeg_segments import Segments, segments
 from envlights.io.raw_image import FileColour, Header, Part, RawImage, Window
@@ -112,7 +111,7 @@ def _input_of(name: str, path: str, *, any_reader: bool) -> oiio.ImageInput:
     if file is None:
         reason = failure(oiio).replace(path, name)
         if "Subsampled channels" in reason:
-            raise EnvLightsError(f"cannot read {name}: {_SUBSAMPLED}")
+            raise FileError(f"cannot read {name}: {_SUBSAMPLED}")
         raise DamagedFileError(f"cannot read {name} as an image: {reason}; {WANTED}")
     return file
 
@@ -256,7 +255,7 @@ def _block(
 def check_size(name: str, width: int, height: int, max_pixels: int) -> None:
     """Refuse more pixels than `max_pixels`, because a damaged header may claim any number."""
     if width * height > max_pixels:
-        raise EnvLightsError(
+        raise FileError(
             f"cannot read {name}: it claims to hold {width}x{height} pixels, more than"
             f" {max_pixels}; if it is not damaged, give a higher max_pixels"
         )
@@ -276,14 +275,14 @@ def _check_spec(name: str, spec: oiio.ImageSpec, max_pixels: int) -> None:
     ]
     for is_so, reason in refusals:
         if is_so:
-            raise EnvLightsError(f"cannot read {name}: {reason}")
+            raise FileError(f"cannot read {name}: {reason}")
 
 
 def _dtype(name: str, spec: oiio.ImageSpec, places: list[int]) -> np.dtype[Any]:
     """Type of the samples of some channels; float32 for a mixture."""
     formats = {str(spec.channelformat(place)) for place in places}
     if others := formats - set(_DTYPES):
-        raise EnvLightsError(
+        raise FileError(
             f"cannot read {name}: its samples are {', '.join(sorted(others))};"
             " give floating point, uint8 or uint16"
         )

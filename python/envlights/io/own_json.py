@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 from envlights._check import describe
 from envlights._native import EnvLightsError
 from envlights._printable import printable_parts
+from envlights.io.errors import DamagedFileError, FileError, unreadable
 from envlights.io.files import as_path
 
 _T = TypeVar("_T")
@@ -32,30 +33,28 @@ def read_json(
     try:
         data = printable_parts(json.loads(as_path(path).read_text(encoding="utf-8")))
     except OSError as error:
-        raise EnvLightsError(f"cannot read {path}: {error.strerror}") from None
+        raise unreadable(path, error) from None
     except (ValueError, RecursionError) as error:
-        raise EnvLightsError(f"{path} is not a JSON file: {error}") from None
+        raise DamagedFileError(f"{path} is not a JSON file: {error}") from None
     _check_version(path, kind, versions, data)
     try:
         return build(data)
     except EnvLightsError as error:
-        raise EnvLightsError(f"{path} holds {_impossible(kind)}: {error}") from None
+        raise DamagedFileError(f"{path} holds {_impossible(kind)}: {error}") from None
     except KeyError as error:
         reason = f"the key {error} is missing"
     except (AttributeError, IndexError, OverflowError, TypeError, ValueError):
         reason = "a value has another type or shape than `save` writes"
-    raise EnvLightsError(f"{path} is not {_one(kind, 'complete')}: {reason}")
+    raise DamagedFileError(f"{path} is not {_one(kind, 'complete')}: {reason}")
 
 
 def _check_version(path: object, kind: str, versions: tuple[int, ...], data: Any) -> None:
     name = f"envlights {kind}"
     if not isinstance(data, dict) or data.get("format") != name:
-        raise EnvLightsError(f"{path} is not {_one(kind)}: it does not say 'format': '{name}'")
+        raise FileError(f"{path} is not {_one(kind)}: it does not say 'format': '{name}'")
     if data.get("version") not in versions:
         version, read = describe(data.get("version")), ", ".join(map(str, versions))
-        raise EnvLightsError(
-            f"{path} is {_one(kind)} of version {version}; this package reads {read}"
-        )
+        raise FileError(f"{path} is {_one(kind)} of version {version}; this package reads {read}")
 
 
 def _one(kind: str, quality: str = "") -> str:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._native import EnvLightsError
+from envlights.io.errors import FileError, MissingFileError
 
 #: Suffixes of raw files.
 SUFFIXES = (".arw", ".cr2", ".cr3", ".dng", ".nef", ".orf", ".pef", ".raf", ".rw2", ".srw")
@@ -51,7 +51,7 @@ def _library(path: str | os.PathLike[str]) -> Any:
     try:
         return import_module("rawpy")
     except ImportError:
-        raise EnvLightsError(
+        raise FileError(
             f"cannot read {os.fspath(path)}: raw files need the library rawpy; install"
             " envlights[raw], or develop the file to a linear 16-bit TIFF"
         ) from None
@@ -60,8 +60,8 @@ def _library(path: str | os.PathLike[str]) -> Any:
 def _open(rawpy: Any, path: str | os.PathLike[str]) -> Any:
     name = os.fsdecode(path)
     if not Path(name).is_file():
-        raise EnvLightsError(f"cannot read {name}: there is no such file")
+        raise MissingFileError(f"cannot read {name}: there is no such file; check its path")
     try:
         return rawpy.imread(name)
     except rawpy.LibRawError as error:
-        raise EnvLightsError(f"cannot read {name} as a raw file: {error}") from None
+        raise FileError(f"cannot read {name} as a raw file: {error}") from None

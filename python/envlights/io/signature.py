@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from envlights._native import EnvLightsError
+from envlights.io.errors import FileError
 from envlights.io.source import WANTED, Source
 
 #: Bytes that decide.
@@ -20,14 +20,26 @@ _READ = (
     ("tiff", b"MM\0+"),
 )
 
+#: Way out for photographs of telephones.
+_HEIC = "HEIC image (`heif-convert` of libheif writes it as PNG)"
+
+#: Way out for videos, and place and bytes of their formats.
+_VIDEO = "video; `ffmpeg -i VIDEO -frames:v 1 frame.png` writes a frame of it"
+_OF_VIDEO = (
+    *((4, b"ftyp" + brand) for brand in (b"isom", b"iso2", b"mp4", b"avc1", b"qt  ", b"M4V")),
+    (0, b"\x1aE\xdf\xa3"),  # Matroska and WebM
+    (8, b"AVI "),
+)
+
 #: Name, place and bytes of other images, which are read on request. DDS is among them, though cubes
 #: are often stored so: its reader had memory faults (CVE-2022-41838, CVE-2022-41999).
 _ON_REQUEST = (
     ("GIF image", 0, b"GIF8"),
     ("WebP image", 8, b"WEBP"),
     ("Photoshop file", 0, b"8BPS"),
-    ("HEIC image", 4, b"ftyphei"),
-    ("HEIF image", 4, b"ftypmif1"),
+    (_HEIC, 4, b"ftyphe"),
+    (_HEIC, 4, b"ftypmif1"),
+    (_HEIC, 4, b"ftypmsf1"),
     ("AVIF image", 4, b"ftypavif"),
     ("Canon raw file", 4, b"ftypcrx"),
     ("DDS texture", 0, b"DDS "),
@@ -63,13 +75,18 @@ _NO_IMAGE = (
     ("web page", 0, b"<html"),
     ("text of XML or SVG", 0, b"<?xml"),
     ("drawing (SVG)", 0, b"<svg"),
-    ("pointer of Git LFS, not the file itself", 0, b"version https://git-lfs"),
+    (
+        "pointer of Git LFS, not the file itself: `git lfs pull` fetches it",
+        0,
+        b"version https://git-lfs",
+    ),
     ("ZIP archive", 0, b"PK\x03\x04"),
     ("gzip archive", 0, b"\x1f\x8b"),
     ("PDF document", 0, b"%PDF"),
     ("NumPy array, which `numpy.load` reads", 0, b"\x93NUMPY"),
     ("Blender file", 0, b"BLENDER"),
-    ("JSON text", 0, b"{"),
+    ("JSON text, perhaps a rig, which `Rig.load` and `envlights export` read", 0, b"{"),
+    *((_VIDEO, place, mark) for place, mark in _OF_VIDEO),
 )
 
 
@@ -90,14 +107,14 @@ def kind_of(source: Source, *, any_format: bool) -> str:
         return "dds" if head.startswith(b"DDS ") else ""
     name = _name(head, _ON_REQUEST)
     if name:
-        raise EnvLightsError(
+        raise FileError(
             f"cannot read {source.name}: it looks like a {name}, which is read only with"
             f" any_format=True; {WANTED}"
         )
     name = _name(head, _NO_IMAGE)
     if name:
-        raise EnvLightsError(f"cannot read {source.name}: it looks like a {name}; {WANTED}")
-    raise EnvLightsError(
+        raise FileError(f"cannot read {source.name}: it looks like a {name}; {WANTED}")
+    raise FileError(
         f"cannot read {source.name}: its first bytes are of no known image; {WANTED}, or"
         " any_format=True"
     )

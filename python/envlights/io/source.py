@@ -16,7 +16,7 @@ from typing import IO, Any
 
 from envlights._native import EnvLightsError
 from envlights._printable import printable
-from envlights.io.errors import MissingFileError
+from envlights.io.errors import FileError, MissingFileError
 
 #: Image files that are read.
 READABLE = "a Radiance .hdr, OpenEXR, PNG, JPEG or TIFF image"
@@ -112,7 +112,7 @@ def named_source(source: Any) -> Source:
 
 def _of_bytes(name: str, data: bytes) -> Source:
     if not data:
-        raise EnvLightsError(f"cannot read {name}: there are no bytes; {WANTED}")
+        raise FileError(f"cannot read {name}: there are no bytes; {WANTED}")
     return Source(name, data=data)
 
 
@@ -121,11 +121,11 @@ def _content(file: Any, name: str) -> bytes:
     try:
         data = file.read()
     except (OSError, ValueError) as error:  # a closed file, or text that is not decodable
-        raise EnvLightsError(
+        raise FileError(
             f"cannot read {name}: {printable(str(error))}; give a file object opened with 'rb'"
         ) from None
     if not isinstance(data, bytes | bytearray | memoryview):
-        raise EnvLightsError(
+        raise FileError(
             f"cannot read {name}: it gives {type(data).__name__} instead of bytes;"
             " give a file object opened with 'rb'"
         )
@@ -135,7 +135,7 @@ def _content(file: Any, name: str) -> bytes:
 def _standard_input() -> Source:
     file = getattr(sys.stdin, "buffer", sys.stdin)
     if file is None or file.isatty():
-        raise EnvLightsError(
+        raise FileError(
             "cannot read the standard input: it is a terminal; send a file to it with `<` or `|`"
         )
     return _of_bytes("the standard input", _content(file, "the standard input"))
@@ -147,7 +147,7 @@ def _of_address(address: str) -> Source:
     try:
         fsspec = import_module("fsspec")
     except ImportError:
-        raise EnvLightsError(
+        raise FileError(
             f"cannot read {name}: addresses are read by fsspec, which is not installed; install"
             " it, or give the path of a file"
         ) from None
@@ -158,7 +158,7 @@ def _of_address(address: str) -> Source:
         raise MissingFileError(f"cannot read {name}: there is no such file; {WANTED}") from None
     except Exception as error:  # each file system of fsspec has its own errors
         reason = printable(str(error)) or type(error).__name__
-        raise EnvLightsError(f"cannot read {name}: {reason}; give the path of a file") from None
+        raise FileError(f"cannot read {name}: {reason}; give the path of a file") from None
     return _of_bytes(name, data)
 
 
@@ -172,7 +172,7 @@ def _of_path(text: str) -> Source:
     except (OSError, ValueError) as error:  # a name that is too long, or no Unicode
         obstacle = printable(getattr(error, "strerror", None) or str(error))
     if obstacle:
-        raise EnvLightsError(f"cannot read {name}: {obstacle}; {WANTED}")
+        raise FileError(f"cannot read {name}: {obstacle}; {WANTED}")
     return Source(name, path=text)
 
 
@@ -183,7 +183,7 @@ def _obstacle(text: str) -> str:
     if not text or not path.exists():
         raise FileNotFoundError
     if path.is_dir():
-        return "it is a folder"
+        return "it is a folder; give a file in it"
     if not path.is_file():
         return "it is not a regular file"
     if path.stat().st_size == 0:

@@ -6,8 +6,7 @@ import struct
 from dataclasses import dataclass
 from typing import IO, Any
 
-from envlights._native import EnvLightsError
-from envlights.io.errors import DamagedFileError
+from envlights.io.errors import DamagedFileError, FileError
 from envlights.io.source import Source
 
 #: Tags that are read.
@@ -58,7 +57,7 @@ def tags(source: Source) -> Tags:
     numbers = {tag: int(value) for tag, value in values.items() if not isinstance(value, bytes)}
     photometric = numbers.get(_PHOTOMETRIC, 2)
     if photometric in _REFUSED:
-        raise EnvLightsError(
+        raise FileError(
             f"cannot read {source.name}: its samples are {_REFUSED[photometric]}"
             f" (photometric {photometric}); give RGB, as floating point for high dynamic range"
         )

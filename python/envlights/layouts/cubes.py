@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights._native import EnvLightsError
+from envlights.io.errors import FileError
 from envlights.io.hints import Hints
 from envlights.layouts.conventions import CONVENTIONS, CROSSES, DISTINCT, FACES, title_of
 from envlights.layouts.faces import crosses_of, faces_of_cross, is_strip, split_strip, upright_faces
@@ -182,7 +183,7 @@ def _stated_order(hints: Hints) -> tuple[str, str]:
         return "openexr", "attribute"
     if hints.environment == "cube" and hints.kind == "dds":
         if hints.cube_sides not in ("", _SIDES):
-            raise EnvLightsError(
+            raise FileError(
                 f"cannot read {hints.name}: it holds only the faces {hints.cube_sides} of a cube;"
                 " give all six"
             )

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from envlights._check import count, describe
 from envlights._native import EnvLightsError
+from envlights.io.errors import FileError
 from envlights.io.images import MOST_PIXELS, Image, read_image
 from envlights.io.source import AnySource, is_source, name_of
 from envlights.layouts.face_names import order_of_names
@@ -146,7 +147,7 @@ def _pattern(name: str) -> str:
 def _six_of(name: str, stems: list[str], files: list[AnySource]) -> _Files:
     if len(files) != 6:
         some = f" ({', '.join(stems[:6])}{', ...' if len(stems) > 6 else ''})" if any(stems) else ""
-        raise EnvLightsError(
+        raise FileError(
             f"cannot read {name} holds {len(files)} pictures{some}, and a cube map has six faces;"
             " give one file, or six as a list, a mapping, a folder, or a name such as"
             " 'sky_{face}.hdr'"

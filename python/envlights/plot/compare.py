@@ -95,7 +95,7 @@ def error_picture(*rigs: Rig) -> Picture:
 def _draw_curve(axes: Axes, rig: Rig, colour: str) -> None:
     """Errors of all numbers of lights in the search, and of the rig."""
     ambient = rig.report.ambient or "fixed"
-    tried = {lights: 100 * error for lights, error in rig.report.errors.items() if error > 0}
+    tried = {lights: 100 * error for lights, error in rig.report.search_errors.items() if error > 0}
     points = "points" if rig.report.sized_error is not None else "lights"
     label = f"ambient {ambient}: {points} in the search"
     axes.plot(list(tried), list(tried.values()), ".-", color=colour, label=label)

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from envlights._native import EnvLightsError
 from envlights._printable import printable_parts
+from envlights.io.errors import unreadable
 from envlights.io.files import as_path, write_atomically
 from envlights.transfer.compact import CompactBasis, places_of
 from envlights.transfer.pair_summary import PairSummary
@@ -118,7 +119,7 @@ def _read(path: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:
             _check_size(path, archive, names)
             return {name: _array(archive, name) for name in names}
     except OSError as error:
-        raise EnvLightsError(f"cannot read {path}: {error.strerror or error}") from None
+        raise unreadable(path, error) from None
     except EnvLightsError:
         raise
     except _DAMAGE as error:

@@ -18,6 +18,7 @@ from envlights._check import check_progress, describe, first_not_finite
 from envlights._native import EnvLightsError
 from envlights._progress import progress_bar
 from envlights._result import Result
+from envlights.io.errors import FileError
 from envlights.io.files import as_path
 from envlights.io.image_output import write_exr
 from envlights.io.images import read_image
@@ -117,7 +118,7 @@ def read_pairs(
         with tempfile.TemporaryFile() as spool:
             return _read(paths, spool, progress)
     except OSError as error:
-        raise EnvLightsError(
+        raise FileError(
             f"cannot keep the images in a temporary file: {error.strerror or error};"
             " set TMPDIR to a folder with room for all of them"
         ) from error
@@ -130,7 +131,7 @@ def _in_folder(folder: Path) -> list[PathPair]:
         files = sorted(folder.iterdir())
     except (OSError, ValueError) as error:  # a name that is too long, or holds a NUL
         reason = getattr(error, "strerror", None) or str(error)
-        raise EnvLightsError(f"cannot read pairs from {folder}: {reason}; give a folder") from None
+        raise FileError(f"cannot read pairs from {folder}: {reason}; give a folder") from None
     # Sort its files into pairs.
     found: dict[str, dict[str, Path]] = {}
     for path in files:

@@ -1,0 +1,120 @@
+"""Notes with codes, and the channel of `logging` that carries them."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterable
+from typing import NamedTuple
+
+LOG = logging.getLogger("envlights")
+LOG.addHandler(logging.NullHandler())
+
+#: Code of a text that is none of the package's own.
+OTHER = "other"
+
+
+class Code(NamedTuple):
+    """Kind of notes."""
+
+    phrases: tuple[str, ...]
+    """Parts of the sentence; each alone decides."""
+
+    meaning: str
+    """Meaning, for the documentation."""
+
+    is_warning: bool = False
+    """True if results may be wrong; such notes are logged as warnings."""
+
+
+#: Codes of notes, in the order in which they are tried.
+CODES = {
+    "sun-added": Code(("added as a disc: ", "as a light of its own: "), "A sun was added."),
+    "sun-missing": Code(("no sun was added",), "No sun was added, and why.", True),
+    "calibrated": Code(("calibrated to cd/m2", "(whiteLuminance)"), "Radiance is in cd/m2."),
+    "colour-assumed": Code((" was assumed",), "The colour space is a guess.", True),
+    "colour-ignored": Code(
+        ("of the gAMA chunk was ignored", "the primaries of the file were ignored"),
+        "A statement on colour was ignored because it is impossible.",
+        True,
+    ),
+    "outside-rec709": Code(("of the pixels lay outside Rec.709",), "Colours were cut to Rec.709."),
+    "decoded": Code(("samples were decoded from ",), "The transfer curve was removed."),
+    "linear": Code(("integer samples were read as linear",), "Integers were taken as they are."),
+    "primaries": Code(("colours were converted from ",), "Primaries were converted to Rec.709."),
+    "raw": Code(("raw files were developed by LibRaw",), "A raw file was developed."),
+    "gain-map": Code(("the file's gain map",), "A gain map was applied, or left out."),
+    "grey": Code(("was read as grey",), "One channel became three."),
+    "infinite": Code((" and counted as clipped",), "Infinite samples were replaced.", True),
+    "nan": Code((" set to the mean of the neighbours",), "NaN was replaced.", True),
+    "negative": Code((" set to 0",), "Negative samples became 0.", True),
+    "clip-level": Code(
+        ("the picture is clipped at code ", "which was taken for white"), "Clip level below 255."
+    ),
+    "eye": Code((" eye, was read",), "One of two eyes was read."),
+    "part": Code(
+        ("of several images in the file was read", "image of the animation was read"),
+        "One of several pictures in the file was read.",
+    ),
+    "layer": Code((" was read; others are ", "the only layer, "), "One of several layers."),
+    "channels": Code(("other channels were ignored",), "Channels were ignored."),
+    "data-window": Code((" was placed in the display window ",), "The border is black."),
+    "orientation": Code(("rotated or mirrored by the orientation",), "The picture was turned."),
+    "pose": Code(("the camera's pose was not applied",), "GPano states a turn.", True),
+    "crop-ignored": Code(("its GPano crop contradicts",), "A crop was ignored.", True),
+    "crop": Code(
+        ("shows a part of the sphere (GPano)", "is a part of a panorama"), "A part of a panorama."
+    ),
+    "horizon": Code(("the horizon is taken to be the middle row",), "Horizon is a guess.", True),
+    "shape": Code(("nearly twice as wide as high",), "Read as the whole sphere all the same."),
+    "layout": Code(
+        ("pixels, converted to ", "so the samples lie on them (border-sampled)"),
+        "Layout of the picture, and its conversion.",
+    ),
+    "memory-faults": Code(("has published memory faults",), "Update openimageio.", True),
+    "filled": Code(("of the sphere that is not seen ",), "The unseen part was filled."),
+    "unseen": Code(("of the sphere is not seen",), "A part of the sphere is not seen.", True),
+    "limited": Code(("limited to ",), "Large samples were limited."),
+    "removed": Code(("of the flux removed",), "Lights were removed."),
+    "removed-part": Code(("so only the seen part was removed",), "A light was cut off.", True),
+    "clipped-flux": Code(
+        ("so the lights there are a lower bound",), "Clipping lost light; see `repaired`.", True
+    ),
+    "repaired": Code(
+        (" for the clipped light: ", "nothing was added: no pixel is clipped"),
+        "Light lost to clipping was estimated.",
+    ),
+    "exposures": Code((" exposures were merged",), "Number and times of merged exposures."),
+    "exposure-response": Code(("the response of the camera is not sRGB",), "Response used."),
+    "exposure-time": Code(
+        ("which its pixels show", "is a time wrong?", "to check their times"),
+        "A time is wrong, or was not checked.",
+        True,
+    ),
+    "exposure-moved": Code(("pixels onto the others",), "An exposure was aligned."),
+    "exposure-contradiction": Code(
+        ("exposures contradict each other", "differ in white balance"),
+        "Something moved, or the white balance changed.",
+        True,
+    ),
+}
+
+
+class Note(str):
+    """Remark on an assumption or a change: text, with the `code` of its kind."""
+
+    __slots__ = ()
+
+    @property
+    def code(self) -> str:
+        """Key of `CODES`; "other" for a text that is none of the package's own."""
+        for code, kind in CODES.items():
+            if any(phrase in self for phrase in kind.phrases):
+                return code
+        return OTHER
+
+
+def log(notes: Iterable[str]) -> None:
+    """Send notes to the channel "envlights" of `logging`; those on doubtful results as warnings."""
+    for note in notes:
+        kind = CODES.get(Note(note).code)
+        LOG.log(logging.WARNING if kind and kind.is_warning else logging.INFO, "%s", note)

@@ -1,0 +1,37 @@
+"""Examples at the end of the help of each subcommand."""
+
+from __future__ import annotations
+
+import click
+
+#: Examples of each subcommand, without its name.
+EXAMPLES = {
+    "compare": ("hall.exr rig.json", "truth guess -o errors.csv --protocol exact"),
+    "convert": ("hall.exr cube.exr --to cube --width 256", "sky.hdr turned.hdr --rotate 90"),
+    "demo": ("-o folder", "transfer -o folder"),
+    "detect": ("hall.exr -n 3 -o lights.png", "sky.jpg --json"),
+    "export": ("rig.json usd gltf", "rig.json hall.py --environment hall.exr"),
+    "fit": (
+        "hall.exr -n 4 -o rig.json -o rig.png",
+        "sky.hdr --error 0.01 --floor",
+        "face.exr --projection cube --faces opengl",
+    ),
+    "merge": ("dark.jpg light.jpg -o merged.exr",),
+    "photograph": ("room.jpg --fov 60",),
+    "repair": ("sky.jpg -o repaired.exr",),
+    "show": ("hall.exr -o report.html", "sky.hdr -n 6 --floor"),
+    "split": ("hall.exr -n 2 -o rest.exr -o lights.json",),
+    "transfer": ("fit room -o room.npz --ridge loo", "apply room.npz direct.exr -o lightmap.exr"),
+    "view": ("hall.exr -o page.html", "hall.exr --rig rig.json"),
+}
+
+_HEADING = "\b\nExamples:"
+
+
+def with_examples(command: click.Command) -> None:
+    """Put the examples of a subcommand before its epilog; a second call changes nothing."""
+    name, epilog = command.name or "", command.epilog or ""
+    if epilog.startswith(_HEADING):
+        return
+    lines = [f"  envlights {name} {example}" for example in EXAMPLES[name]]
+    command.epilog = "\n\n".join(filter(None, ["\n".join([_HEADING, *lines]), epilog]))
