@@ -21,34 +21,36 @@ LARGEST = 60_000
 WIDGET = "application/vnd.jupyter.widget-view+json"
 
 
-def small_png(data: bytes) -> bytes:
-    """Reduce a picture to 128 colours, and to as few pixels as its size demands."""
+def small_picture(data: bytes) -> tuple[str, bytes]:
+    """Type and file of a picture: a PNG as it is, or a JPEG of the best quality that fits."""
+    if len(data) <= LARGEST:
+        return "image/png", data
     picture = Image.open(io.BytesIO(data)).convert("RGB")
     while True:
-        file = io.BytesIO()
-        picture.quantize(128, dither=Image.Dither.FLOYDSTEINBERG).save(file, "png", optimize=True)
-        if len(file.getvalue()) <= LARGEST:
-            return file.getvalue()
+        for quality in (90, 85, 80, 75):
+            file = io.BytesIO()
+            picture.save(file, "jpeg", quality=quality, optimize=True)
+            if len(file.getvalue()) <= LARGEST:
+                return "image/jpeg", file.getvalue()
         width, height = picture.size
         picture = picture.resize((9 * width // 10, 9 * height // 10), Image.Resampling.LANCZOS)
 
 
-def small_code(code: str) -> str:
-    """A picture in base64, made small if it is not."""
-    data = base64.b64decode(code)
-    return base64.b64encode(small_png(data)).decode() if len(data) > LARGEST else code.strip()
+def small_address(found: re.Match[str]) -> str:
+    """Address that holds a picture of a table, made small."""
+    kind, data = small_picture(base64.b64decode(found[1]))
+    return f"data:{kind};base64,{base64.b64encode(data).decode()}"
 
 
 def small_output(output: nbformat.NotebookNode) -> nbformat.NotebookNode:
-    """An output without bookkeeping, its pictures small."""
+    """An output with small pictures."""
     data = output.get("data", {})
     if "image/png" in data:
-        data["image/png"] = small_code(data["image/png"])
+        kind, file = small_picture(base64.b64decode(data.pop("image/png")))
+        data[kind] = base64.b64encode(file).decode()
     if "text/html" in data:
         data["text/html"] = re.sub(
-            r"(?<=data:image/png;base64,)[\w+/=]+",
-            lambda found: small_code(found.group()),
-            data["text/html"],
+            r"data:image/png;base64,([\w+/=]+)", small_address, data["text/html"]
         )
     return output
 
