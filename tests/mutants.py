@@ -43,7 +43,7 @@ def _exporter(target, old, new, test=None):
     )
 
 
-def _swapped(target, argument="lights.direction"):
+def _with_axes_exchanged(target, argument="lights.direction"):
     """Mutant of an exporter that turns directions by the table of axes."""
     turned = f'AXES["{target}"].to_target({argument})'
     return _exporter(target, turned, f"{turned}[..., [2, 1, 0]]")
@@ -69,14 +69,14 @@ MUTANTS = (
         "_native.irradiance(\n        np.float32(1.004) * image,",
         _PUBLIC,
     ),
-    _swapped("blender"),
-    _swapped("gltf"),
-    _swapped("godot"),
-    _swapped("mujoco"),
-    _swapped("pbrt"),
-    _swapped("radiance"),
-    _swapped("three", "direction"),
-    _swapped("usd", "direction"),
+    _with_axes_exchanged("blender"),
+    _with_axes_exchanged("gltf"),
+    _with_axes_exchanged("godot"),
+    _with_axes_exchanged("mujoco"),
+    _with_axes_exchanged("pbrt"),
+    _with_axes_exchanged("radiance"),
+    _with_axes_exchanged("three", "direction"),
+    _with_axes_exchanged("usd", "direction"),
     _exporter("csv", "lights.direction,", "lights.direction[:, [2, 1, 0]],"),
     _exporter(
         "engine",

@@ -52,6 +52,8 @@ INTRODUCTION = """Every public name has a page with its shapes, units, errors an
 """
 #: Packages with names of their own.
 PACKAGES = ("plot", "export", "kernels", "synthetic", "io", "scene", "comparison", "transfer")
+#: Pages of the guide on a package.
+GUIDES = {"plot": "figures", "export": "programs/index", "transfer": "start", "comparison": "compare"}
 
 
 def page_of(name: str) -> Page:
@@ -108,6 +110,8 @@ def package_page(package: str) -> str:
     # The rest of the text is for those who change the package.
     first = inspect.getdoc(module).split("\n\n")[0]
     text = f"{heading(module.__name__)}{first}\n\n"
+    if package in GUIDES:
+        text += f"More in :doc:`/docs/{GUIDES[package]}`.\n\n"
     constants = [name.split(".")[-1] for name in names]
     constants = [name for name in constants if is_constant(getattr(module, name))]
     apart = {*modules, *(f"{module.__name__}.{name}" for name in constants)}

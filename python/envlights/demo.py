@@ -8,7 +8,7 @@ from pathlib import Path
 from envlights import plot
 from envlights.envmap import EnvMap
 from envlights.fitting.fit import fit
-from envlights.io.files import check_writable
+from envlights.io.files import can_draw, check_writable
 from envlights.io.image_output import write_exr
 from envlights.rig import Rig
 from envlights.synthetic.hall import hall
@@ -25,7 +25,8 @@ def demo(folder: str | os.PathLike[str] = ".") -> Rig:
     Parameters
     ----------
     folder : path-like
-        Folder for ``hall.exr``, ``hall.json`` and the picture ``hall.png``.
+        Folder for ``hall.exr``, ``hall.json`` and the picture ``hall.png``, which is left out if
+        Matplotlib (extra `plot`) is not installed.
 
     Returns
     -------
@@ -39,7 +40,8 @@ def demo(folder: str | os.PathLike[str] = ".") -> Rig:
     env = EnvMap.open(exr)
     rig = fit(env, lights=4)
     rig.save(saved)
-    plot.save(plot.picture(env, rig), picture)
+    if can_draw():
+        plot.save(plot.picture(env, rig), picture)
     return rig
 
 
@@ -54,7 +56,7 @@ def demo_transfer(
         Folder for the pairs (``room/direct_0000.exr``, ``room/lightmap_0000.exr``, ...), the model
         ``room.npz``, the direct light ``room_direct.exr`` of a new frame, the predicted lightmap
         ``room_lightmap.exr``, and two pictures: ``room.png`` with the prediction beside the truth,
-        ``room_parts.png`` with the lightmap in the room.
+        ``room_parts.png`` with the lightmap in the room; none without Matplotlib.
     progress : bool, optional
         Progress bars; see `read_pairs`.
 
@@ -77,6 +79,8 @@ def demo_transfer(
     write_exr(direct, made.direct[_PAIRS])
     predicted = model.predict(made.direct[_PAIRS])
     write_exr(lightmap, predicted)
-    plot.save(plot.transfer_picture(model, made.direct[_PAIRS], made.indirect[_PAIRS]), picture)
-    plot.save(plot.room_picture(made.direct[_PAIRS], predicted), parts)
+    if can_draw():
+        frame = made.direct[_PAIRS], made.indirect[_PAIRS]
+        plot.save(plot.transfer_picture(model, *frame), picture)
+        plot.save(plot.room_picture(frame[0], predicted), parts)
     return model

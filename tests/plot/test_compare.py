@@ -77,7 +77,7 @@ def test_the_steps_of_the_article_count_what_the_detector_found():
     figure = plot.article_picture(HALL)
     titles = [axes.get_title() for axes in figure.axes]
     assert titles[1].startswith(f"2. bright samples: {len(lights.members.pixel)},")
-    assert titles[3].startswith(f"4. lights: {len(lights)},")
+    assert titles[3].startswith(f"4. lights: {len(lights)}")
     dark = plot.article_picture(np.full((16, 32, 3), 0.01))
     assert dark.axes[3].get_title().startswith("4. lights: 0")
 
@@ -93,7 +93,9 @@ def test_the_spectrum_tells_how_many_directions_hold_a_share():
 
 
 def test_the_basis_is_drawn_direction_by_direction():
-    images = [axes.images[0] for axes in plot.basis_picture(model(), 5).axes if axes.images]
+    images = [
+        axes.images[0] for axes in plot.basis_picture(model(), directions=5).axes if axes.images
+    ]
     assert len(images) == 5
     for image, wanted in zip(images, model().directions(5), strict=True):
         np.testing.assert_array_equal(image.get_array(), wanted)

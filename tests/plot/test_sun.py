@@ -17,7 +17,7 @@ def test_the_map_shows_the_sun_its_uncertainty_and_the_clipped_part():
     figure = el.plot.sun(env, sun_of(plateau))
     assert labels(figure) == ["clipped part", "the sun", "two of three suns are inside"]
     on_map, *shadows = figure.axes
-    (outline,) = [each for each in on_map.collections if isinstance(each, LineCollection)]
+    outline, _ = [each for each in on_map.collections if isinstance(each, LineCollection)]
     ends = np.concatenate(outline.get_segments())
     azimuth, elevation = np.degrees([np.arctan2(TOWARDS[0], -TOWARDS[2]), np.arcsin(TOWARDS[1])])
     middle = (ends.min(axis=0) + ends.max(axis=0)) / 2

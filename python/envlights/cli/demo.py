@@ -8,6 +8,7 @@ from pathlib import Path
 import click
 
 from envlights.cli.outputs import print_rig, say_written, verbose_option
+from envlights.io.files import NO_MATPLOTLIB, PICTURES, can_draw
 
 
 @click.command("demo")
@@ -40,4 +41,7 @@ def command(what: str, folder: str, verbose: bool, as_json: bool) -> None:
         click.echo(json.dumps(model.report.to_dict(), indent=2) if as_json else text)
         names = ["room", "room.npz", "room_direct.exr", "room_lightmap.exr"]
         names += ["room.png", "room_parts.png"]
+    if not can_draw():
+        click.echo(f"no picture: it {NO_MATPLOTLIB}", err=True)
+        names = [name for name in names if Path(name).suffix not in PICTURES]
     say_written([str(Path(folder) / name) for name in names])

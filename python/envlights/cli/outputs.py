@@ -15,7 +15,7 @@ import click
 from envlights._native import EnvLightsError
 from envlights._printable import printable
 from envlights.io.errors import FileError
-from envlights.io.files import check_writable
+from envlights.io.files import NO_MATPLOTLIB, PICTURES, can_draw, check_writable
 from envlights.rig import Rig
 
 #: Help of ``-o`` for subcommands that write lights.
@@ -68,6 +68,8 @@ def check_output(output: str, suffixes: tuple[str, ...], inputs: Mapping[str, st
     if not Path(output).name[1:].lower().endswith(suffixes):
         wanted = f"one of {', '.join(suffixes)}" if suffixes[1:] else suffixes[0]
         raise EnvLightsError(f"cannot write {output}: the suffix must be {wanted}")
+    if Path(output).suffix.lower() in PICTURES and not can_draw():
+        raise EnvLightsError(f"cannot write {output}: a picture {NO_MATPLOTLIB}")
     check_source(output, inputs)
 
 

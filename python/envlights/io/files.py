@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import importlib.util
 import os
 import shutil
 import stat
@@ -20,6 +21,15 @@ except ImportError:  # Windows
 
 #: Formats of pictures, for checks without Matplotlib.
 PICTURES = (".png", ".pdf", ".svg")
+#: End of a refusal to draw without the library that draws.
+NO_MATPLOTLIB = (
+    "needs Matplotlib, which is not installed; install it with `pip install 'envlights[plot]'`"
+)
+
+
+def can_draw() -> bool:
+    """True if Matplotlib, from the extra `plot`, is installed."""
+    return importlib.util.find_spec("matplotlib") is not None
 
 
 def as_path(path: object) -> Path:

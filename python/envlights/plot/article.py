@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from envlights.detection.article_steps import square_points
@@ -15,16 +16,15 @@ from envlights.detection.loghin import detect_article
 from envlights.envmap import AnyMap, EnvMap, as_envmap
 from envlights.kernels import image as images
 from envlights.kernels import loghin, sampling, sphere
-from envlights.plot.figure import Picture
 from envlights.plot.globe import draw_globe, on_page
 from envlights.plot.ground import degrees, draw_ground, expose, working
-from envlights.plot.markers import RIM, area, draw_discs, draw_numbers
+from envlights.plot.markers import RIM, draw_discs, draw_numbers, sizes_for
+from envlights.plot.page import AnyAxes, Placement, Size, grid, open_page
 from envlights.plot.steps import LEFT, draw_bright, draw_links, draw_survivors
+from envlights.plot.wording import entitle
 
 #: Width in degrees of links that cross the seam.
 _SEAM = 180.0
-#: Smallest number of points on the page for a degree of a map.
-_POINTS = 1.1
 #: View direction of the sphere.
 _EYE = np.array([0.48, 0.36, 0.8])
 
@@ -48,7 +48,15 @@ class _Steps(NamedTuple):
     """Light of each bright sample, (k,)."""
 
 
-def article_picture(env: AnyMap, **options: Any) -> Picture:
+def article_picture(
+    env: AnyMap,
+    *,
+    ax: AnyAxes | None = None,
+    figsize: Size | None = None,
+    dpi: float | None = None,
+    transparent: bool | None = None,
+    **options: Any,
+) -> Figure:
     """Draw the steps of Loghin (2021) on a map.
 
     First the samples on the sphere; then those near a bright pixel, with the brightest pixel in the
@@ -59,6 +67,10 @@ def article_picture(env: AnyMap, **options: Any) -> Picture:
     ----------
     env : EnvMap, path-like or array_like, shape (height, 2 * height, 3)
         The map.
+    ax : Axes or sequence of Axes, optional
+        Axes to draw in, one for each panel; see `envlights.plot`.
+    figsize, dpi, transparent
+        Size, resolution and ground of a new figure; see `envlights.plot`.
     **options
         Options of `detect_article`.
 
@@ -74,11 +86,11 @@ def article_picture(env: AnyMap, **options: Any) -> Picture:
     ['1. samples', '2. bright samples', '3. survivors', '4. lights']
     """
     env = as_envmap(env)
+    page = open_page(Placement(ax, figsize, dpi, transparent), grid(2, 2), (13, 8))
     lights = detect_article(env, **options)
     defaults = {name: each.default for name, each in _parameters().items()}
     steps = _steps(env, lights, {**defaults, **options})
-    figure = Picture(figsize=(13, 8))
-    globe, bright, survivors, merged = figure.subplots(2, 2).ravel()
+    globe, bright, survivors, merged = page.panels
     _draw_samples(globe, env, steps)
     ground = expose(working(env))
     for axes in (bright, survivors, merged):
@@ -88,8 +100,8 @@ def article_picture(env: AnyMap, **options: Any) -> Picture:
     draw_bright(bright, at, degrees(steps.maxima), _SEAM)
     draw_survivors(survivors, at, at, steps.survivor, _SEAM)
     _draw_lights(merged, lights, steps)
-    figure.suptitle(f"the steps of Loghin (2021): threshold {lights.report.threshold:.3g}")
-    return figure
+    page.entitle(f"the steps of Loghin (2021): threshold {lights.report.threshold:.3g}")
+    return page.figure
 
 
 def _parameters() -> dict[str, inspect.Parameter]:
@@ -127,13 +139,14 @@ def _draw_samples(axes: Axes, env: EnvMap, steps: _Steps) -> None:
     draw_globe(axes, env, eye)
     at, is_near = on_page(steps.samples, eye)
     axes.plot(*at[is_near].T, ".", ms=2, color=LEFT)
-    axes.set_title(f"1. samples: {len(steps.samples)}, of equal solid angle")
+    entitle(axes, f"1. samples: {len(steps.samples)}")
 
 
 def _draw_lights(axes: Axes, lights: DetectedLights, steps: _Steps) -> None:
-    at, areas = degrees(lights.direction), area(lights.share) / 2
+    at = degrees(lights.direction)
+    areas = sizes_for(axes, lights.share, 0.5).area(lights.share)
     kept = np.unique(steps.survivor)
     draw_links(axes, degrees(steps.bright[kept]), at[steps.light[kept]], RIM, _SEAM)
     draw_discs(axes, at, areas, lights.irradiance)
-    draw_numbers(axes, at, areas, _POINTS)
-    axes.set_title(f"4. lights: {len(lights)}, merged along bright lines")
+    draw_numbers(axes, at, areas)
+    entitle(axes, f"4. lights: {len(lights)}")

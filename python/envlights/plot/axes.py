@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
+from matplotlib import rcParams
 from matplotlib.axes import Axes as Panel
+from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from envlights.export.axes import AXES, Axes
 from envlights.export.targets import TARGETS
-from envlights.plot.figure import Picture
+from envlights.plot.page import AnyAxes, Placement, Size, open_page
 
 _COLOURS = ("#c0392b", "#1e8449", "#2456a6")
 #: Our axes on paper, seen from (1, 1, 1); all three point towards the viewer.
@@ -16,12 +18,25 @@ _DRAWN = np.array([[0.85, -0.45], [0.0, 1.0], [-0.85, -0.45]])
 _COLUMNS = 6
 
 
-def axes_picture() -> Picture:
+def axes_picture(
+    *,
+    ax: AnyAxes | None = None,
+    figsize: Size | None = None,
+    dpi: float | None = None,
+    transparent: bool | None = None,
+) -> Figure:
     """Draw our axes, with the name of each in the target.
 
     Arrows are our +x (red), +y (green) and +z (blue, the centre of the map). A dashed
     arrow shows the direction in which the target puts the centre of an unrotated map, if that
     differs.
+
+    Parameters
+    ----------
+    ax : Axes or sequence of Axes, optional
+        Axes to draw in, one for each program; see `envlights.plot`.
+    figsize, dpi, transparent
+        Size, resolution and ground of a new figure; see `envlights.plot`.
 
     Returns
     -------
@@ -29,22 +44,24 @@ def axes_picture() -> Picture:
 
     Examples
     --------
-    >>> len(axes_picture().axes) >= len(AXES)
+    >>> len(axes_picture().axes) == len(AXES)
     True
     """
     titles = {target.name: target.title.partition(",")[0] for target in TARGETS}
     titles["csv"] = "envlights"
     rows = -(-len(AXES) // _COLUMNS)
-    figure = Picture(figsize=(2.1 * _COLUMNS, 2.5 * rows))
-    panels = np.ravel(figure.subplots(rows, _COLUMNS))
-    for panel in panels:
+    cells = np.arange(rows * _COLUMNS)
+    cells[len(AXES) :] = -1
+    where = Placement(ax, figsize, dpi, transparent)
+    page = open_page(where, cells.reshape(rows, -1), (2.1 * _COLUMNS, 2.5 * rows))
+    for panel in page.panels:
         panel.set(xlim=(-1.5, 1.5), ylim=(-0.95, 1.45), aspect="equal")
         panel.set_axis_off()
-    for panel, (name, axes) in zip(panels, AXES.items(), strict=False):
+    for panel, (name, axes) in zip(page.panels, AXES.items(), strict=True):
         _draw(panel, axes)
         hand = "right-handed" if axes.handedness > 0 else "left-handed"
-        panel.set_title(f"{titles[name]}\n{hand}", fontsize=9)
-    return figure
+        panel.set_title(f"{titles[name]}\n{hand}", fontsize="small")
+    return page.figure
 
 
 def _draw(panel: Panel, axes: Axes) -> None:
@@ -54,13 +71,13 @@ def _draw(panel: Panel, axes: Axes) -> None:
         )
         label = axis_name(np.array(axes.matrix)[:, column])
         x, y = 1.22 * drawn
-        panel.text(x, y, label, color=colour, ha="center", va="center", fontsize=11)
+        panel.text(x, y, label, color=colour, ha="center", va="center", fontsize="medium")
     if axes.map is not None and axes.map != axes.matrix:
         centre = axes.from_target(np.array(axes.map)[:, 2]) @ _DRAWN
-        style = {"arrowstyle": "->", "linestyle": "--", "color": "#555555"}
+        style = {"arrowstyle": "->", "linestyle": "--", "color": rcParams["text.color"]}
         panel.annotate("", 0.75 * centre, (0, 0), arrowprops=style)
         x, y = 0.9 * centre
-        panel.text(x, y, "map", ha="center", va="center", fontsize=8, color="#555555")
+        panel.text(x, y, "map", ha="center", va="center", fontsize="small")
 
 
 def axis_name(direction: ArrayLike) -> str:

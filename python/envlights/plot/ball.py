@@ -5,7 +5,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from matplotlib import rcParams
+from matplotlib.axes import Axes
+from matplotlib.patches import Circle
 from numpy.typing import NDArray
+
+from envlights.plot.figure import hide_frame
 
 #: Pixels across a ball.
 _SIZE = 192
@@ -34,6 +39,22 @@ class Ball(NamedTuple):
         drawn = np.full(self.inside.shape, np.nan)
         drawn[self.inside] = values
         return drawn
+
+
+def draw_rim(axes: Axes, centre: tuple[float, float], radius: float) -> None:
+    """Draw a thin line around a ball, which separates white ones from a white page."""
+    line = Circle(
+        centre, radius, fill=False, lw=0.6, ec=rcParams["axes.edgecolor"], alpha=0.6, clip_on=False
+    )
+    axes.add_patch(line)
+
+
+def draw_ball(axes: Axes, image: NDArray[np.floating]) -> None:
+    """Draw the image of a ball with its rim."""
+    axes.imshow(image, interpolation="antialiased")
+    middle, radius = (len(image) - 1) / 2, len(image) / 2
+    draw_rim(axes, (middle, middle), radius)
+    hide_frame(axes)
 
 
 def axes_of(eye: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -5,23 +5,37 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from matplotlib import rcParams
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from envlights._check import count
-from envlights.plot.figure import Picture, check_is, hide_frame
+from envlights.plot.figure import check_is, hide_frame
+from envlights.plot.page import AnyAxes, Placement, Size, open_page
 from envlights.transfer import TransferModel
 
 #: Images in a row.
 _COLUMNS = 8
+#: Fraction of the texels within the range of the colours.
+_RANGE = 0.998
 #: Fractions of the energy for which the number of directions is marked.
 SHARES = (0.9, 0.95, 0.99)
 
 
-def basis_picture(model: TransferModel, directions: int = 16) -> Picture:
-    """Draw the first directions of the basis as images, each around zero.
+def basis_picture(
+    model: TransferModel,
+    *,
+    directions: int = 16,
+    ax: AnyAxes | None = None,
+    figsize: Size | None = None,
+    dpi: float | None = None,
+    transparent: bool | None = None,
+) -> Figure:
+    """Draw the first directions of the basis as images, all with one scale around zero.
 
     The first is like a mean image; later ones move light between parts of the scene, red where they
-    add light and blue where they remove it.
+    add light and blue where they remove it. Each image has the norm 1; the titles hold the shares
+    of the energy.
 
     Parameters
     ----------
@@ -29,6 +43,10 @@ def basis_picture(model: TransferModel, directions: int = 16) -> Picture:
         The model.
     directions : int
         Largest number of directions.
+    ax : Axes or sequence of Axes, optional
+        Axes to draw in, one for each panel; see `envlights.plot`.
+    figsize, dpi, transparent
+        Size, resolution and ground of a new figure; see `envlights.plot`.
 
     Returns
     -------
@@ -38,7 +56,7 @@ def basis_picture(model: TransferModel, directions: int = 16) -> Picture:
     --------
     >>> import envlights as el
     >>> room = el.synthetic.room(12, width=16)
-    >>> figure = basis_picture(el.TransferModel.fit(room.direct, room.indirect), 4)
+    >>> figure = basis_picture(el.TransferModel.fit(room.direct, room.indirect), directions=4)
     >>> len([axes for axes in figure.axes if axes.images])
     4
     """
@@ -46,19 +64,30 @@ def basis_picture(model: TransferModel, directions: int = 16) -> Picture:
     images = model.directions(count("directions", directions, least=1))
     columns = min(_COLUMNS, len(images))
     rows = math.ceil(len(images) / columns)
-    figure = Picture(figsize=(1.5 * columns, 1.75 * rows + 0.5))
+    cells = np.arange(rows * columns)
+    cells[len(images) :] = -1
+    size = 1.5 * columns + 0.7, 1.75 * rows + 0.5
+    where = Placement(ax, figsize, dpi, transparent)
+    page = open_page(where, cells.reshape(rows, columns), size)
     share = energy_shares(model)
-    for number, axes in enumerate(figure.subplots(rows, columns, squeeze=False).flat):
+    limit = max(float(np.quantile(np.abs(images), _RANGE)), np.finfo(float).tiny)
+    for number, (axes, image) in enumerate(zip(page.panels, images, strict=True)):
+        drawn = axes.imshow(image, cmap="RdBu_r", vmin=-limit, vmax=limit)
+        axes.set_title(f"{number + 1}: {100 * share[number]:.2g} %", fontsize="small")
         hide_frame(axes)
-        if number < len(images):
-            limit = float(np.abs(images[number]).max())
-            axes.imshow(images[number], cmap="RdBu_r", vmin=-limit, vmax=limit)
-            axes.set_title(f"{number + 1}: {100 * share[number]:.2g} %", fontsize="small")
-    figure.suptitle("directions of the basis, and the energy of each")
-    return figure
+    page.figure.colorbar(drawn, ax=page.panels, label="light of a texel", extend="both", shrink=0.8)
+    page.entitle("directions of the basis, and their energy")
+    return page.figure
 
 
-def spectrum_picture(model: TransferModel) -> Picture:
+def spectrum_picture(
+    model: TransferModel,
+    *,
+    ax: AnyAxes | None = None,
+    figsize: Size | None = None,
+    dpi: float | None = None,
+    transparent: bool | None = None,
+) -> Figure:
     """Draw the energy outside the basis against the number of its directions.
 
     Lines mark how many directions hold 90, 95 and 99 % of the energy of the images.
@@ -67,6 +96,10 @@ def spectrum_picture(model: TransferModel) -> Picture:
     ----------
     model : TransferModel
         The model.
+    ax : Axes or sequence of Axes, optional
+        Axes to draw in; see `envlights.plot`.
+    figsize, dpi, transparent
+        Size, resolution and ground of a new figure; see `envlights.plot`.
 
     Returns
     -------
@@ -82,10 +115,10 @@ def spectrum_picture(model: TransferModel) -> Picture:
     """
     check_is("model", model, TransferModel)
     held = np.cumsum(energy_shares(model))
-    figure = Picture(figsize=(7, 4.4))
-    axes = figure.add_subplot()
+    page = open_page(Placement(ax, figsize, dpi, transparent), [[0]], (7, 4.4))
+    (axes,) = page.panels
     left = 100 * np.maximum(1 - held, 1e-9)
-    axes.plot(np.arange(1, len(held) + 1), left, ".-", color="black")
+    axes.plot(np.arange(1, len(held) + 1), left, ".-", color=rcParams["text.color"])
     for number, share in enumerate(SHARES):
         needed = int(np.searchsorted(held, share)) + 1
         is_reached = needed <= len(held)
@@ -100,7 +133,7 @@ def spectrum_picture(model: TransferModel) -> Picture:
     axes.yaxis.set_major_formatter("{x:g}")
     axes.grid(which="both", alpha=0.25)
     axes.legend(title="energy in the basis")
-    return figure
+    return page.figure
 
 
 def energy_shares(model: TransferModel) -> NDArray[np.float64]:

@@ -2,24 +2,42 @@
 
 from __future__ import annotations
 
+import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.ticker import LogLocator, MaxNLocator
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from envlights.envmap import AnyMap, as_envmap
-from envlights.plot.figure import Picture, check_are_rigs
-from envlights.plot.ground import EXTENT, draw_small_ground, expose, working
-from envlights.plot.markers import draw_lights
-from envlights.plot.probe import draw_probes, shaded_ball, viewpoint
+from envlights.plot.curve import mark_percents
+from envlights.plot.figure import check_are_rigs
+from envlights.plot.ground import draw_small_ground, expose, working
+from envlights.plot.markers import draw_lights, sizes_for
+from envlights.plot.page import AnyAxes, Placement, Size, grid, open_page
+from envlights.plot.probe import (
+    draw_difference_bar,
+    draw_probes,
+    error_limit,
+    scale_for,
+    shaded_ball,
+    viewpoint,
+)
+from envlights.plot.wording import entitle
 from envlights.rig import Rig
 
-#: Smallest number of points on the page for a degree of a map, in a row of a picture.
-_POINTS = 0.95
 
-
-def rigs_picture(env: AnyMap, *rigs: Rig) -> Picture:
+def rigs_picture(
+    env: AnyMap,
+    *rigs: Rig,
+    ax: AnyAxes | None = None,
+    figsize: Size | None = None,
+    dpi: float | None = None,
+    transparent: bool | None = None,
+) -> Figure:
     """Draw several rigs of one map, a row for each: lights, probes and the difference.
 
-    All probes are viewed from beside the brightest light of the first rig.
+    All probes are viewed from beside the brightest light of the first rig, and have one exposure.
+    Discs of all rigs have one scale of areas, and differences one scale of colours: it is
+    logarithmic (asinh) where some rig is 5 times as accurate as another.
 
     Parameters
     ----------
@@ -27,6 +45,10 @@ def rigs_picture(env: AnyMap, *rigs: Rig) -> Picture:
         The map.
     *rigs : Rig
         One or more, such as fits with one light, with four, and with another ambient term.
+    ax : Axes or sequence of Axes, optional
+        Axes to draw in, four for each rig; see `envlights.plot`.
+    figsize, dpi, transparent
+        Size, resolution and ground of a new figure; see `envlights.plot`.
 
     Returns
     -------
@@ -42,21 +64,29 @@ def rigs_picture(env: AnyMap, *rigs: Rig) -> Picture:
     """
     check_are_rigs(rigs)
     env = as_envmap(env)
-    figure = Picture(figsize=(13, 2.9 * len(rigs) + 0.3))
-    rows = figure.subplots(len(rigs), 4, width_ratios=(2.3, 1, 1, 1.25), squeeze=False)
+    where, size = Placement(ax, figsize, dpi, transparent), (13, 2.5 * len(rigs) + 0.3)
+    page = open_page(where, grid(len(rigs), 4), size, width_ratios=(2.3, 1, 1, 1))
+    rows = [page.panels[first : first + 4] for first in range(0, len(page.panels), 4)]
     ground, eye = expose(working(env)), viewpoint(rigs[0])
     shaded = {floor: shaded_ball(env, eye, floor) for floor in {rig.floor for rig in rigs}}
+    scale = scale_for([error_limit(shaded[rig.floor], rig) for rig in rigs])
+    sizes = sizes_for(rows[0][0], np.concatenate([rig.lights.share for rig in rigs]))
     for (on_map, *probes), rig in zip(rows, rigs, strict=True):
         draw_small_ground(on_map, ground.codes)
-        draw_lights(on_map, rig.lights, _POINTS)
-        on_map.set(xlim=EXTENT[:2], ylim=EXTENT[2:], title=rig.in_short())
-        draw_probes(figure, probes, shaded[rig.floor], rig)
-        for axes in probes:
-            axes.title.set_fontsize("small")
-    return figure
+        draw_lights(on_map, rig.lights, sizes)
+        entitle(on_map, rig.in_short(), "medium")
+        drawn = draw_probes(probes, shaded[rig.floor], rig, scale)
+    draw_difference_bar(page.figure, [row[3] for row in rows], drawn)
+    return page.figure
 
 
-def error_picture(*rigs: Rig) -> Picture:
+def error_picture(
+    *rigs: Rig,
+    ax: AnyAxes | None = None,
+    figsize: Size | None = None,
+    dpi: float | None = None,
+    transparent: bool | None = None,
+) -> Figure:
     """Draw the error against the number of lights, from the reports of rigs.
 
     Points are numbers of lights in the search; a ring is the rig itself, with sizes.
@@ -65,6 +95,10 @@ def error_picture(*rigs: Rig) -> Picture:
     ----------
     *rigs : Rig
         One or more, such as ``el.fit(env, error=0.01)`` with several ambient terms.
+    ax : Axes or sequence of Axes, optional
+        Axes to draw in; see `envlights.plot`.
+    figsize, dpi, transparent
+        Size, resolution and ground of a new figure; see `envlights.plot`.
 
     Returns
     -------
@@ -79,17 +113,15 @@ def error_picture(*rigs: Rig) -> Picture:
     'lights'
     """
     check_are_rigs(rigs)
-    figure = Picture(figsize=(7, 4.4))
-    axes = figure.add_subplot()
+    page = open_page(Placement(ax, figsize, dpi, transparent), [[0]], (7, 4.4))
+    (axes,) = page.panels
     for number, rig in enumerate(rigs):
         _draw_curve(axes, rig, f"C{number}")
     axes.set(xlabel="lights", ylabel="relative RMS error (%)", yscale="log")
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
-    axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
-    axes.yaxis.set_major_formatter("{x:g}")
-    axes.grid(which="both", alpha=0.25)
+    mark_percents(axes)
     axes.legend()
-    return figure
+    return page.figure
 
 
 def _draw_curve(axes: Axes, rig: Rig, colour: str) -> None:

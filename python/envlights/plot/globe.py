@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from envlights import _thumbnails
@@ -11,16 +12,27 @@ from envlights._srgb import encode_srgb
 from envlights.envmap import AnyMap, EnvMap, as_envmap
 from envlights.kernels import sphere
 from envlights.lights import Lights
-from envlights.plot.ball import axes_of, ball
-from envlights.plot.figure import Picture, check_is, hide_frame
+from envlights.plot.ball import axes_of, ball, draw_rim
+from envlights.plot.figure import check_is, hide_frame
 from envlights.plot.ground import working
-from envlights.plot.markers import area, draw_discs
+from envlights.plot.markers import draw_discs, sizes_for
+from envlights.plot.page import AnyAxes, Placement, Size, grid, open_page
 
+#: Extent of a map whose degrees have the size of those of a globe.
+_AS_MAP = (0.0, 180.0, 0.0, 180.0)
 #: Elevation of the viewer, in degrees.
 _ELEVATION = 25
 
 
-def sphere_picture(env: AnyMap, lights: Lights) -> Picture:
+def sphere_picture(
+    env: AnyMap,
+    lights: Lights,
+    *,
+    ax: AnyAxes | None = None,
+    figsize: Size | None = None,
+    dpi: float | None = None,
+    transparent: bool | None = None,
+) -> Figure:
     """Draw lights on the sphere of directions, with the map on it, from both sides.
 
     The sphere is seen from outside, so the map is mirrored. The left view is from the side of the
@@ -32,6 +44,10 @@ def sphere_picture(env: AnyMap, lights: Lights) -> Picture:
         The map.
     lights : Lights or DetectedLights
         Lights of a rig, or detected lights.
+    ax : Axes or sequence of Axes, optional
+        Two axes to draw in; see `envlights.plot`.
+    figsize, dpi, transparent
+        Size, resolution and ground of a new figure; see `envlights.plot`.
 
     Returns
     -------
@@ -49,17 +65,17 @@ def sphere_picture(env: AnyMap, lights: Lights) -> Picture:
     env = as_envmap(env)
     azimuth = float(lights.azimuth[0]) if len(lights) else np.pi
     elevation = np.deg2rad(_ELEVATION)
-    figure = Picture(figsize=(10, 5.5))
+    page = open_page(Placement(ax, figsize, dpi, transparent), grid(1, 2), (10, 5.5))
     for axes, (phi, up) in zip(
-        figure.subplots(1, 2), ((azimuth, elevation), (azimuth + np.pi, -elevation)), strict=True
+        page.panels, ((azimuth, elevation), (azimuth + np.pi, -elevation)), strict=True
     ):
         eye = np.array([np.sin(phi) * np.cos(up), np.sin(up), -np.cos(phi) * np.cos(up)])
         draw_globe(axes, env, eye)
         _draw_lights(axes, lights, eye)
         degrees = f"azimuth {np.rad2deg(phi) % 360:.0f}°, elevation {np.rad2deg(up):.0f}°"
         axes.set_title(f"from {degrees}")
-    figure.suptitle(lights.in_short())
-    return figure
+    page.entitle(lights.in_short())
+    return page.figure
 
 
 def draw_globe(axes: Axes, env: EnvMap, eye: NDArray[np.float64]) -> None:
@@ -72,6 +88,7 @@ def draw_globe(axes: Axes, env: EnvMap, eye: NDArray[np.float64]) -> None:
     rows = np.minimum((v * height).astype(int), height - 1)
     colours = encode_srgb(radiance[rows, columns] / _thumbnails.white_of(radiance)[0])
     axes.imshow(seen.image(colours), extent=(-1, 1, -1, 1), interpolation="antialiased")
+    draw_rim(axes, (0, 0), 1)
     axes.set(xlim=(-1.08, 1.08), ylim=(-1.08, 1.08))
     hide_frame(axes)
 
@@ -86,4 +103,5 @@ def on_page(
 
 def _draw_lights(axes: Axes, lights: Lights, eye: NDArray[np.float64]) -> None:
     at, is_near = on_page(lights.direction, eye)
-    draw_discs(axes, at[is_near], area(lights.share)[is_near], lights.irradiance[is_near])
+    areas = sizes_for(axes, lights.share, extent=_AS_MAP).area(lights.share)
+    draw_discs(axes, at[is_near], areas[is_near], lights.irradiance[is_near])

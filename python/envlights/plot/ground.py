@@ -14,6 +14,7 @@ from envlights import _thumbnails
 from envlights.envmap import EnvMap
 from envlights.kernels import sphere
 from envlights.kernels.image import LUMINANCE
+from envlights.plot.wording import LETTER, font_size, is_narrow, points_per_unit
 
 #: Columns of the picture of a map.
 _COLUMNS = 1024
@@ -23,6 +24,8 @@ EXTENT = (0.0, 360.0, -90.0, 90.0)
 _BELOW, _ABOVE = 8, 6
 #: Stops that lie between two marks of the scale.
 _STEP = 2
+#: Letters that a mark of the azimuth needs, with the gap to the next.
+_MARK = 4.5
 
 
 def working(env: EnvMap) -> NDArray[np.float32]:
@@ -48,22 +51,21 @@ class Ground(NamedTuple):
 def expose(radiance: NDArray[np.float32]) -> Ground:
     """Expose a map, in the form of `working`, so that its lamps are visible."""
     white, darker = _thumbnails.white_of(radiance)
-    words = (
-        f"exposure: white is luminance {white:.3g}; {100 * darker:.3g} % of the sphere is darker"
-    )
+    words = f"white is luminance {white:.3g}; {100 * darker:.3g} % of the sphere is darker"
     return Ground(_thumbnails.expose(radiance, white), white, words)
 
 
 def draw_ground(axes: Axes, codes: NDArray[np.uint8]) -> None:
     """Draw the colours of a map."""
     axes.imshow(codes, extent=EXTENT, interpolation="antialiased")
-    _draw_frame(axes)
+    draw_frame(axes)
 
 
 def draw_small_ground(axes: Axes, codes: NDArray[np.uint8]) -> None:
     """Draw the colours of a map without ticks and labels, for a small picture."""
     axes.set(xticks=[], yticks=[])
     axes.imshow(codes, extent=EXTENT, interpolation="antialiased")
+    axes.set(xlim=EXTENT[:2], ylim=EXTENT[2:])
 
 
 def draw_map(axes: Axes, env: EnvMap) -> str:
@@ -86,16 +88,20 @@ def draw_luminance(axes: Axes, env: EnvMap) -> str:
         norm=Normalize(-_BELOW, _ABOVE),
         interpolation="antialiased",
     )
-    _draw_frame(axes)
+    draw_frame(axes)
     bar = axes.figure.colorbar(image, ax=axes, extend="both", shrink=0.7)
     bar.set_label("stops")
     bar.set_ticks(range(-_BELOW, _ABOVE + 1, _STEP))
-    return f"luminance in stops (powers of 2) above and below {white:.3g}"
+    return f"luminance in stops from {white:.3g}"
 
 
-def _draw_frame(axes: Axes) -> None:
-    axes.set(xlabel="azimuth (degrees)", ylabel="elevation (degrees)")
-    axes.set(xticks=range(0, 361, 45), yticks=range(-90, 91, 45))
+def draw_frame(axes: Axes) -> None:
+    """Label azimuth and elevation, with marks that have room for their numbers."""
+    points, mark = points_per_unit(axes, EXTENT), _MARK * LETTER * font_size("xtick.labelsize")
+    step = next((each for each in (45, 90) if points * each > mark), 180)
+    if not is_narrow(axes):
+        axes.set(xlabel="azimuth (°)", ylabel="elevation (°)")
+    axes.set(xticks=range(0, 361, step), yticks=range(-90, 91, min(step, 90)))
     axes.set(xlim=EXTENT[:2], ylim=EXTENT[2:])
 
 

@@ -2,39 +2,59 @@
 
 from __future__ import annotations
 
-from textwrap import fill
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from envlights._check import flag
 from envlights.detection.lights import DetectedLights
 from envlights.envmap import AnyMap, as_envmap
-from envlights.plot.figure import Picture, check_is
+from envlights.plot.figure import check_is
 from envlights.plot.ground import degrees, draw_luminance, draw_map
 from envlights.plot.markers import (
     RIM,
-    area,
     draw_discs,
     draw_legend,
     draw_lights,
     draw_numbers,
-    legend_entries,
+    key_of,
+    key_of_rims,
+    line_scale,
+    sizes_for,
 )
 from envlights.plot.outlines import outlines
-from envlights.plot.probe import draw_probes, shaded_ball, viewpoint
+from envlights.plot.page import AnyAxes, Placement, Size, open_page
+from envlights.plot.probe import (
+    draw_difference_bar,
+    draw_probes,
+    error_limit,
+    scale_for,
+    shaded_ball,
+    viewpoint,
+)
+from envlights.plot.wording import entitle
 from envlights.rig import Rig, error_line, parts_line
 
+#: Colour of the mark of the viewer.
+_EYE = "deepskyblue"
 #: Largest number of links in a picture.
 _MOST_LINKS = 20_000
-#: Letters in a line of a title.
-_LETTERS = 110
 
 
-def map_picture(env: AnyMap, *, stops: bool = False) -> Picture:
+def map_picture(
+    env: AnyMap,
+    *,
+    stops: bool = False,
+    ax: AnyAxes | None = None,
+    figsize: Size | None = None,
+    dpi: float | None = None,
+    transparent: bool | None = None,
+) -> Figure:
     """Draw a map alone.
 
     Parameters
@@ -45,6 +65,10 @@ def map_picture(env: AnyMap, *, stops: bool = False) -> Picture:
         False: the map, exposed so that its lamps are visible; the title has the exposure. True: the
         luminance in false colours, in stops (powers of two) above and below the white of that
         exposure.
+    ax : Axes or sequence of Axes, optional
+        Axes to draw in; see `envlights.plot`.
+    figsize, dpi, transparent
+        Size, resolution and ground of a new figure; see `envlights.plot`.
 
     Returns
     -------
@@ -60,15 +84,24 @@ def map_picture(env: AnyMap, *, stops: bool = False) -> Picture:
     env = as_envmap(env)
     stops = flag("stops", stops)
     # The colour bar takes a part of the width.
-    figure = Picture(figsize=(10, 5.1 if stops else 5.6))
-    axes = figure.add_subplot()
+    where = Placement(ax, figsize, dpi, transparent)
+    page = open_page(where, [[0]], (10, 5.1 if stops else 5.6))
+    (axes,) = page.panels
     draw = draw_luminance if stops else draw_map
     exposure = draw(axes, env)
-    figure.suptitle(f"{env.width}x{env.height} pixels\n{exposure}")
-    return figure
+    page.entitle(f"{env.width}x{env.height} pixels\n{exposure}")
+    return page.figure
 
 
-def picture(env: AnyMap, rig: Rig) -> Picture:
+def picture(
+    env: AnyMap,
+    rig: Rig,
+    *,
+    ax: AnyAxes | None = None,
+    figsize: Size | None = None,
+    dpi: float | None = None,
+    transparent: bool | None = None,
+) -> Figure:
     """Draw the map with the lights on it, the probe under map and rig, and their difference.
 
     The probe is viewed from beside the brightest light, so that its lit and its dark side are
@@ -81,6 +114,10 @@ def picture(env: AnyMap, rig: Rig) -> Picture:
         The map.
     rig : Rig
         Rig to draw.
+    ax : Axes or sequence of Axes, optional
+        Axes to draw in: of the map, and of the three balls; see `envlights.plot`.
+    figsize, dpi, transparent
+        Size, resolution and ground of a new figure; see `envlights.plot`.
 
     Returns
     -------
@@ -97,21 +134,37 @@ def picture(env: AnyMap, rig: Rig) -> Picture:
     """
     check_is("rig", rig, Rig)
     env = as_envmap(env)
-    figure = Picture(figsize=(10, 8.6))
-    grid = figure.add_gridspec(2, 3, height_ratios=(1.6, 1))
-    on_map = figure.add_subplot(grid[0, :])
+    where = Placement(ax, figsize, dpi, transparent)
+    page = open_page(where, [[0, 0, 0], [1, 2, 3]], (10, 8.6), height_ratios=(1.6, 1))
+    on_map, *balls = page.panels
     exposure = draw_map(on_map, env)
-    draw_lights(on_map, rig.lights)
-    axes = [figure.add_subplot(grid[1, column]) for column in range(3)]
-    eye = viewpoint(rig)
-    draw_probes(figure, axes, shaded_ball(env, eye, rig.floor), rig)
-    draw_legend(on_map, [*legend_entries(rig.lights), _draw_eye(on_map, eye)])
-    on_map.set_title(exposure, fontsize="small")
-    figure.suptitle(f"{parts_line(rig)}: {error_line(rig)}")
-    return figure
+    sizes, eye = sizes_for(on_map, rig.lights.share), viewpoint(rig)
+    draw_lights(on_map, rig.lights, sizes)
+    shaded = shaded_ball(env, eye, rig.floor)
+    drawn = draw_probes(balls, shaded, rig, scale_for([error_limit(shaded, rig)]))
+    draw_difference_bar(page.figure, balls[2:], drawn)
+    draw_legend(
+        on_map,
+        [
+            *key_of(rig.lights.share, sizes),
+            *key_of_rims(rig.lights.angular_radius),
+            _draw_eye(on_map, eye),
+        ],
+    )
+    entitle(on_map, exposure, "small")
+    page.entitle(f"{parts_line(rig)}: {error_line(rig)}")
+    return page.figure
 
 
-def detection_picture(env: AnyMap, lights: DetectedLights) -> Picture:
+def detection_picture(
+    env: AnyMap,
+    lights: DetectedLights,
+    *,
+    ax: AnyAxes | None = None,
+    figsize: Size | None = None,
+    dpi: float | None = None,
+    transparent: bool | None = None,
+) -> Figure:
     """Draw the map with its detected lights, as in Loghin (2021).
 
     Discs mark the directions of the lights, in their colours, with areas proportional to the
@@ -124,6 +177,10 @@ def detection_picture(env: AnyMap, lights: DetectedLights) -> Picture:
         The map.
     lights : DetectedLights
         The result of `detect` on it.
+    ax : Axes or sequence of Axes, optional
+        Axes to draw in; see `envlights.plot`.
+    figsize, dpi, transparent
+        Size, resolution and ground of a new figure; see `envlights.plot`.
 
     Returns
     -------
@@ -139,12 +196,13 @@ def detection_picture(env: AnyMap, lights: DetectedLights) -> Picture:
     """
     check_is("lights", lights, DetectedLights)
     env = as_envmap(env)
-    figure = Picture(figsize=(12, 7))
-    axes = figure.add_subplot()
+    page = open_page(Placement(ax, figsize, dpi, transparent), [[0]], (12, 7))
+    (axes,) = page.panels
     exposure = draw_map(axes, env)
     _draw_members(axes, lights)
     # Discs are half as large as those of a rig, because lamps may be close together.
-    at, areas = degrees(lights.direction), area(lights.share) / 2
+    sizes = sizes_for(axes, lights.share, 0.5)
+    at, areas = degrees(lights.direction), sizes.area(lights.share)
     draw_discs(axes, at, areas, lights.irradiance)
     peaks = degrees(lights.peak_direction)
     axes.plot(*peaks.T, "+", ms=5, mew=1, color="deepskyblue", clip_on=False, zorder=5)
@@ -155,23 +213,21 @@ def detection_picture(env: AnyMap, lights: DetectedLights) -> Picture:
     )
     if lights.report.method == "article":
         outline.set_label("samples, linked to their light")
-    draw_legend(axes, [outline, cross])
+    draw_legend(axes, [*key_of(lights.share, sizes), outline, cross])
     report = lights.report
     title = f"{lights.in_short()}; threshold {report.threshold:.3g} ({report.reason})"
-    # Matplotlib leaves no room for lines that it wraps itself.
-    figure.suptitle(f"{fill(title, _LETTERS)}\n{exposure}")
-    return figure
+    page.entitle(f"{title}\n{exposure}")
+    return page.figure
 
 
 def _draw_eye(axes: Axes, eye: NDArray[np.float64]) -> Line2D:
     """Mark the view direction of the probe."""
     ((azimuth, elevation),) = degrees(eye[None])
     # Draw it above the numbers, which could hide it.
-    axes.scatter(
-        [azimuth], [elevation], s=81, marker="^", c="deepskyblue", edgecolors="black", zorder=6
-    )
-    label = f"viewer of the probe ({azimuth:.0f}°, {elevation:+.0f}°)"
-    return Line2D([], [], ls="", marker="^", ms=9, mfc="deepskyblue", mec="black", label=label)
+    size = 9 * line_scale(axes)
+    style: dict[str, Any] = {"marker": "^", "zorder": 6}
+    axes.scatter([azimuth], [elevation], size**2, c=_EYE, edgecolors="black", lw=size / 9, **style)
+    return Line2D([], [], ls="", marker="^", ms=size, mfc=_EYE, mec="black", label="viewer")
 
 
 def _draw_members(axes: Axes, lights: DetectedLights) -> None:

@@ -3,58 +3,122 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
+from matplotlib.transforms import ScaledTranslation
 from numpy.typing import NDArray
 
 from envlights._thumbnails import colours_of
 from envlights.lights import Lights
 from envlights.plot.ground import EXTENT, degrees
+from envlights.plot.wording import LETTER, font_size, is_narrow, points_per_unit, width_of
 from envlights.scene.surface import tangent_frames
 
-#: Area of the disc of a light with a share of 1, and the least area, in square points.
-_LARGEST, _SMALLEST = 900.0, 14.0
-#: Shares in the legend.
-_SHARES = (0.5, 0.1, 0.01)
+#: Area of the disc of the largest light, and the least area, in square points, on a wide map.
+_LARGEST, _SMALLEST = 450.0, 14.0
+#: Least area of a disc on any map.
+_VISIBLE = 4.0
+#: Points of the page for a degree of a wide map; discs on smaller maps shrink with it.
+_WIDE = 1.6
+#: Share of the largest light below which discs stay small: many lights do not fill the map.
+_LEAST_LARGEST = 0.05
+#: Shares that a key of sizes may name, and their number.
+_SHARES, _KEYS = (0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001), 3
 #: Colour of rims and outlines: rare in photographs.
 RIM = "#ff2bd6"
-#: Size of numbers, and width of a letter and height of a line of them, in points.
-_FONT, _LETTER, _LINE = 9, 5.8, 10.2
-#: Smallest number of points on the page for a degree of a map that fills the page.
-_POINTS = 1.6
+#: Colours of the rims of lights, in turn, and of their numbers.
+TINTS = (RIM, "#00e0ff", "#ffe11a", "#4dff6a", "#ff8a1f", "#b79bff", "#ffffff", "#ff6a5e")
+#: Size of numbers as a fraction of that of the style, and height of a line of them.
+_FONT, _LINE = 0.9, 1.13
+#: Width of the black edge of numbers as a fraction of their size.
+_EDGE = 0.26
 #: Largest radius of a disc that numbers avoid, and their gap from discs, as fractions of the width.
 _WIDEST_DISC, _GAP = 12 / 360, 0.8 / 360
 #: Largest number of numbers on one map.
 _MOST_NUMBERS = 40
 
 
-def area(share: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Area of the markers of lights, in square points: the eye compares areas."""
-    found: NDArray[np.float64] = np.maximum(_LARGEST * share, _SMALLEST)
-    return found
+class Sizes(NamedTuple):
+    """Areas of discs for shares of the light: the eye compares areas."""
+
+    whole: float
+    """Area for a share of 1, in square points."""
+
+    least: float
+    """Least area of a disc, in square points."""
+
+    def area(self, share: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Areas of the discs of lights, in square points."""
+        found: NDArray[np.float64] = np.maximum(self.whole * share, self.least)
+        return found
 
 
-def draw_lights(axes: Axes, lights: Lights, points: float = _POINTS) -> None:
+def sizes_for(
+    axes: Axes,
+    share: NDArray[np.float64],
+    part: float = 1.0,
+    extent: tuple[float, float, float, float] = EXTENT,
+) -> Sizes:
+    """Sizes of discs for the lights of one map, or of several that are compared.
+
+    The largest light gets `part` of the largest disc, unless all are small.
+    """
+    shrink = min(points_per_unit(axes, extent) / _WIDE, 1) ** 2
+    largest = max(float(share.max(initial=0.0)), _LEAST_LARGEST)
+    return Sizes(part * shrink * _LARGEST / largest, max(shrink * _SMALLEST, _VISIBLE))
+
+
+def draw_lights(axes: Axes, lights: Lights, sizes: Sizes) -> None:
     """Draw the rim of each light with a size, a disc in its colour, and numbers that fit.
 
-    A degree of the map takes at least `points` of the page; discs shrink with it.
+    The number of a light has the colour of its rim.
     """
-    at, areas = degrees(lights.direction), area(lights.share) * (points / _POINTS) ** 2
+    at, areas = degrees(lights.direction), sizes.area(lights.share)
     draw_rims(axes, lights.direction, lights.angular_radius)
     draw_discs(axes, at, areas, lights.irradiance)
-    draw_numbers(axes, at, areas, points)
+    draw_numbers(axes, at, areas, colours=number_colours(lights.angular_radius))
+
+
+def number_colours(radii: NDArray[np.float64]) -> list[str]:
+    """Colour of the number of each light: that of its rim, or white where it has none."""
+    return [TINTS[k % len(TINTS)] if radius else "white" for k, radius in enumerate(radii)]
 
 
 def draw_rims(axes: Axes, directions: NDArray[np.float64], radii: NDArray[np.float64]) -> None:
-    """Draw a circle on the sphere around each direction; none of radius 0."""
+    """Draw a circle on the sphere around each direction, each in its tint; none of radius 0."""
     rims = [_rim(*each) for each in zip(directions, radii, strict=True)]
-    if drawn := [rim for rim in rims if len(rim)]:
-        axes.plot(*np.concatenate(drawn).T, color=RIM, lw=1.4)
+    pieces = [
+        (piece, colour)
+        for rim, colour in zip(rims, number_colours(radii), strict=True)
+        for piece in _pieces(rim)
+    ]
+    if pieces:
+        lines, colours = zip(*pieces, strict=True)
+        style: dict[str, Any] = rim_style(line_scale(axes))
+        axes.add_collection(LineCollection(list(lines), colors=list(colours), zorder=2.5, **style))
+
+
+def rim_style(scale: float = 1.0) -> dict[str, Any]:
+    """Style of rims: a line with a black edge, visible on dark and bright maps."""
+    edge = withStroke(linewidth=2.6 * scale, foreground="black")
+    return {"linewidth": 1.4 * scale, "path_effects": [edge]}
+
+
+def line_scale(axes: Axes) -> float:
+    """Factor for lines and marks of one size on a map: below 1 on a small one."""
+    return min(max(points_per_unit(axes, EXTENT) / _WIDE, 0.5), 1.0)
+
+
+def _pieces(rim: NDArray[np.float64]) -> list[NDArray[np.float64]]:
+    """Parts of a rim between its gaps."""
+    gaps = np.flatnonzero(np.isnan(rim[:, 0]))
+    return [part[~np.isnan(part[:, 0])] for part in np.split(rim, gaps) if len(part) > 1]
 
 
 def draw_discs(
@@ -86,7 +150,7 @@ def _ring(areas: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _rim(direction: NDArray[np.float64], radius: float) -> NDArray[np.float64]:
-    """Azimuth and elevation along the rim of a disc, with gaps at the seam and at its end."""
+    """Azimuth and elevation along the rim of a disc, with gaps at the seam."""
     if not radius:
         return np.zeros((0, 2))
     angle = np.linspace(0, 2 * np.pi, 361)
@@ -94,23 +158,24 @@ def _rim(direction: NDArray[np.float64], radius: float) -> NDArray[np.float64]:
     (frame,) = tangent_frames(direction[None])
     rim = degrees(circle @ frame[:2] + np.cos(radius) * direction)
     rim[1:][np.abs(np.diff(rim[:, 0])) > 180] = np.nan
-    return np.vstack([rim, [[np.nan, np.nan]]])
+    return rim
 
 
 def draw_numbers(
     axes: Axes,
     at: NDArray[np.float64],
     areas: NDArray[np.float64],
-    points: float = _POINTS,
     extent: tuple[float, float, float, float] = EXTENT,
+    colours: Sequence[str] | None = None,
 ) -> None:
     """Number lights beside their discs if there is room, the brightest first.
 
-    A number neither covers another, nor any disc, nor leaves the picture. A unit of the axes, a
-    degree of a map, takes `points` of the page.
+    A number neither covers another, nor any disc, nor leaves the picture.
     """
+    points, font = points_per_unit(axes, extent), _FONT * font_size("font.size")
     radii = np.sqrt(_ring(areas) / np.pi) / points
-    size = np.array([_LETTER, _LINE]) / points
+    # A digit is wider than the mean letter.
+    size = font * np.array([1.2 * LETTER, _LINE]) / points
     reach = np.minimum(radii, _WIDEST_DISC * (extent[1] - extent[0]))[:, None]
     occupied = np.hstack([at - reach, at + reach])
     for k in range(min(len(at), _MOST_NUMBERS)):
@@ -125,9 +190,9 @@ def draw_numbers(
             f"{k + 1}",
             ha="center",
             va="center",
-            fontsize=_FONT,
-            color="white",
-            path_effects=[withStroke(linewidth=2.5, foreground="black")],
+            fontsize=font,
+            color=colours[k] if colours is not None else "white",
+            path_effects=[withStroke(linewidth=_EDGE * font, foreground="black")],
             zorder=5,
         )
 
@@ -155,16 +220,26 @@ def _free_box(
     return None
 
 
-def legend_entries(lights: Lights) -> list[Line2D]:
-    """Legend entries of discs and rims."""
-    entries = [
-        _entry("o", f"{100 * share:g} %", 2 * np.sqrt(float(area(np.array(share))) / np.pi))
-        for share in _SHARES
-    ]
-    entries[0].set_label(f"share of the light: {entries[0].get_label()}")
-    if lights.angular_radius.any():
-        entries.append(Line2D([], [], color=RIM, lw=1.4, label="size"))
+def key_of(share: NDArray[np.float64], sizes: Sizes) -> list[Line2D]:
+    """Key of the areas of discs, with shares that occur among the lights."""
+    largest = float(share.max(initial=0.0))
+    named = [share for share in _SHARES if share <= max(largest, _SHARES[-1])][::2][:_KEYS]
+    # Shares below the least area look the same.
+    seen = [share for share in named if sizes.whole * share >= sizes.least] or named[:1]
+    entries = [_entry("o", f"{100 * share:g} %", _diameter(sizes, share)) for share in seen]
+    entries[0].set_label(f"share {entries[0].get_label()}")
     return entries
+
+
+def key_of_rims(radii: NDArray[np.float64]) -> list[Line2D]:
+    """Key of the rims of lights with a size; empty if there are none."""
+    if not radii.any():
+        return []
+    return [Line2D([], [], color=RIM, label="size", **rim_style())]
+
+
+def _diameter(sizes: Sizes, share: float) -> float:
+    return 2 * float(np.sqrt(sizes.area(np.array(share)) / np.pi))
 
 
 def _entry(marker: str, label: str, size: float) -> Line2D:
@@ -172,12 +247,23 @@ def _entry(marker: str, label: str, size: float) -> Line2D:
 
 
 def draw_legend(axes: Axes, entries: Sequence[Artist]) -> None:
-    """Add a legend of the markers below the map."""
+    """Add a legend below the map, in as many columns as fit its width; none on a narrow map."""
+    if is_narrow(axes):
+        return
+    font = font_size("legend.fontsize")
+    widths = [font * (LETTER * len(str(entry.get_label())) + 4) for entry in entries]
+    is_row = sum(widths) < 1.1 * width_of(axes)
+    columns = len(entries) if is_row else int(width_of(axes) / max(widths))
+    has_marks = len(axes.get_xticks()) > 0
+    # Marks and their label lie between the axes and the legend.
+    room = font_size("xtick.labelsize") * 1.6 + font_size("axes.labelsize") if has_marks else 0.0
+    down = ScaledTranslation(0, -(room + 2) / 72, axes.figure.dpi_scale_trans)
     axes.legend(
-        handles=entries,
+        handles=list(entries),
         loc="upper center",
-        bbox_to_anchor=(0.5, -0.11),
-        ncols=len(entries),
+        bbox_to_anchor=(0.5, 0),
+        bbox_transform=axes.transAxes + down,
+        ncols=min(max(columns, 1), len(entries)),
         frameon=False,
         handletextpad=0.6,
     )

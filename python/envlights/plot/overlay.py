@@ -4,18 +4,27 @@ from __future__ import annotations
 
 import numpy as np
 from matplotlib.axes import Axes
-from numpy.typing import NDArray
+from matplotlib.figure import Figure
 
 from envlights._native import EnvLightsError
 from envlights._srgb import encode_srgb
-from envlights.plot.figure import Picture, check_is, hide_frame
+from envlights.plot.figure import check_is, hide_frame
+from envlights.plot.page import AnyAxes, Placement, Size, grid, open_page
+from envlights.plot.wording import entitle
 from envlights.scene.overlay import BLENDINGS, ShadowOverlay
 
 #: Largest number of lights that are drawn alone, the brightest first.
 _LIGHTS = 3
 
 
-def overlay_picture(overlay: ShadowOverlay) -> Picture:
+def overlay_picture(
+    overlay: ShadowOverlay,
+    *,
+    ax: AnyAxes | None = None,
+    figsize: Size | None = None,
+    dpi: float | None = None,
+    transparent: bool | None = None,
+) -> Figure:
     """Draw the shadows on a floor together and of each source alone, and errors of blending.
 
     Above: the floor with all shadows, with the contact shadow of the ambient term, and with those
@@ -26,6 +35,10 @@ def overlay_picture(overlay: ShadowOverlay) -> Picture:
     ----------
     overlay : ShadowOverlay
         The result of `shadow_overlay` for a picture.
+    ax : Axes or sequence of Axes, optional
+        Axes to draw in, one for each panel: two rows of five; see `envlights.plot`.
+    figsize, dpi, transparent
+        Size, resolution and ground of a new figure; see `envlights.plot`.
 
     Returns
     -------
@@ -50,17 +63,17 @@ def overlay_picture(overlay: ShadowOverlay) -> Picture:
             "only the overlay of a picture can be drawn, with points of the shape"
             f" (height, width, 3); got {overlay.points.shape}"
         )
-    figure = Picture(figsize=(15, 6.4))
-    above, below = figure.subplots(2, len(BLENDINGS))
-    _draw_floors(above, overlay)
-    _draw_errors(figure, below, overlay)
-    for axes in (*above, *below):
+    columns = len(BLENDINGS)
+    page = open_page(Placement(ax, figsize, dpi, transparent), grid(2, columns), (15, 6.4))
+    _draw_floors(page.panels[:columns], overlay)
+    _draw_errors(page.figure, page.panels[columns:], overlay)
+    for axes in page.panels:
         hide_frame(axes)
-    figure.suptitle(overlay.in_short())
-    return figure
+    page.entitle(overlay.in_short())
+    return page.figure
 
 
-def _draw_floors(axes: NDArray[np.object_], overlay: ShadowOverlay) -> None:
+def _draw_floors(axes: list[Axes], overlay: ShadowOverlay) -> None:
     """Draw the floor with all shadows, and with those of each source alone."""
     white = overlay.radiance.max() or 1.0
     lights = overlay.single[1 : 1 + _LIGHTS]
@@ -68,10 +81,10 @@ def _draw_floors(axes: NDArray[np.object_], overlay: ShadowOverlay) -> None:
     ratios = (overlay.ratio, overlay.single[0], *lights)
     for axis, name, ratio in zip(axes, names, ratios, strict=False):
         axis.imshow(encode_srgb(overlay.radiance * ratio / white))
-        axis.set_title(name)
+        entitle(axis, name)
 
 
-def _draw_errors(figure: Picture, axes: NDArray[np.object_], overlay: ShadowOverlay) -> None:
+def _draw_errors(figure: Figure, axes: list[Axes], overlay: ShadowOverlay) -> None:
     """Draw the error of each way of blending, all with one scale."""
     white = overlay.radiance.max() or 1.0
     exact = encode_srgb(overlay.over() / white)
@@ -80,9 +93,7 @@ def _draw_errors(figure: Picture, axes: NDArray[np.object_], overlay: ShadowOver
         difference = np.abs(encode_srgb(overlay.over(blending=name) / white) - exact)
         errors[name] = np.where(overlay.covered, 0, 255 * difference.max(axis=-1))
     limit = max(float(np.max(list(errors.values()))), 1.0)
-    drawn: Axes = axes[0]
     for axis, (name, error) in zip(axes, errors.items(), strict=True):
-        drawn = axis
-        image = drawn.imshow(error, cmap="inferno", vmin=0, vmax=limit)
-        drawn.set_title(f"{name}: largest error {error.max():.1f}")
-    figure.colorbar(image, ax=list(axes), label="8-bit codes", shrink=0.8)
+        image = axis.imshow(error, cmap="inferno", vmin=0, vmax=limit)
+        entitle(axis, f"{name}: largest error {error.max():.1f}")
+    figure.colorbar(image, ax=axes, label="8-bit codes", shrink=0.8)

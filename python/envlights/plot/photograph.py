@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from textwrap import fill
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
@@ -15,25 +15,29 @@ from envlights._native import EnvLightsError
 from envlights.detection.photograph import detect_photograph
 from envlights.detection.photograph_lights import PhotographLights
 from envlights.detection.photograph_pixels import AnyPhotograph
-from envlights.plot.figure import Picture
-from envlights.plot.markers import RIM, area, draw_discs, draw_legend, draw_numbers
+from envlights.plot.markers import RIM, draw_discs, draw_legend, draw_numbers, sizes_for
+from envlights.plot.page import AnyAxes, Placement, Size, grid, open_page
 from envlights.plot.steps import draw_bright, draw_links, draw_survivors
+from envlights.plot.wording import entitle
 
 #: Width of the figure, and largest height of its picture, in inches.
 _WIDTH, _HEIGHT = 12.0, 12.0
 #: Room for title and legend in inches.
 _MARGIN = 1.0
-#: Points of an inch.
-_POINTS = 72
 #: Colour of maxima.
 _MAXIMUM = "deepskyblue"
-#: Letters in a line of a title.
-_LETTERS = 110
 
 
 def photograph(
-    image: AnyPhotograph | PhotographLights, *, steps: bool = False, **options: Any
-) -> Picture:
+    image: AnyPhotograph | PhotographLights,
+    *,
+    steps: bool = False,
+    ax: AnyAxes | None = None,
+    figsize: Size | None = None,
+    dpi: float | None = None,
+    transparent: bool | None = None,
+    **options: Any,
+) -> Figure:
     """Draw a photograph with its detected lights, as in Loghin (2021).
 
     Discs mark the lights, in their colours, with areas for their shares. Dots are the samples, each
@@ -46,6 +50,10 @@ def photograph(
     steps : bool
         True: three more panels, one for each earlier step: samples near bright pixels and the
         brightest pixel in the window of each, and survivors with the samples that they suppress.
+    ax : Axes or sequence of Axes, optional
+        Axes to draw in: one, or four with `steps`; see `envlights.plot`.
+    figsize, dpi, transparent
+        Size, resolution and ground of a new figure; see `envlights.plot`.
     **options
         Options of `detect_photograph` for a photograph.
 
@@ -69,17 +77,18 @@ def photograph(
             "a result of `detect_photograph` takes no options; give the photograph itself"
         )
     across = 2 if flag("steps", steps) else 1
-    figure = Picture(figsize=_size(lights))
-    panels = figure.subplots(across, across, squeeze=False).ravel()
+    where = Placement(ax, figsize, dpi, transparent)
+    page = open_page(where, grid(across, across), _size(lights))
+    panels = page.panels
     for axes in panels:
         _draw_photograph(axes, lights)
     if steps:
         _draw_steps(panels, lights)
-    _draw_lights(panels[-1], lights, _WIDTH / across)
+    _draw_lights(panels[-1], lights)
     report = lights.report
     title = f"{lights.in_short()}; threshold {report.threshold:.3g} ({report.reason})"
-    figure.suptitle(fill(title, _LETTERS))
-    return figure
+    page.entitle(title)
+    return page.figure
 
 
 def _size(lights: PhotographLights) -> tuple[float, float]:
@@ -95,31 +104,32 @@ def _draw_photograph(axes: Axes, lights: PhotographLights) -> None:
     axes.set(xlim=(0, width), ylim=(height, 0), xlabel="x (pixels)", ylabel="y (pixels)")
 
 
-def _draw_steps(panels: NDArray[Any], lights: PhotographLights) -> None:
+def _draw_steps(panels: list[Axes], lights: PhotographLights) -> None:
     """Draw the panels before the last."""
     samples = lights.samples
     height, width = lights.report.working_size
-    panels[0].set_title(f"1. the photograph, searched in {width}x{height} pixels")
+    entitle(panels[0], f"1. the photograph, searched in {width}x{height} pixels")
     at, first = _places(samples.pixel, lights), _places(samples.first, lights)
     draw_bright(panels[1], first, _places(samples.maximum, lights))
     draw_survivors(panels[2], at, first, samples.survivor)
     for axes in panels:
         axes.set(xlabel="", ylabel="")
-    panels[3].set_title(f"4. lights: {len(lights)}, merged along bright lines")
+    entitle(panels[3], f"4. lights: {len(lights)}")
 
 
-def _draw_lights(axes: Axes, lights: PhotographLights, inches: float) -> None:
-    """Draw samples, links, maxima and discs; the picture is `inches` wide."""
+def _draw_lights(axes: Axes, lights: PhotographLights) -> None:
+    """Draw samples, links, maxima and discs."""
     height, width = lights.size
     samples, at = lights.samples, lights.position
     first = _places(samples.first, lights)
     maxima = _places(samples.pixel[np.unique(samples.survivor)], lights)
     draw_links(axes, first, at[samples.light], RIM)
     axes.plot(*first.T, ".", ms=2, color=RIM)
-    areas = area(lights.share) / 2
+    as_map = 0.0, 360.0, 0.0, 360.0 * height / width
+    areas = sizes_for(axes, lights.share, 0.5, as_map).area(lights.share)
     draw_discs(axes, at, areas, lights.pixel_flux)
     axes.plot(*maxima.T, "+", ms=5, mew=1, color=_MAXIMUM, zorder=5)
-    draw_numbers(axes, at, areas, _POINTS * inches / max(width, height), (0, width, 0, height))
+    draw_numbers(axes, at, areas, (0, width, 0, height))
     draw_legend(axes, _legend())
 
 

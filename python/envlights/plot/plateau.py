@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -13,18 +14,34 @@ from envlights import _native
 from envlights._native import EnvLightsError
 from envlights.detection.lights import DetectedLights
 from envlights.envmap import AnyMap, EnvMap, as_envmap
-from envlights.plot.figure import Picture
-from envlights.plot.ground import EXTENT, degrees, draw_map
-from envlights.plot.markers import RIM, area, draw_discs, draw_legend, draw_numbers, draw_rims
+from envlights.plot.figure import check_is
+from envlights.plot.ground import EXTENT, degrees, draw_frame, draw_map
+from envlights.plot.markers import (
+    RIM,
+    draw_discs,
+    draw_legend,
+    draw_numbers,
+    draw_rims,
+    number_colours,
+    sizes_for,
+)
+from envlights.plot.page import AnyAxes, Placement, Size, grid, open_page
+from envlights.plot.wording import entitle
 from envlights.repair import PLATEAU_COLUMNS, PLATEAU_GAP
 
 #: Colour of clipped pixels: red, green, blue, alpha.
 _CLIPPED = (0.0, 0.75, 1.0, 0.5)
-#: Smallest number of points on the page for a degree of the map, beside the colour scale.
-_POINTS = 1.45
 
 
-def plateau_picture(env: AnyMap, lights: DetectedLights) -> Picture:
+def plateau_picture(
+    env: AnyMap,
+    lights: DetectedLights,
+    *,
+    ax: AnyAxes | None = None,
+    figsize: Size | None = None,
+    dpi: float | None = None,
+    transparent: bool | None = None,
+) -> Figure:
     """Draw a clipped map, its clipped regions, and the lights in them.
 
     Above: the map, with clipped pixels in blue. Below: the depth of the clipped regions, which is
@@ -38,6 +55,10 @@ def plateau_picture(env: AnyMap, lights: DetectedLights) -> Picture:
         Map with a clip level: of 8 or 16 bits, or made with `white`.
     lights : DetectedLights
         The result of `detect_tree` on it.
+    ax : Axes or sequence of Axes, optional
+        Two axes to draw in; see `envlights.plot`.
+    figsize, dpi, transparent
+        Size, resolution and ground of a new figure; see `envlights.plot`.
 
     Returns
     -------
@@ -58,6 +79,7 @@ def plateau_picture(env: AnyMap, lights: DetectedLights) -> Picture:
     >>> len(figure.axes)
     3
     """
+    check_is("lights", lights, DetectedLights)
     env = as_envmap(env)
     if env.white is None:
         raise EnvLightsError(
@@ -70,31 +92,29 @@ def plateau_picture(env: AnyMap, lights: DetectedLights) -> Picture:
                 "the lights are those of a map that is not clipped; give those of a clipped map"
             )
         weight = uncertainty = np.zeros(0)
-    figure = Picture(figsize=(10, 10.8))
-    above, below = figure.subplots(2, 1)
+    page = open_page(Placement(ax, figsize, dpi, transparent), grid(2, 1), (10, 10.8))
+    above, below = page.panels
     exposure = draw_map(above, env)
     above.imshow(_tint(env, env.white), extent=EXTENT)
-    above.set_title(exposure, fontsize="small")
+    entitle(above, exposure, "small")
     depth = _draw_depth(below, env, env.white)
-    figure.colorbar(
-        depth, ax=(above, below), label="depth of clipped regions (degrees)", shrink=0.6
-    )
+    page.figure.colorbar(depth, ax=page.panels, label="depth of clipped regions (°)", shrink=0.6)
     share = weight / (weight.sum() or 1.0)
-    for axes in (above, below):
+    for axes in page.panels:
         draw_rims(axes, lights.direction, uncertainty)
         # Discs are half as large as those of a rig, because lamps may be close together.
-        at, areas = degrees(lights.direction), area(share) / 2
+        at, areas = degrees(lights.direction), sizes_for(axes, share, 0.5).area(share)
         draw_discs(axes, at, areas, lights.irradiance)
-        draw_numbers(axes, at, areas, _POINTS)
+        draw_numbers(axes, at, areas, colours=number_colours(uncertainty))
     clipped = Patch(color=_CLIPPED, label="clipped")
     circle = Line2D([], [], color=RIM, lw=1.4, label="uncertainty of the direction")
     draw_legend(below, [clipped, circle])
     sphere, flux = 100 * env.clipped_share, 100 * env.clipped_flux_share
-    figure.suptitle(
+    page.entitle(
         f"{lights.in_short()} in clipped regions\n"
         f"{sphere:.2g} % of the sphere is clipped, with {flux:.2g} % of the light"
     )
-    return figure
+    return page.figure
 
 
 def _tint(env: EnvMap, white: float) -> NDArray[np.uint8]:
@@ -112,7 +132,7 @@ def _draw_depth(axes: Axes, env: EnvMap, white: float) -> AxesImage:
         _native.clipped_depth(env.radiance, is_border, white, PLATEAU_COLUMNS, PLATEAU_GAP)
     )
     image = axes.imshow(np.where(depth > 0, depth, np.nan), cmap="viridis", vmin=0, extent=EXTENT)
-    axes.set(facecolor="0.15", xlabel="azimuth (degrees)", ylabel="elevation (degrees)")
-    axes.set(xticks=range(0, 361, 45), yticks=range(-90, 91, 45))
-    axes.set(xlim=EXTENT[:2], ylim=EXTENT[2:])
+    # Unclipped parts are dark, as they are on most maps, so that all marks are visible.
+    axes.set(facecolor="0.15")
+    draw_frame(axes)
     return image

@@ -7,7 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.colors import AsinhNorm, Normalize
 from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
+from matplotlib.ticker import StrMethodFormatter
 from numpy.typing import NDArray
 
 from envlights._srgb import encode_srgb
@@ -17,9 +20,15 @@ from envlights.fitting.unseen_part import above_horizon
 from envlights.kernels import sphere
 from envlights.kernels.image import LUMINANCE
 from envlights.kernels.probe import working_irradiance
-from envlights.plot.ball import Ball, ball
+from envlights.plot.ball import Ball, ball, draw_ball, draw_rim
 from envlights.plot.figure import hide_frame
+from envlights.plot.wording import entitle, fits_upright
 from envlights.rig import Rig
+
+#: Ratio of the largest differences of two probes from which one linear scale hides the smaller.
+_APART = 5.0
+#: Unit of differences; a short bar has only its first letter.
+_LABEL = "% of the mean"
 
 
 class ShadedBall(NamedTuple):
@@ -38,30 +47,71 @@ def shaded_ball(env: EnvMap, eye: NDArray[np.float64], floor: bool) -> ShadedBal
     return ShadedBall(seen, under(above_horizon(env) if floor else env, seen.normals))
 
 
-def draw_probes(figure: Figure, axes: Sequence[Axes], shaded: ShadedBall, rig: Rig) -> None:
-    """Draw the probe under the map, under the rig, and the difference, each on its axes."""
+def white_for(irradiance: NDArray[np.float64]) -> float:
+    """Luminance of a probe drawn as white."""
+    return max(float((irradiance @ LUMINANCE).max()), np.finfo(float).tiny)
+
+
+def draw_probe(axes: Axes, seen: Ball, irradiance: NDArray[np.float64], white: float) -> None:
+    """Draw a probe as sRGB codes of its irradiance over that of `white`."""
+    draw_ball(axes, seen.image(encode_srgb(irradiance / white)))
+
+
+def draw_probes(axes: Sequence[Axes], shaded: ShadedBall, rig: Rig, scale: Normalize) -> AxesImage:
+    """Draw the probe under the map, under the rig, and the difference; return the last image."""
     under_rig = rig.probe(shaded.ball.normals)
-    white = max(float((shaded.irradiance @ LUMINANCE).max()), np.finfo(float).tiny)
+    white = white_for(shaded.irradiance)
     for axis, name, light in zip(
         axes, ("map", "rig"), (shaded.irradiance, under_rig), strict=False
     ):
-        axis.imshow(shaded.ball.image(encode_srgb(light / white)), interpolation="antialiased")
-        axis.set_title(f"probe under the {name}")
-        hide_frame(axis)
-    _draw_difference(figure, axes[2], shaded, under_rig)
+        draw_probe(axis, shaded.ball, light, white)
+        entitle(axis, f"under the {name}", "small")
+    entitle(axes[2], "rig minus map", "small")
+    return draw_difference(axes[2], shaded, rig, scale)
 
 
-def _draw_difference(
-    figure: Figure, axes: Axes, shaded: ShadedBall, under_rig: NDArray[np.float64]
-) -> None:
+def percent_of_mean(shaded: ShadedBall, rig: Rig) -> NDArray[np.float64]:
+    """Difference of the luminance of a probe under a rig and under the map, in % of the mean."""
     wanted = shaded.irradiance @ LUMINANCE
-    percent = 100 * (under_rig @ LUMINANCE - wanted) / max(wanted.mean(), np.finfo(float).tiny)
-    limit = max(float(np.abs(percent).max()), 0.1)
+    difference = rig.probe(shaded.ball.normals) @ LUMINANCE - wanted
+    percent: NDArray[np.float64] = 100 * difference / max(wanted.mean(), np.finfo(float).tiny)
+    return percent
+
+
+def error_limit(shaded: ShadedBall, rig: Rig) -> float:
+    """Largest difference of a probe in percent, for the scale of colours."""
+    return max(float(np.abs(percent_of_mean(shaded, rig)).max()), 0.1)
+
+
+def scale_for(limits: Sequence[float]) -> Normalize:
+    """One scale of differences for several probes, on which the smallest are visible."""
+    largest, least = max(limits), min(limits)
+    if largest < _APART * least:
+        return Normalize(-largest, largest)
+    return AsinhNorm(max(least / 2, largest / 1e3), -largest, largest)
+
+
+def draw_difference(axes: Axes, shaded: ShadedBall, rig: Rig, scale: Normalize) -> AxesImage:
+    """Draw the difference of a probe in colours of the scale."""
+    percent = percent_of_mean(shaded, rig)
     values, cover = shaded.ball.values(percent), shaded.ball.values(shaded.ball.cover)
-    image = axes.imshow(values, cmap="RdBu_r", vmin=-limit, vmax=limit, alpha=np.nan_to_num(cover))
-    axes.set_title("rig minus map")
+    image = axes.imshow(values, cmap="RdBu_r", norm=scale, alpha=np.nan_to_num(cover))
+    draw_rim(axes, ((len(values) - 1) / 2,) * 2, len(values) / 2)
     hide_frame(axes)
-    figure.colorbar(image, ax=axes, label="% of the mean", shrink=0.85)
+    return image
+
+
+def draw_difference_bar(figure: Figure, axes: Sequence[Axes], drawn: AxesImage) -> None:
+    """Add the scale of the differences on these axes, which share it."""
+    label = _LABEL if fits_upright(axes[0], _LABEL) else _LABEL[0]
+    bar = figure.colorbar(drawn, ax=list(axes), label=label, shrink=0.85)
+    if isinstance(drawn.norm, AsinhNorm):
+        largest = float(drawn.norm.vmax or 1.0)
+        low = np.ceil(np.log10(2 * drawn.norm.linear_width))
+        powers = 10.0 ** np.arange(low, np.log10(largest))
+        bar.set_ticks([*-powers[::-1], 0.0, *powers], minor=False)
+        bar.formatter = StrMethodFormatter("{x:g}")
+        bar.minorticks_off()
 
 
 def under(env: EnvMap, normals: NDArray[np.float64]) -> NDArray[np.float64]:

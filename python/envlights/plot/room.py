@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from numpy.typing import ArrayLike, NDArray
 
 from envlights._native import EnvLightsError
 from envlights._srgb import encode_srgb
 from envlights.plot.ball import axes_of
-from envlights.plot.figure import Picture, hide_frame
+from envlights.plot.figure import hide_frame
+from envlights.plot.page import AnyAxes, Placement, Size, grid, open_page
+from envlights.plot.wording import entitle
 from envlights.synthetic.room import Chart, room_charts
 
 #: Position of the viewer; faces that look away from it are not drawn.
@@ -23,7 +26,15 @@ _BEFORE_BOXES = 0.88
 _WHITE = 99.0
 
 
-def room_picture(direct: ArrayLike, indirect: ArrayLike) -> Picture:
+def room_picture(
+    direct: ArrayLike,
+    indirect: ArrayLike,
+    *,
+    ax: AnyAxes | None = None,
+    figsize: Size | None = None,
+    dpi: float | None = None,
+    transparent: bool | None = None,
+) -> Figure:
     """Draw a pair of images of the synthetic room, and the lightmap on its walls.
 
     Letters name the 16 parts of the lightmap: A to F are the walls, floor and ceiling of the room,
@@ -35,6 +46,10 @@ def room_picture(direct: ArrayLike, indirect: ArrayLike) -> Picture:
         Direct light, as `synthetic.room` makes it.
     indirect : array_like, shape (H, H, 3)
         Indirect light of the same frame: true, or predicted by a model.
+    ax : Axes or sequence of Axes, optional
+        Three axes to draw in; see `envlights.plot`.
+    figsize, dpi, transparent
+        Size, resolution and ground of a new figure; see `envlights.plot`.
 
     Returns
     -------
@@ -46,27 +61,28 @@ def room_picture(direct: ArrayLike, indirect: ArrayLike) -> Picture:
     >>> room = el.synthetic.room(1, width=16)
     >>> figure = room_picture(room.direct[0], room.indirect[0])
     >>> [axes.get_title() for axes in figure.axes]
-    ['direct light', 'indirect light: the lightmap', 'the lightmap in the room']
+    ['direct light', 'indirect light', 'the lightmap in the room']
     """
     charts = room_charts()
     side = int(np.sqrt(len(charts)))
     exposed = [_expose("direct", direct, side), _expose("indirect", indirect, side)]
-    figure = Picture(figsize=(12.5, 4.5))
-    on_direct, on_map, on_room = figure.subplots(1, 3)
+    page = open_page(Placement(ax, figsize, dpi, transparent), grid(1, 3), (12.5, 4.5))
+    on_direct, on_map, on_room = page.panels
     for axes, image, title in (
         (on_direct, exposed[0], "direct light"),
-        (on_map, exposed[1], "indirect light: the lightmap"),
+        (on_map, exposed[1], "indirect light"),
     ):
         axes.imshow(image, extent=(0, side, side, 0))
-        axes.set(xticks=range(side + 1), yticks=range(side + 1), title=title)
+        axes.set(xticks=range(side + 1), yticks=range(side + 1))
+        entitle(axes, title)
         axes.grid(color="0.5", lw=0.6)
-        axes.tick_params(length=0, labelsize=0, labelcolor="none")
+        axes.tick_params(length=0, labelleft=False, labelbottom=False)
         for number in range(len(charts)):
             row, column = divmod(number, side)
             _draw_letter(axes, number, np.array([column + 0.14, row + 0.18]))
     _draw_room(on_room, exposed[1], charts)
-    on_room.set_title("the lightmap in the room")
-    return figure
+    entitle(on_room, "the lightmap in the room")
+    return page.figure
 
 
 def _expose(name: str, image: ArrayLike, side: int) -> NDArray[np.floating]:
@@ -119,6 +135,6 @@ def _draw_letter(axes: Axes, number: int, at: NDArray[np.float64]) -> None:
         ha="center",
         va="center",
         color="white",
-        fontsize=9,
+        fontsize="small",
         path_effects=[withStroke(linewidth=2, foreground="black")],
     )

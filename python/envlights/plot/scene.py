@@ -6,15 +6,18 @@ import importlib.util
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from envlights._check import check_choice, count
 from envlights._srgb import encode_srgb
-from envlights.envmap import AnyMap, EnvMap, as_envmap
+from envlights.envmap import AnyMap, as_envmap
 from envlights.kernels import sphere
 from envlights.kernels.image import LUMINANCE
-from envlights.plot.figure import Picture, check_are_rigs, hide_frame
+from envlights.plot.figure import check_are_rigs, hide_frame
+from envlights.plot.page import AnyAxes, Page, Placement, Size, grid, open_page
 from envlights.plot.probe import viewpoint
+from envlights.plot.wording import entitle
 from envlights.rig import Rig, parts_line
 from envlights.scene.closed_still import closed_still
 from envlights.scene.path_traced import Still
@@ -22,13 +25,24 @@ from envlights.scene.still_life import still_life
 
 #: Renderers of the scene.
 RENDERERS = ("any", "mitsuba", "closed form")
+#: Least and largest number of columns of an image.
+_COLUMNS = 24, 1920
 #: Fraction of the pixels that are not brighter than white.
 _WHITE = 0.99
 
 
 def scene(
-    env: AnyMap, *rigs: Rig, samples: int = 128, seed: int = 0, renderer: str = "any"
-) -> Picture:
+    env: AnyMap,
+    *rigs: Rig,
+    samples: int = 64,
+    seed: int = 0,
+    renderer: str = "any",
+    width: int = 320,
+    ax: AnyAxes | None = None,
+    figsize: Size | None = None,
+    dpi: float | None = None,
+    transparent: bool | None = None,
+) -> Figure:
     """Draw a ball and a box on a floor under the map and under rigs, and their differences.
 
     All images have the same exposure; a difference is of luminance, in percent of the mean. The
@@ -52,6 +66,12 @@ def scene(
         Seed of the paths.
     renderer : {"any", "mitsuba", "closed form"}
         By default Mitsuba, or the closed form if it is not installed.
+    width : int
+        Columns of each image, 24 to 1920; there are two thirds as many rows.
+    ax : Axes or sequence of Axes, optional
+        Axes to draw in: of the images, then of the differences; see `envlights.plot`.
+    figsize, dpi, transparent
+        Size, resolution and ground of a new figure; see `envlights.plot`.
 
     Returns
     -------
@@ -67,10 +87,10 @@ def scene(
     --------
     >>> import envlights as el
     >>> env = el.EnvMap(el.synthetic.hall(32).radiance)
-    >>> figure = scene(env, el.fit(env, lights=1), samples=1)
+    >>> figure = scene(env, el.fit(env, lights=1), samples=1, width=60)
     >>> figure.axes[1].get_title().splitlines()[0]
     'ambient + 1 light with sizes'
-    >>> figure = scene(env, el.fit(env, lights=1), renderer="closed form")
+    >>> figure = scene(env, el.fit(env, lights=1), renderer="closed form", width=60)
     >>> figure.axes[0].get_title()
     'ambient + 1 light with sizes'
     """
@@ -78,54 +98,61 @@ def scene(
     check_are_rigs(rigs)
     samples, seed = count("samples", samples, least=1), count("seed", seed)
     check_choice("renderer", renderer, RENDERERS)
+    width = count("width", width, *_COLUMNS)
+    where = Placement(ax, figsize, dpi, transparent)
     ((u, _),) = sphere.direction_to_uv([viewpoint(rigs[0])])
     azimuth = 2 * np.pi * u
     has_mitsuba = renderer == "mitsuba" or importlib.util.find_spec("mitsuba") is not None
     if renderer == "closed form" or not has_mitsuba:
-        return _closed_picture(rigs, azimuth)
-    return _mitsuba_picture(env, rigs, azimuth, samples, seed)
+        return _closed_picture(where, rigs, azimuth, width)
+    page = _page_with_differences(where, len(rigs))
+    truth = still_life(env, azimuth, samples, seed, width=width)
+    stills = [
+        still_life(rig, azimuth, samples, seed + k, width=width)
+        for k, rig in enumerate(rigs, start=1)
+    ]
+    _draw_stills(page, rigs, truth, stills)
+    return page.figure
 
 
-def _closed_picture(rigs: tuple[Rig, ...], azimuth: float) -> Picture:
+def _closed_picture(where: Placement, rigs: tuple[Rig, ...], azimuth: float, width: int) -> Figure:
     """Draw the scene under each rig in closed form."""
-    images = [closed_still(rig, azimuth) for rig in rigs]
-    figure = Picture(figsize=(4 * len(rigs), 3.3))
+    page = open_page(where, grid(1, len(rigs)), (4 * len(rigs), 3.3))
+    images = [closed_still(rig, azimuth, width) for rig in rigs]
     white = _white_of(images[0])
-    for axis, rig, image in zip(np.ravel(figure.subplots(1, len(rigs))), rigs, images, strict=True):
+    for axis, rig, image in zip(page.panels, rigs, images, strict=True):
         axis.imshow(encode_srgb(image / white))
-        axis.set_title(_parts(rig))
+        entitle(axis, _parts(rig))
         hide_frame(axis)
-    return figure
+    return page.figure
 
 
-def _mitsuba_picture(
-    env: EnvMap, rigs: tuple[Rig, ...], azimuth: float, samples: int, seed: int
-) -> Picture:
-    """Render all from the same position, each with its own paths, and draw the differences."""
-    truth = still_life(env, azimuth, samples, seed)
-    stills = [still_life(rig, azimuth, samples, seed + k) for k, rig in enumerate(rigs, start=1)]
-    # Draw the images above the differences.
-    figure = Picture(figsize=(4 * (1 + len(rigs)), 6.2))
-    axes = figure.subplots(2, 1 + len(rigs), squeeze=False)
+def _page_with_differences(where: Placement, rigs: int) -> Page:
+    """Panels of the map and of the rigs, above those of the differences."""
+    below = [-1, *range(1 + rigs, 1 + 2 * rigs)]
+    return open_page(where, [list(range(1 + rigs)), below], (4 * (1 + rigs), 6.2))
+
+
+def _draw_stills(page: Page, rigs: tuple[Rig, ...], truth: Still, stills: list[Still]) -> None:
+    """Draw all images at one exposure, with their errors, and the differences."""
     white = _white_of(truth.image)
     titles = [f"the map\nnoise {_percent(truth.noise)}"]
     for rig, still in zip(rigs, stills, strict=True):
         figures = f"error {_percent(still.error(truth))}, noise {_percent(still.noise)}"
         titles.append(f"{_parts(rig)}\n{figures}")
-    for axis, still, title in zip(axes[0], (truth, *stills), titles, strict=True):
+    for axis, still, title in zip(page.panels, (truth, *stills), titles, strict=False):
         axis.imshow(encode_srgb(still.image / white))
-        axis.set_title(title)
-    _draw_differences(figure, axes[1, 1:].tolist(), truth, stills)
-    for axis in axes.flat:
+        entitle(axis, title)
+    _draw_differences(page.figure, page.panels[1 + len(rigs) :], truth, stills)
+    for axis in page.panels:
         hide_frame(axis)
-    return figure
 
 
 def _white_of(image: NDArray[np.float64]) -> float:
     return max(float(np.quantile(image @ LUMINANCE, _WHITE)), np.finfo(float).tiny)
 
 
-def _draw_differences(figure: Picture, axes: list[Axes], truth: Still, stills: list[Still]) -> None:
+def _draw_differences(figure: Figure, axes: list[Axes], truth: Still, stills: list[Still]) -> None:
     """Draw all with the same colours, so that they can be compared."""
     wanted = truth.image @ LUMINANCE
     scale = 100 / max(float(wanted.mean()), np.finfo(float).tiny)
@@ -133,7 +160,7 @@ def _draw_differences(figure: Picture, axes: list[Axes], truth: Still, stills: l
     limit = max(float(np.quantile(np.abs(differences), _WHITE)), 0.1)
     for axis, difference in zip(axes, differences, strict=True):
         image = axis.imshow(difference, cmap="RdBu_r", vmin=-limit, vmax=limit)
-        axis.set_title("rig minus map")
+        entitle(axis, "rig minus map")
     figure.colorbar(image, ax=axes, label="% of the mean", shrink=0.8)
 
 

@@ -4,25 +4,38 @@ from __future__ import annotations
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from envlights import _thumbnails
 from envlights.detection.removed_lights import RemovedLights
 from envlights.detection.split import Split
 from envlights.envmap import AnyMap, EnvMap, as_envmap
 from envlights.kernels.image import LUMINANCE
-from envlights.plot.figure import Picture, check_is
+from envlights.plot.figure import check_is
 from envlights.plot.ground import degrees, draw_ground, expose, working
 from envlights.plot.markers import (
-    area,
     draw_legend,
     draw_numbers,
     draw_rims,
     draw_rings,
-    legend_entries,
+    key_of,
+    key_of_rims,
+    number_colours,
+    sizes_for,
 )
+from envlights.plot.page import AnyAxes, Placement, Size, grid, open_page
+from envlights.plot.wording import entitle
 
 
-def split_picture(env: AnyMap, parts: Split) -> Picture:
+def split_picture(
+    env: AnyMap,
+    parts: Split,
+    *,
+    ax: AnyAxes | None = None,
+    figsize: Size | None = None,
+    dpi: float | None = None,
+    transparent: bool | None = None,
+) -> Figure:
     """Draw a map, the remainder, and the removed light, all with the exposure of the map.
 
     Parameters
@@ -31,6 +44,10 @@ def split_picture(env: AnyMap, parts: Split) -> Picture:
         The map.
     parts : Split
         The result of `split` on it.
+    ax : Axes or sequence of Axes, optional
+        Three axes to draw in; see `envlights.plot`.
+    figsize, dpi, transparent
+        Size, resolution and ground of a new figure; see `envlights.plot`.
 
     Returns
     -------
@@ -47,8 +64,8 @@ def split_picture(env: AnyMap, parts: Split) -> Picture:
     check_is("parts", parts, Split)
     env = as_envmap(env)
     lights = parts.lights
-    figure = Picture(figsize=(9, 15))
-    on_map, on_rest, on_removed = np.ravel(figure.subplots(3, 1))
+    page = open_page(Placement(ax, figsize, dpi, transparent), grid(3, 1), (9, 15))
+    on_map, on_rest, on_removed = page.panels
     whole, rest = working(env), working(parts.rest)
     ground = expose(whole)
     draw_ground(on_map, ground.codes)
@@ -56,24 +73,23 @@ def split_picture(env: AnyMap, parts: Split) -> Picture:
     draw_ground(on_removed, _thumbnails.expose(np.maximum(whole - rest, 0), ground.white))
     _draw_marks(on_removed, lights)
     brightest, left = _brightest(env), _brightest(parts.rest)
-    title = f"the map; white is luminance {ground.white:.3g}, the brightest pixel has {brightest}"
-    on_map.set_title(title, fontsize="small")
-    on_rest.set_title(
-        f"the map without the lights; the brightest pixel has {left}", fontsize="small"
-    )
-    on_removed.set_title("the removed radiance, and the lights", fontsize="small")
+    title = f"the map: white is luminance {ground.white:.3g}, the brightest pixel {brightest}"
+    entitle(on_map, title, "small")
+    entitle(on_rest, f"without the lights: the brightest pixel {left}", "small")
+    entitle(on_removed, "the removed radiance, and the lights", "small")
     share = 100 * lights.flux_share.sum()
-    figure.suptitle(f"{lights.in_short()} removed, with {share:.3g} % of all light in the map")
-    return figure
+    page.entitle(f"{lights.in_short()} removed, with {share:.3g} % of all light in the map")
+    return page.figure
 
 
 def _draw_marks(axes: Axes, lights: RemovedLights) -> None:
     """Draw rings around lights, and their numbers."""
-    draw_rims(axes, lights.direction, lights.discs().angular_radius)
-    at, areas = degrees(lights.direction), area(lights.share)
+    discs, sizes = lights.discs(), sizes_for(axes, lights.share)
+    draw_rims(axes, lights.direction, discs.angular_radius)
+    at, areas = degrees(lights.direction), sizes.area(lights.share)
     draw_rings(axes, at, areas)
-    draw_numbers(axes, at, areas)
-    draw_legend(axes, legend_entries(lights.discs()))
+    draw_numbers(axes, at, areas, colours=number_colours(discs.angular_radius))
+    draw_legend(axes, [*key_of(lights.share, sizes), *key_of_rims(discs.angular_radius)])
 
 
 def _brightest(env: EnvMap) -> str:

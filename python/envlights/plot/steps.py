@@ -8,6 +8,7 @@ from matplotlib.collections import LineCollection
 from numpy.typing import NDArray
 
 from envlights.plot.markers import RIM
+from envlights.plot.wording import entitle
 
 #: Colour of selected and of rejected samples.
 KEPT, LEFT = "gold", "deepskyblue"
@@ -20,7 +21,7 @@ def draw_bright(
     draw_links(axes, at, maxima, LEFT, widest)
     axes.plot(*at.T, ".", ms=4, color=KEPT)
     axes.plot(*maxima.T, "x", ms=4, mew=0.8, color=RIM)
-    axes.set_title(f"2. bright samples: {len(at)}, with the brightest pixel near each")
+    entitle(axes, f"2. bright samples: {len(at)}, and maxima")
 
 
 def draw_survivors(
@@ -35,7 +36,7 @@ def draw_survivors(
     draw_links(axes, first, at[survivor], LEFT, widest)
     axes.plot(*first.T, ".", ms=3, color=LEFT)
     axes.plot(*at[kept].T, "o", ms=5, mec="black", mew=0.5, color=KEPT)
-    axes.set_title(f"3. survivors: {len(kept)}, with the samples that they suppress")
+    entitle(axes, f"3. survivors: {len(kept)}")
 
 
 def draw_links(

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
@@ -16,11 +17,13 @@ from envlights.envmap import AnyMap, as_envmap
 from envlights.fitting.fit import fit
 from envlights.kernels import sphere
 from envlights.kernels.image import LUMINANCE
-from envlights.plot.figure import Picture, hide_frame
+from envlights.plot.figure import hide_frame
 from envlights.plot.ground import degrees, draw_map
 from envlights.plot.markers import RIM, draw_legend, draw_rims, draw_rings
 from envlights.plot.outlines import outlines
+from envlights.plot.page import AnyAxes, Placement, Size, open_page
 from envlights.plot.probe import viewpoint
+from envlights.plot.wording import entitle
 from envlights.rig import Rig, parts_line
 from envlights.scene.closed_still import closed_still
 from envlights.sun.choice import AUTO, AnySun, sun_of
@@ -30,13 +33,23 @@ from envlights.sun.result import Sun
 _OUTLINE = "deepskyblue"
 #: Area of the mark of the sun in square points.
 _MARK = 40.0
+#: Columns of the images of shadows.
+_WIDTH = 240
 #: Columns in which the clipped part is outlined.
 _COLUMNS = 1024
 #: Fraction of the pixels that are not brighter than white.
 _WHITE = 0.99
 
 
-def sun(env: AnyMap, sun: AnySun = AUTO) -> Picture:
+def sun(
+    env: AnyMap,
+    sun: AnySun = AUTO,
+    *,
+    ax: AnyAxes | None = None,
+    figsize: Size | None = None,
+    dpi: float | None = None,
+    transparent: bool | None = None,
+) -> Figure:
     """Draw the sun of a clipped map, and the shadows of a ball and a box without and with it.
 
     On the map, a ring marks the sun, a circle the uncertainty of its direction, and a line the
@@ -49,6 +62,10 @@ def sun(env: AnyMap, sun: AnySun = AUTO) -> Picture:
         The map.
     sun : "auto", array_like of shape (3,), SunAt or Sun
         The sun; see `with_sun`.
+    ax : Axes or sequence of Axes, optional
+        Axes to draw in: of the map, and of each of the images; see `envlights.plot`.
+    figsize, dpi, transparent
+        Size, resolution and ground of a new figure; see `envlights.plot`.
 
     Returns
     -------
@@ -66,19 +83,20 @@ def sun(env: AnyMap, sun: AnySun = AUTO) -> Picture:
     """
     env = as_envmap(env)
     found = sun_of(env, sun)
+    below = [1, 2] if len(found.lights) else [1, 1]
+    where = Placement(ax, figsize, dpi, transparent)
+    page = open_page(where, [[0, 0], below], (10, 8.6), height_ratios=(1.4, 1))
     rigs = {"the map as it is": fit(env, floor=True)}
     if len(found.lights):
         rigs["with the sun as a light"] = fit(env, sun=found, floor=True)
-    figure = Picture(figsize=(10, 8.6))
-    grid = figure.add_gridspec(2, 2, height_ratios=(1.4, 1))
-    on_map = figure.add_subplot(grid[0, :])
-    on_map.set_title(draw_map(on_map, env), fontsize="small")
+    on_map, *images = page.panels
+    entitle(on_map, draw_map(on_map, env), "small")
     _draw_sun(on_map, found)
     ((u, _),) = sphere.direction_to_uv([viewpoint([*rigs.values()][-1])])
-    for column, (title, rig) in enumerate(rigs.items()):
-        _draw_shadows(figure.add_subplot(grid[1, column]), rig, 2 * np.pi * u, title)
-    figure.suptitle(_title(found))
-    return figure
+    for axes, (title, rig) in zip(images, rigs.items(), strict=True):
+        _draw_shadows(axes, rig, 2 * np.pi * u, title)
+    page.entitle(_title(found))
+    return page.figure
 
 
 def _draw_sun(axes: Axes, found: Sun) -> None:
@@ -105,9 +123,9 @@ def _draw_sun(axes: Axes, found: Sun) -> None:
 
 def _draw_shadows(axes: Axes, rig: Rig, azimuth: float, title: str) -> None:
     """Draw a ball and a box on a floor."""
-    image = closed_still(rig, azimuth)
+    image = closed_still(rig, azimuth, _WIDTH)
     axes.imshow(encode_srgb(image / _white_of(image)))
-    axes.set_title(f"{title}\n{parts_line(rig)}")
+    entitle(axes, f"{title}\n{parts_line(rig)}")
     hide_frame(axes)
 
 

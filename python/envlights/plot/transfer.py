@@ -13,7 +13,9 @@ from numpy.typing import ArrayLike, NDArray
 from envlights._native import EnvLightsError
 from envlights._srgb import encode_srgb
 from envlights.kernels.image import LUMINANCE
-from envlights.plot.figure import Picture, check_is, hide_frame
+from envlights.plot.figure import check_is, hide_frame
+from envlights.plot.page import AnyAxes, Placement, Size, grid, open_page
+from envlights.plot.wording import entitle
 from envlights.transfer import TransferModel
 from envlights.transfer.pairs import image_stack
 
@@ -23,7 +25,16 @@ _WIDTH = 2.9
 _PERCENTILE = 99.0
 
 
-def transfer_picture(model: TransferModel, direct: ArrayLike, indirect: ArrayLike) -> Picture:
+def transfer_picture(
+    model: TransferModel,
+    direct: ArrayLike,
+    indirect: ArrayLike,
+    *,
+    ax: AnyAxes | None = None,
+    figsize: Size | None = None,
+    dpi: float | None = None,
+    transparent: bool | None = None,
+) -> Figure:
     """Draw a frame: direct light, then true, predicted and projected indirect light.
 
     The five images are the direct light (the input), the true indirect light, the transfer (the
@@ -31,7 +42,7 @@ def transfer_picture(model: TransferModel, direct: ArrayLike, indirect: ArrayLik
     model can do; any further error of the transfer comes from the regression. The titles hold
     relative errors: the norm of the difference to the reference over the norm of the reference. The
     three images of indirect light have the same exposure; the difference is of luminance, in
-    percent of the mean of the reference.
+    percent of the mean of the reference. All frames share one scale of the difference.
 
     Parameters
     ----------
@@ -41,6 +52,10 @@ def transfer_picture(model: TransferModel, direct: ArrayLike, indirect: ArrayLik
         Direct light of one frame or of several, drawn one below the other.
     indirect : array_like, shape (H, W, 3 or 4) or (n, H, W, 3 or 4)
         The true indirect light.
+    ax : Axes or sequence of Axes, optional
+        Axes to draw in, five for each frame; see `envlights.plot`.
+    figsize, dpi, transparent
+        Size, resolution and ground of a new figure; see `envlights.plot`.
 
     Returns
     -------
@@ -72,18 +87,22 @@ def transfer_picture(model: TransferModel, direct: ArrayLike, indirect: ArrayLik
         )
     rows = zip(reference, model.predict(lights), _project(model, lights, reference), strict=True)
     size = (5 * _WIDTH + 1.2, len(reference) * (_WIDTH * height / width + 0.4) + 0.4)
-    figure = Picture(figsize=size)
-    grid = figure.subplots(len(reference), 5, squeeze=False)
-    for (first, *row), light, (truth, predicted, projected) in zip(grid, lights, rows, strict=True):
+    page = open_page(Placement(ax, figsize, dpi, transparent), grid(len(reference), 5), size)
+    panels = [page.panels[first : first + 5] for first in range(0, len(page.panels), 5)]
+    differences = []
+    for (first, *row), light, (truth, predicted, projected) in zip(
+        panels, lights, rows, strict=True
+    ):
         _draw_direct(first, light)
         _draw_images(row[:3], truth, predicted, projected)
-        _draw_difference(figure, row[3], truth, predicted, model.lit)
+        differences.append(_percent_of_mean(truth, predicted, model.lit))
+    _draw_differences(page.figure, [row[4] for row in panels], differences, model.lit)
     report = model.report
-    figure.suptitle(
+    page.entitle(
         f"rank {report.rank} from {report.pairs} pairs;"
         f" unseen lights, leave-one-out: median {100 * report.error:.3g} %"
     )
-    return figure
+    return page.figure
 
 
 def _project(model: TransferModel, lights: NDArray[Any], images: NDArray[Any]) -> NDArray[Any]:
@@ -98,7 +117,7 @@ def _draw_direct(axes: Axes, light: NDArray[Any]) -> None:
     """Draw the input, texel by texel, at its own exposure."""
     white = max(float(np.percentile(light, _PERCENTILE)), np.finfo(float).tiny)
     axes.imshow(encode_srgb(light / white), interpolation="nearest")
-    axes.set_title(f"direct: {light.shape[1]}x{light.shape[0]} texels")
+    entitle(axes, f"direct: {light.shape[1]}x{light.shape[0]} texels")
     hide_frame(axes)
 
 
@@ -114,27 +133,36 @@ def _draw_images(
     )
     for axes, title, image in zip(row, titles, (truth, predicted, projected), strict=True):
         axes.imshow(encode_srgb(image / white))
-        axes.set_title(title)
+        entitle(axes, title)
         hide_frame(axes)
 
 
-def _draw_difference(
-    figure: Figure,
-    axes: Axes,
-    truth: NDArray[Any],
-    predicted: NDArray[Any],
-    lit: NDArray[np.bool_],
-) -> None:
+def _percent_of_mean(
+    truth: NDArray[Any], predicted: NDArray[Any], lit: NDArray[np.bool_]
+) -> NDArray[np.float64]:
+    """Difference of luminance in percent of the mean of the reference."""
     wanted = truth.astype(np.float64) @ LUMINANCE
     mean = max(float(wanted[lit].mean()), np.finfo(float).tiny)
-    percent = 100 * (predicted.astype(np.float64) @ LUMINANCE - wanted) / mean
-    limit = max(float(np.percentile(np.abs(percent[lit]), _PERCENTILE)), 0.1)
+    percent: NDArray[np.float64] = 100 * (predicted.astype(np.float64) @ LUMINANCE - wanted) / mean
+    return percent
+
+
+def _draw_differences(
+    figure: Figure,
+    axes: list[Axes],
+    percents: list[NDArray[np.float64]],
+    lit: NDArray[np.bool_],
+) -> None:
+    """Draw all frames with one scale of colours."""
+    values = np.abs([percent[lit] for percent in percents])
+    limit = max(float(np.percentile(values, _PERCENTILE)), 0.1)
     # Grey where every image is black; white is no difference.
     colours = colormaps["RdBu_r"].with_extremes(bad="0.6")
-    drawn = np.where(lit, percent, np.nan)
-    image = axes.imshow(drawn, cmap=colours, vmin=-limit, vmax=limit)
-    axes.set_title("transfer minus reference")
-    hide_frame(axes)
+    for axis, percent in zip(axes, percents, strict=True):
+        drawn = np.where(lit, percent, np.nan)
+        image = axis.imshow(drawn, cmap=colours, vmin=-limit, vmax=limit)
+        entitle(axis, "transfer minus reference")
+        hide_frame(axis)
     figure.colorbar(image, ax=axes, label="% of the mean", shrink=0.85, extend="both")
 
 

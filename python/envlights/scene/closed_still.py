@@ -11,14 +11,15 @@ from envlights.rig import Rig
 from envlights.scene.camera import Camera
 from envlights.scene.closed_form import closed_form
 from envlights.scene.path_traced import SolidsOnFloor
-from envlights.scene.still_life import CAMERA, REFLECTANCE, SIZE
+from envlights.scene.still_life import CAMERA, REFLECTANCE, SIZE, size_of
 
 
-def closed_still(rig: Rig, azimuth: float) -> NDArray[np.float64]:
-    """Radiance of a ball and a box on a floor, seen from an azimuth in radians, (height, width, 3).
+def closed_still(rig: Rig, azimuth: float, width: int = SIZE[0]) -> NDArray[np.float64]:
+    """Radiance of a ball and a box on a floor, seen from an azimuth in radians, as an image.
 
-    Direct light and its shadows are exact. Light between surfaces is that of the model of
-    `kernels.reflected_irradiance`. Lights below the horizon are behind the floor.
+    The shape is (2/3 width, width, 3). Direct light and its shadows are exact. Light between
+    surfaces is that of the model of `kernels.reflected_irradiance`. Lights below the horizon are
+    behind the floor.
     """
     if rig.ambient.ndim == 2:
         raise EnvLightsError(
@@ -27,7 +28,7 @@ def closed_still(rig: Rig, azimuth: float) -> NDArray[np.float64]:
         )
     lights = rig.lights[rig.lights.direction[:, 1] > 0]
     return closed_form(
-        Rig(rig.ambient, lights, rig.error, floor=True), _scene(azimuth), _camera(azimuth)
+        Rig(rig.ambient, lights, rig.error, floor=True), _scene(azimuth), _camera(azimuth, width)
     )
 
 
@@ -39,11 +40,11 @@ def _scene(azimuth: float) -> SolidsOnFloor:
     return SolidsOnFloor((ball, box), np.full((2, 3), REFLECTANCE), np.full(3, REFLECTANCE))
 
 
-def _camera(azimuth: float) -> Camera:
+def _camera(azimuth: float, width: int) -> Camera:
     up, distance = np.deg2rad(CAMERA.elevation), CAMERA.distance
     height = CAMERA.looked_at + distance * np.sin(up)
     eye = _place(0, height, distance * np.cos(up), azimuth)
-    return Camera(eye, (0.0, CAMERA.looked_at, 0.0), CAMERA.fov, *SIZE)
+    return Camera(eye, (0.0, CAMERA.looked_at, 0.0), CAMERA.fov, *size_of(width))
 
 
 def _place(x: float, y: float, z: float, azimuth: float) -> tuple[float, float, float]:

@@ -15,7 +15,7 @@ from envlights.scene.renderer import mitsuba
 REFLECTANCE = 0.7
 #: Number of times that light bounces.
 _BOUNCES = 3
-#: Columns and rows of an image.
+#: Columns and rows of an image for measurements; pictures have more.
 SIZE = (120, 80)
 
 
@@ -40,7 +40,12 @@ CAMERA = Camera()
 
 
 def still_life(
-    light: EnvMap | Rig, azimuth: float, samples: int, seed: int, bounces: int = _BOUNCES
+    light: EnvMap | Rig,
+    azimuth: float,
+    samples: int,
+    seed: int,
+    bounces: int = _BOUNCES,
+    width: int = SIZE[0],
 ) -> Still:
     """Render the scene, seen from an azimuth in radians.
 
@@ -48,10 +53,15 @@ def still_life(
     images; a map gets four times as many. One of `bounces` is the direct light alone.
     """
     with mitsuba() as mi:
-        return render(mi, light, _shapes(mi, azimuth), samples, seed, bounces)
+        return render(mi, light, _shapes(mi, azimuth, size_of(width)), samples, seed, bounces)
 
 
-def _shapes(mi: Any, azimuth: float) -> dict[str, Any]:
+def size_of(width: int) -> tuple[int, int]:
+    """Columns and rows of an image of that width."""
+    return width, round(width * SIZE[1] / SIZE[0])
+
+
+def _shapes(mi: Any, azimuth: float, size: tuple[int, int]) -> dict[str, Any]:
     """A ball and a box on a floor that fills the image, and the sensor.
 
     They turn with the eye, so that they look the same from everywhere.
@@ -65,8 +75,8 @@ def _shapes(mi: Any, azimuth: float) -> dict[str, Any]:
     looked = place.look_at(eye, [0, CAMERA.looked_at, 0], [0, 1, 0])
     film = {
         "type": "hdrfilm",
-        "width": SIZE[0],
-        "height": SIZE[1],
+        "width": size[0],
+        "height": size[1],
         "pixel_format": "rgb",
         "rfilter": {"type": "box"},
     }

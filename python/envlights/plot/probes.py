@@ -1,0 +1,74 @@
+"""White balls under a map and under rigs, in one row."""
+
+from __future__ import annotations
+
+from matplotlib.figure import Figure
+
+from envlights.envmap import AnyMap, as_envmap
+from envlights.plot.figure import check_are_rigs
+from envlights.plot.page import AnyAxes, Placement, Size, grid, open_page
+from envlights.plot.probe import draw_probe, shaded_ball, viewpoint, white_for
+from envlights.plot.wording import entitle
+from envlights.rig import Rig
+
+
+def probes(
+    env: AnyMap,
+    *rigs: Rig,
+    ax: AnyAxes | None = None,
+    figsize: Size | None = None,
+    dpi: float | None = None,
+    transparent: bool | None = None,
+) -> Figure:
+    """Draw white balls under a map and under rigs, in one row and with one exposure.
+
+    The colours are the sRGB codes of the irradiance over that of the brightest point under the map,
+    without any other curve. All balls are viewed from beside the brightest light of the first rig;
+    over a floor, if that rig is.
+
+    Parameters
+    ----------
+    env : EnvMap, path-like or array_like, shape (height, 2 * height, 3)
+        The map.
+    *rigs : Rig
+        One or more, such as fits with one light and with four.
+    ax : Axes or sequence of Axes, optional
+        Axes to draw in: one for the map, and one for each rig; see `envlights.plot`.
+    figsize, dpi, transparent
+        Size, resolution and ground of a new figure; see `envlights.plot`.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    EnvLightsError
+        If there is no rig.
+
+    References
+    ----------
+    IEC 61966-2-1 (1999), the encoding of sRGB.
+
+    Examples
+    --------
+    >>> import envlights as el
+    >>> env = el.EnvMap(el.synthetic.hall(32).radiance)
+    >>> figure = probes(env, el.fit(env, lights=1), el.fit(env, lights=2))
+    >>> [axes.get_title() for axes in figure.axes]
+    ['map', '1 light', '2 lights']
+    """
+    check_are_rigs(rigs)
+    env = as_envmap(env)
+    columns = 1 + len(rigs)
+    page = open_page(
+        Placement(ax, figsize, dpi, transparent), grid(1, columns), (1.9 * columns, 2.2)
+    )
+    shaded = shaded_ball(env, viewpoint(rigs[0]), rigs[0].floor)
+    white = white_for(shaded.irradiance)
+    lights = [shaded.irradiance, *(rig.probe(shaded.ball.normals) for rig in rigs)]
+    titles = ["map", *(rig.lights.in_short() for rig in rigs)]
+    for axes, title, light in zip(page.panels, titles, lights, strict=True):
+        draw_probe(axes, shaded.ball, light, white)
+        entitle(axes, title)
+    return page.figure

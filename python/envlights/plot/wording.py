@@ -1,0 +1,66 @@
+"""Titles and numbers that fit the room they have, in the fonts of the user's style."""
+
+from __future__ import annotations
+
+from textwrap import fill
+from typing import Any
+
+from matplotlib import rcParams
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties
+
+#: Mean width of a letter, as a fraction of the size of its font.
+LETTER = 0.54
+#: Points of an inch.
+_INCH = 72.0
+#: Width of axes as a multiple of the font, below which there are no labels and no key.
+_NARROW = 20.0
+#: Part of the gap beside a panel that its title may take, as a fraction of the panel.
+_OVERHANG = 1.12
+
+
+def font_size(key: str) -> float:
+    """Size in points of a font, by its key in `rcParams`, such as "axes.titlesize"."""
+    size: Any = rcParams.get(key)  # type: ignore[call-overload]
+    return float(FontProperties(size=size).get_size_in_points())
+
+
+def entitle_figure(figure: Figure, text: str) -> None:
+    """Write a title above all panels, in lines that fit the width of the figure."""
+    figure.suptitle(_fit(text, _INCH * figure.get_figwidth(), font_size("figure.titlesize")))
+
+
+def entitle(axes: Axes, text: str, size: str | None = None) -> None:
+    """Write a title above a panel, in lines that fit its width; `size` is relative, as "small"."""
+    title = axes.set_title("", fontsize=size)
+    title.set_text(_fit(text, _OVERHANG * width_of(axes), float(title.get_fontsize())))
+
+
+def width_of(axes: Axes) -> float:
+    """Width of axes in points, before their figure is laid out."""
+    return _INCH * float(axes.get_window_extent().width) / float(axes.figure.dpi)
+
+
+def is_narrow(axes: Axes) -> bool:
+    """Axes with no room for words beside a picture, in the font of the style."""
+    return width_of(axes) < _NARROW * font_size("font.size")
+
+
+def fits_upright(axes: Axes, text: str) -> bool:
+    """True if the label of a scale beside axes is not longer than they are high."""
+    height = _INCH * float(axes.get_window_extent().height) / float(axes.figure.dpi)
+    return LETTER * font_size("axes.labelsize") * len(text) < height
+
+
+def _fit(text: str, width: float, size: float) -> str:
+    letters = max(int(width / (LETTER * size)), 8)
+    return "\n".join(fill(line, letters, break_long_words=False) for line in text.splitlines())
+
+
+def points_per_unit(axes: Axes, extent: tuple[float, float, float, float]) -> float:
+    """Points on the page for a unit of axes that will show the extent, before they are laid out."""
+    left, right, bottom, top = extent
+    box = axes.get_window_extent()
+    pixels = min(box.width / abs(right - left), box.height / abs(top - bottom))
+    return _INCH * float(pixels) / float(axes.figure.dpi)
