@@ -71,7 +71,9 @@ def assert_stored_pictures_look_like(name, cells):
     assert len(stored) == len(new)
     for one, other in zip(stored, new, strict=True):
         difference = np.abs(thumbnail(one) - thumbnail(other))
-        assert np.sqrt((difference**2).mean()) < 0.03
+        assert np.sqrt((difference**2).mean()) < 0.03, (
+            f"store the new pictures: python notebooks/store_outputs.py {name}"
+        )
 
 
 @pytest.mark.slow

@@ -53,7 +53,12 @@ INTRODUCTION = """Every public name has a page with its shapes, units, errors an
 #: Packages with names of their own.
 PACKAGES = ("plot", "export", "kernels", "synthetic", "io", "scene", "comparison", "transfer")
 #: Pages of the guide on a package.
-GUIDES = {"plot": "figures", "export": "programs/index", "transfer": "start", "comparison": "compare"}
+GUIDES = {
+    "plot": "figures",
+    "export": "programs/index",
+    "transfer": "start",
+    "comparison": "compare",
+}
 
 
 def page_of(name: str) -> Page:
