@@ -12,6 +12,7 @@ import envlights as el
 from envlights import export, io, kernels, synthetic
 from tests.call_comparisons import COMPARISON_CALLS
 from tests.call_gloss import GLOSS_CALLS
+from tests.call_sequences import SEQUENCE_CALLS
 from tests.call_solids import SOLID_CALLS
 from tests.call_suns import SUN_CALLS
 from tests.call_transfer import TRANSFER_CALLS
@@ -257,6 +258,7 @@ CALLS = {
     **SOLID_CALLS,
     **GLOSS_CALLS,
     **SUN_CALLS,
+    **SEQUENCE_CALLS,
     **dict(call for target in export.TARGETS for call in exports_of(target)),
     "kernels.blur": (kernels.blur, {"image": GREY, "sigma": SMALL, "wrap": FLAG}),
     "kernels.bresenham_line": (

@@ -9,6 +9,7 @@ import signal
 import sys
 import tempfile
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,8 @@ import numpy as np
 import envlights as el
 from envlights.io.files import PICTURES
 from envlights.io.image_output import write_png, write_tiff
+from envlights.sequence.formats import SUFFIXES
+from tests.call_transfer import PRIOR
 from tests.helpers import disk_that_is_full_after
 
 #: Seconds until a process is killed at most: each saves a few times in it.
@@ -29,6 +32,7 @@ FIGURES = [el.plot.picture(*pair).figure for pair in zip(IMAGES, RIGS, strict=Tr
 MODELS = [
     el.TransferModel.fit(ROOM.direct[:pairs], ROOM.indirect[:pairs], rank=4) for pairs in (6, 8)
 ]
+PRIORS = [replace(PRIOR, visible=PRIOR.visible / (1 + which)) for which in (0, 1)]
 
 
 SUNS = [
@@ -45,6 +49,8 @@ TABLES = [
 ]
 
 
+SEQUENCES = [el.follow([image, image], lights=2).sequence() for image in IMAGES]
+
 #: For each kind the name of its file, and how the first or the second thing is saved there.
 SAVES = {
     **{
@@ -58,6 +64,7 @@ SAVES = {
         f"comparison {suffix}": (f"table{suffix}", lambda path, which: TABLES[which].save(path))
         for suffix in (".csv", ".json")
     },
+    "prior": ("prior.npz", lambda path, which: PRIORS[which].save(path)),
     "model": ("model.npz", lambda path, which: MODELS[which].save(path)),
     "image": ("image.exr", lambda path, which: el.io.write_exr(path, IMAGES[which])),
     "tif": ("image.tif", lambda path, which: write_tiff(path, IMAGES[which])),
@@ -67,6 +74,11 @@ SAVES = {
     **{
         f"overlay {suffix}": (f"shadow{suffix}", lambda path, which: SHADOWS[which].save(path))
         for suffix in (".exr", ".png")
+    },
+    **{
+        f"sequence {suffix}": (f"rigs{suffix}", lambda path, which: SEQUENCES[which].save(path))
+        for suffix in SUFFIXES
+        if suffix != ".usdc"
     },
     "page": ("page.html", lambda path, which: PAGES[which].save(path)),
     **{

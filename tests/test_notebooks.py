@@ -100,6 +100,16 @@ def test_the_sun_of_a_picture_lights_a_ball_better_than_a_repair_without_it():
 
 
 @pytest.mark.slow
+def test_a_sequence_becomes_keyframes_of_lights_that_move_as_the_sun_does():
+    told = "".join(map(printed_text, run_notebook("follow")))
+    error, motion, flicker = (float(each) for each in re.findall(r": ([\d.]+) ", told))
+    assert error < 0.5
+    assert motion < 1.3
+    assert flicker < 0.5
+    assert "lights.gltf lights.jsonl lights.py lights.usda" in told
+
+
+@pytest.mark.slow
 def test_the_article_and_the_tree_find_the_windows():
     told = "".join(map(printed_text, run_notebook("article")))
     article, tree = (float(off) for off in re.findall(r"is ([\d.]+) degrees off", told))

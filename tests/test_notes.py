@@ -51,7 +51,9 @@ def some_maps():
     yield {"limited"}, el.limit(el.synthetic.hall(64).radiance, 1.0)[1]
 
 
-@pytest.mark.parametrize(("codes", "env"), [*some_maps()], ids=lambda value: str(value)[:40])
+@pytest.mark.parametrize(
+    ("codes", "env"), [pytest.param(*case, id="-".join(sorted(case[0]))) for case in some_maps()]
+)
 def test_the_notes_of_maps_have_codes(codes, env):
     assert {note.code for note in env.notes} == codes
     assert OTHER not in {note.code for note in el.fit(env, 1).notes}

@@ -5,7 +5,8 @@ median of the errors for new lights that the model itself reports. "fit" is the 
 its ratio to that of the default. The rank is 128, and the ridge is the default of each method. The
 room has 64x64 texels, and 256 of its lights are unseen. The pairs of the folder in
 `ENVLIGHTS_TRANSFER_DB`, if any, are path-traced; all but 48 are unseen, and "means" are those of
-4x4 texels, which have less noise.
+4x4 texels, which have less noise. `prior` knows the geometry of the scene from 256 rays a texel; at
+0 pairs it predicts alone.
 """
 
 import os
@@ -14,6 +15,7 @@ from functools import partial
 import numpy as np
 from curves.results import run_times, typical
 from tests.helpers import relative_errors
+from tests.reference.rooms import prior, room_prior
 
 import envlights as el
 
@@ -24,12 +26,20 @@ METHODS = {"default": {}, "nonnegative=True": {"nonnegative": True}}
 
 def rows(_, effort):
     """Yield a row for each scene, number of pairs and method."""
-    for scene, counts, first, direct, indirect in data(effort.is_quick):
+    for scene, counts, first, direct, indirect, geometry in data(effort.is_quick):
+        alone = geometry.predict(direct[first:])
+        yield {
+            "scene": scene,
+            "pairs": 0,
+            "method": "prior",
+            **spread(relative_errors(alone, indirect[first:])),
+            **dict.fromkeys(("reported", "fit", "ratio"), ""),
+        }
         for count in counts:
             known = direct[:count], indirect[:count]
             fits = {
                 name: partial(el.TransferModel.fit, *known, RANK, **options)
-                for name, options in METHODS.items()
+                for name, options in {**METHODS, "prior": {"prior": geometry}}.items()
             }
             found = run_times(fits, effort)
             seconds = {name: typical([each]) for name, each in found.items()}
@@ -40,11 +50,15 @@ def rows(_, effort):
                     "scene": scene,
                     "pairs": count,
                     "method": name,
-                    **dict(zip(("median", "90th", "worst"), percentiles(errors), strict=True)),
+                    **spread(errors),
                     "reported": f"{100 * model.report.error:.1f} %",
                     "fit": f"{1e3 * seconds[name]:.3g} ms",
                     "ratio": f"{seconds[name] / seconds['default']:.1f}",
                 }
+
+
+def spread(errors):
+    return dict(zip(("median", "90th", "worst"), percentiles(errors), strict=True))
 
 
 def percentiles(errors):
@@ -52,16 +66,28 @@ def percentiles(errors):
 
 
 def data(is_quick):
-    """Scenes: name, numbers of pairs, first unseen pair, and the images."""
-    room = el.synthetic.room(48 if is_quick else 384, width=32 if is_quick else 64)
-    yield "room", (16, 32) if is_quick else (32, 64, 128), 32 if is_quick else 128, *both(room)
+    """Scenes: name, numbers of pairs, first unseen pair, the images, and the prior."""
+    width = 32 if is_quick else 64
+    room = el.synthetic.room(48 if is_quick else 384, width=width)
+    counts, first = ((16, 32), 32) if is_quick else ((32, 64, 128), 128)
+    yield "room", counts, first, *both(room), room_prior(width)
     folder = os.environ.get("ENVLIGHTS_TRANSFER_DB")
     if folder and not is_quick:
         direct, indirect = both(el.read_pairs(folder))
-        yield "database", (24, 48), 48, direct, indirect
-        k, height, width, _ = indirect.shape
-        means = indirect.reshape(k, height // 4, 4, width // 4, 4, 3).mean(axis=(2, 4))
-        yield "database, means", (24, 48), 48, direct, means
+        maps = [
+            el.io.read_image(f"{folder}/{name}.exr").pixels[None, ..., :3].astype(float)
+            for name in ("position", "normal", "albedo")
+        ]
+        of_database = prior(*(each[0] for each in maps))
+        yield "database", (24, 48), 48, direct, indirect, of_database
+        of_means = prior(*(means(each)[0] for each in maps))
+        yield "database, means", (24, 48), 48, direct, means(indirect), of_means
+
+
+def means(images):
+    """Means of blocks of 4x4 texels."""
+    k, height, width, _ = images.shape
+    return images.reshape(k, height // 4, 4, width // 4, 4, 3).mean(axis=(2, 4))
 
 
 def both(pairs):

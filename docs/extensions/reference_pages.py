@@ -34,6 +34,7 @@ PAGES = (
         ("fitting", "rig", "lights", "report", "excess"),
     ),
     Page("detect", "Detect and split", "Find lights, and take them out of a map.", ("detection",)),
+    Page("sequence", "Sequences", "Fit rigs to a sequence of maps.", ("sequence",)),
     Page("sun", "Sun", "Find the sun of an 8-bit panorama.", ("sun",)),
     Page(
         "scene",
@@ -51,7 +52,10 @@ INTRODUCTION = """Every public name has a page with its shapes, units, errors an
 
 """
 #: Packages with names of their own.
-PACKAGES = ("plot", "export", "kernels", "synthetic", "io", "scene", "comparison", "transfer")
+PACKAGES = (
+    *("plot", "export", "kernels", "synthetic", "io"),
+    *("scene", "comparison", "transfer", "sequence"),
+)
 #: Pages of the guide on a package.
 GUIDES = {
     "plot": "figures",

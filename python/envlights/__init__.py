@@ -48,6 +48,7 @@ __all__ = [
     "FilePairs",
     "FitReport",
     "FolderComparison",
+    "FrameRig",
     "ImageErrors",
     "LightSetDifference",
     "Lights",
@@ -63,6 +64,8 @@ __all__ = [
     "Protocol",
     "RemovedLights",
     "Rig",
+    "RigSequence",
+    "RigStream",
     "ShadowOverlay",
     "Split",
     "StopReason",
@@ -71,6 +74,7 @@ __all__ = [
     "SunSplit",
     "Surface",
     "TransferModel",
+    "TransferPrior",
     "TransferReport",
     "View",
     "bake",
@@ -86,6 +90,7 @@ __all__ = [
     "fit",
     "fit_paper",
     "fit_probe",
+    "follow",
     "image_errors",
     "kernels",
     "limit",
@@ -104,7 +109,7 @@ __all__ = [
 #: envlights` does not wait for it; so is what reads the version.
 _SUBPACKAGES = (
     *("cli", "comparison", "detection", "export", "fitting", "io", "plot", "scene"),
-    *("sun", "synthetic", "transfer"),
+    *("sequence", "sun", "synthetic", "transfer"),
 )
 #: Names of `__all__` that come from one of them.
 _LATER = {
@@ -112,6 +117,7 @@ _LATER = {
     **dict.fromkeys(("PaperFit", "fit_paper"), "fitting.madsen"),
     **dict.fromkeys(("BakedPairs", "DirectLight", "MitsubaScene", "Surface", "bake"), "scene"),
     **dict.fromkeys(("ShadowOverlay", "shadow_overlay"), "scene"),
+    **dict.fromkeys(("FrameRig", "RigSequence", "RigStream", "follow"), "sequence"),
     **dict.fromkeys(("View", "view"), "viewer.page"),
     **dict.fromkeys(("Comparison", "compare"), "comparison.compare"),
     **dict.fromkeys(("FolderComparison", "compare_folders"), "comparison.folders"),
@@ -122,7 +128,9 @@ _LATER = {
     "vector_angle": "comparison.vector_angle",
     "Model": "viewer.model",
     **dict.fromkeys(("Sun", "SunAt", "SunSplit", "find_sun", "with_sun"), "sun"),
-    **dict.fromkeys(("FilePairs", "TransferModel", "TransferReport", "read_pairs"), "transfer"),
+    **dict.fromkeys(
+        ("FilePairs", "TransferModel", "TransferPrior", "TransferReport", "read_pairs"), "transfer"
+    ),
 }
 
 # The first `save` loads the exporters, which register themselves.
@@ -140,6 +148,7 @@ if _typing.TYPE_CHECKING:
     from envlights import io as io
     from envlights import plot as plot
     from envlights import scene as scene
+    from envlights import sequence as sequence
     from envlights import sun as sun
     from envlights import synthetic as synthetic
     from envlights import transfer as transfer
@@ -155,8 +164,16 @@ if _typing.TYPE_CHECKING:
     from envlights.scene import BakedPairs, DirectLight, MitsubaScene, ShadowOverlay, Surface
     from envlights.scene.bake import bake as bake
     from envlights.scene.floor_shadow import shadow_overlay as shadow_overlay
+    from envlights.sequence import FrameRig, RigSequence, RigStream
+    from envlights.sequence.follow import follow as follow
     from envlights.sun import Sun, SunAt, SunSplit, find_sun, with_sun
-    from envlights.transfer import FilePairs, TransferModel, TransferReport, read_pairs
+    from envlights.transfer import (
+        FilePairs,
+        TransferModel,
+        TransferPrior,
+        TransferReport,
+        read_pairs,
+    )
     from envlights.viewer.model import Model
     from envlights.viewer.page import View, view
 else:

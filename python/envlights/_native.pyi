@@ -127,6 +127,7 @@ class FitAnswer:
     channel_errors: list[float]
     max_error: float
     evaluation_normals: int
+    map_samples: tuple[_Reals, _Reals, _Reals] | None
     steps: int
     stop: str
     tolerances: list[float]

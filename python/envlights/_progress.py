@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import warnings
-from collections.abc import Collection, Iterable
+from collections.abc import Iterable
 from typing import TypeVar
 
 _T = TypeVar("_T")
@@ -14,11 +14,12 @@ _DELAY = 1.0
 
 
 def progress_bar(
-    items: Collection[_T], what: str, unit: str, progress: bool | None
+    items: Iterable[_T], what: str, unit: str, progress: bool | None, total: int | None = None
 ) -> Iterable[_T]:
     """Iterate over the items, with a bar on stderr or in the notebook if `progress` is True.
 
-    None: only in a terminal or a notebook, and only after a second.
+    None: only in a terminal or a notebook, and only after a second. `total` is the number of items
+    that have no length.
     """
     is_seen = sys.stderr.isatty() or _is_notebook()
     if not (is_seen if progress is None else progress):
@@ -32,7 +33,7 @@ def progress_bar(
         from tqdm.auto import tqdm
 
     delay = _DELAY if progress is None else 0.0
-    bar: Iterable[_T] = tqdm(items, desc=what, unit=unit, delay=delay)
+    bar: Iterable[_T] = tqdm(items, desc=what, unit=unit, delay=delay, total=total)
     return bar
 
 

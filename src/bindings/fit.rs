@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use numpy::ndarray::Array2;
-use numpy::{IntoPyArray, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
 
 use super::pool::{by_size, interruptible};
@@ -13,6 +13,9 @@ use crate::kernels::disc::{self, Discs};
 use crate::kernels::fit::{self, Ambient, Comparison, FitOptions, FitResult, Rig, Samples, StopReason};
 use crate::kernels::image;
 use crate::kernels::sphere::unit_vectors;
+
+/// Normals, weights and irradiance.
+type MapSamples<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>);
 
 /// The best rig, and how it was found; see `envlights.fit`.
 #[pyclass(frozen)]
@@ -110,6 +113,13 @@ impl FitAnswer {
     #[getter]
     fn evaluation_normals(&self) -> usize {
         self.result.evaluation_normals
+    }
+
+    /// Normals of the errors, their weights, and the irradiance of the map there; absent for measured values.
+    #[getter]
+    fn map_samples<'py>(&self, py: Python<'py>) -> Option<MapSamples<'py>> {
+        let Samples { normals, weights, irradiance, .. } = self.result.map_samples.as_ref()?;
+        Some((rows(py, normals), PyArray1::from_slice(py, weights), rows(py, irradiance)))
     }
 
     #[getter]

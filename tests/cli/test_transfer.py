@@ -11,6 +11,7 @@ from envlights import io
 from envlights.cli import main
 from tests.conftest import fills_a_disk
 from tests.helpers import cuts, disk_that_is_full_after, pairs_of_room, write_pairs
+from tests.reference.rooms import room_prior
 
 room = partial(pairs_of_room, 12, 32)
 PAIRS = 8
@@ -171,3 +172,15 @@ def test_a_full_disk_leaves_nothing_half_written(model, folder, tmp_path, suffix
             assert last.startswith(f"envlights: {refused}"), result.stderr
             assert [path.read_bytes() for path in target.parent.iterdir()] == old
         target.unlink()
+
+
+def test_a_prior_is_read_from_a_file(folder, tmp_path):
+    room_prior(32).save(tmp_path / "prior.npz")
+    result = run("fit", folder, "-o", tmp_path / "m.npz", "--prior", tmp_path / "prior.npz")
+    assert result.exit_code == 0, result.stderr
+    assert "prior alone" in result.stdout
+    assert el.TransferModel.load(tmp_path / "m.npz").parameters["prior"]
+    result = run("fit", folder, "-o", tmp_path / "n.npz", "--prior", tmp_path / "m.npz")
+    assert result.exit_code != 0
+    assert "is not a prior" in result.stderr
+    assert not (tmp_path / "n.npz").exists()

@@ -134,7 +134,7 @@ def test_without_blender_there_is_one_sentence():
         el.export.add_to_blender(POINTS)
 
 
-def test_by_the_formula_of_cycles_a_light_stands_where_the_map_shows_it():
+def test_by_the_formula_of_cycles_a_light_is_where_the_map_shows_it():
     """`direction_to_equirectangular` of Cycles; the script gives directions towards the lights."""
     script = el.export.blender(POINTS)
     listed = script[script.index("LIGHTS = ") + len("LIGHTS = ") : script.index("# Radiance of")]

@@ -81,7 +81,7 @@ def test_colours_have_no_exponent_and_no_more_than_all_digits():
     assert three(el.Lights([[0, 1, 0]], [[0, 0, 0]]))["object"]["children"][0]["intensity"] == 0
 
 
-def test_by_the_formula_of_three_js_a_light_stands_where_the_map_shows_it():
+def test_by_the_formula_of_three_js_a_light_is_where_the_map_shows_it():
     """`equirectUv` of three.js, by which a background without rotation is looked up."""
     lights = three(POINTS)["object"]["children"]
     places = np.array([light["matrix"][12:15] for light in lights if "matrix" in light])

@@ -363,3 +363,27 @@ def test_what_is_no_light_is_refused(yard):
     odd = el.Surface(*np.ones((3, 20, 16, 3)) * [0, 1, 0])
     with pytest.raises(el.EnvLightsError, match="multiple of 16 rows and columns; got 20x16"):
         el.MitsubaScene(el.synthetic.courtyard(), odd)
+
+
+@pytest.mark.slow
+def test_a_gathered_prior_is_what_mitsuba_renders(yard):
+    """The prior takes backs of the two-sided walls and the canopy as black."""
+    pairs = el.bake(yard, LIT[:3], samples=512, size=32)
+    errors = pairs.prior.errors(pairs.direct, pairs.indirect)
+    assert np.median(errors) < 0.2
+    # Check the energy too.
+    seen = pairs.prior.predict(pairs.direct)
+    scale = np.sum(seen * pairs.indirect, axis=(1, 2, 3)) / np.sum(seen**2, axis=(1, 2, 3))
+    np.testing.assert_allclose(scale, 1, atol=0.03)
+
+
+def test_a_gather_needs_charts_and_an_albedo_below_1(yard):
+    own = el.MitsubaScene(el.synthetic.courtyard(), yard.points)
+    with pytest.raises(el.EnvLightsError, match="the lightmap is your own"):
+        own.gather()
+    white = {"type": "diffuse", "reflectance": {"type": "rgb", "value": [1.0, 1.0, 1.0]}}
+    scene = el.MitsubaScene({"type": "scene", "floor": {"type": "rectangle", "bsdf": white}}, 16)
+    with pytest.raises(el.EnvLightsError, match="albedo must be from 0 to below 1"):
+        scene.gather(rays=4)
+    with pytest.raises(el.EnvLightsError, match="multiple of 24 rows and columns; got 128x128"):
+        yard.gather(size=24)

@@ -18,7 +18,13 @@ class Scene(el.MitsubaScene):
         object.__setattr__(self, "asked", [])
         object.__setattr__(self, "failing", failing)
 
-    def direct(self, rig):
+    points = el.Surface(*(np.ones((16, 16, 3)) * each for each in ([0, 0, 0], [0, 1, 0], 0.5)))
+
+    def gather(self, *, size, progress):
+        raise el.EnvLightsError("it has no geometry")
+
+    def direct(self, rig, size):
+        assert size == 16
         self.asked.append(("direct", RIGS.index(rig)))
         return np.full((2, 2, 3), RIGS.index(rig) + 1.0, np.float32)
 
@@ -38,6 +44,8 @@ def test_each_rig_is_rendered_once_in_its_order_and_with_a_seed_of_its_own():
     for images in (pairs.direct, pairs.indirect):
         np.testing.assert_array_equal(images[:, 0, 0, 0], [1, 2, 3])
     np.testing.assert_array_equal(pairs.noise, [0, 0.25, 0.5])
+    assert pairs.prior is None
+    assert pairs.skipped == ("no prior: it has no geometry",)
 
 
 def test_a_render_that_fails_ends_the_baking():

@@ -47,7 +47,7 @@ def test_saved_models_come_back_to_the_bit(tmp_path, notebook):
     ("change", "message"),
     [
         ({"format": np.array("another")}, "is not a model"),
-        ({"version": np.array(4)}, "version 4; this package reads 1, 2, 3"),
+        ({"version": np.array(5)}, "version 5; this package reads 1, 2, 3, 4"),
         ({"version": np.array("1" * 5000)}, "a model without a readable version"),
         ({"basis": np.zeros((5, 2), np.float32)}, "does not hold a model: basis must hold"),
         ({"transfer": np.full((3, 256, 32), np.nan)}, "transfer must be finite"),
@@ -60,7 +60,10 @@ def test_saved_models_come_back_to_the_bit(tmp_path, notebook):
         ({"size": np.array([-16, -16])}, "size must be a whole number, 1 or more; got -16"),
         ({"report": np.array(json.dumps({"pairs": 1, "seconds": None}))}, "does not hold a model"),
         ({"report": np.array(json.dumps({"pairs": -1}))}, "pairs must be a whole number"),
-        ({"parameters": np.array("{}")}, "parameters must be error, nonnegative, rank, ridge"),
+        (
+            {"parameters": np.array("{}")},
+            "parameters must be error, nonnegative, prior, rank, ridge",
+        ),
         ({"energy": None}, "does not hold a model: the entry 'energy' is missing"),
     ],
 )

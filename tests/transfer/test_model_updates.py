@@ -159,7 +159,7 @@ IMPOSSIBLE = [
     (lambda model: {"size": (16, 16.0)}, "size must be a whole number"),
     (
         lambda model: {"parameters": {"rank": 3}},
-        "parameters must be error, nonnegative, rank, ridge; got rank",
+        "parameters must be error, nonnegative, prior, rank, ridge; got rank",
     ),
     (lambda model: {"parameters": {**model.parameters, "ridge": -1}}, "ridge must be a finite"),
     (lambda model: {"learnt": None}, "learnt must be a PairSummary"),

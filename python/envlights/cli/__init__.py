@@ -21,6 +21,7 @@ _COMMANDS = {
     "detect": "Find the lights of a map.",
     "export": "Write a rig or lights for other programs.",
     "fit": "Fit an ambient term and a few lights to a map.",
+    "follow": "Fit a rig to each map of a sequence.",
     "merge": "Merge exposures into one map.",
     "photograph": "Find the lights of a photograph.",
     "repair": "Estimate the clipped light of a picture.",

@@ -18,7 +18,7 @@ from envlights.rig import Rig
 
 _EXTENSION = "KHR_lights_punctual"
 #: Direction in which a light of glTF shines if its node has no rotation.
-_SHINES = np.array([0.0, 0.0, -1.0])
+SHINES = np.array([0.0, 0.0, -1.0])
 _NOTE = (
     "glTF has no ambient light: set one of this radiance (irradiance: times pi), or an environment"
     " map in its place. Nine rows are real spherical harmonics up to order 2, multiples of"
@@ -89,7 +89,7 @@ def gltf(
         asset["nodes"] = [
             {
                 "name": f"light_{j}",
-                "rotation": _turn(_SHINES, -direction).tolist(),
+                "rotation": rotation_between(SHINES, -direction).tolist(),
                 "extensions": {_EXTENSION: {"light": j}},
             }
             for j, direction in enumerate(towards)
@@ -136,7 +136,7 @@ def _extras(rig: Any) -> dict[str, Any]:
     return {"ambient": rig.ambient.tolist(), "floor": rig.floor, "note": _NOTE}
 
 
-def _turn(start: NDArray[np.float64], end: NDArray[np.float64]) -> NDArray[np.float64]:
+def rotation_between(start: NDArray[np.float64], end: NDArray[np.float64]) -> NDArray[np.float64]:
     """Shortest rotation from one unit vector to another, as a quaternion x, y, z, w."""
     half = start + end
     length = np.linalg.norm(half)

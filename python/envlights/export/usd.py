@@ -81,7 +81,7 @@ def save_usd(
     scene = scene_of(rig, environment, target="usd")
     name, textures = panorama(path, scene.environment, texture)
     text = _text(scene, name)
-    content = _crate(text) if as_path(path).suffix.lower() == ".usdc" else text
+    content = crate(text) if as_path(path).suffix.lower() == ".usdc" else text
     save_scene(path, content, textures)
 
 
@@ -94,9 +94,9 @@ def _text(scene: Scene, texture: str) -> str:
             f"asset inputs:texture:file = {_asset(texture)}",
             'token inputs:texture:format = "latlong"',
         ]
-        prims.append(_prim("DomeLight", "ambient", ["float inputs:intensity = 1.0", *file]))
+        prims.append(prim("DomeLight", "ambient", ["float inputs:intensity = 1.0", *file]))
     elif scene.ambient is not None:
-        prims.append(_prim("DomeLight", "ambient", _colour(scene.ambient)))
+        prims.append(prim("DomeLight", "ambient", _colour(scene.ambient)))
     return _HEAD.replace("@UNITS@", scene.statement) + "\n".join(prims) + "}\n"
 
 
@@ -116,23 +116,27 @@ def _light(
     name: str, direction: NDArray[np.float64], irradiance: NDArray[np.float64], radius: float
 ) -> str:
     """A distant light whose local +z points towards the light."""
-    z = AXES["usd"].to_target(direction)
-    # The rotation about the light's own axis is arbitrary.
-    x = np.cross([0.0, 1.0, 0.0] if abs(z[1]) < 0.9 else [1.0, 0.0, 0.0], z)
-    x /= np.linalg.norm(x)
-    rows = [(*axis.tolist(), 0.0) for axis in (x, np.cross(z, x), z)]
-    matrix = ", ".join(map(repr, [*rows, (0.0, 0.0, 0.0, 1.0)]))
-    return _prim(
+    return prim(
         "DistantLight",
         name,
         [
             f"float inputs:angle = {float(2 * np.rad2deg(radius))!r}",
             *_colour(irradiance),
             "bool inputs:normalize = 1",
-            f"matrix4d xformOp:transform = ( {matrix} )",
+            f"matrix4d xformOp:transform = {light_matrix(direction)}",
             'uniform token[] xformOpOrder = ["xformOp:transform"]',
         ],
     )
+
+
+def light_matrix(direction: NDArray[np.float64]) -> str:
+    """Rotation of a light with its local +z towards `direction`, as a literal."""
+    z = AXES["usd"].to_target(direction)
+    # The rotation about the light's own axis is arbitrary.
+    x = np.cross([0.0, 1.0, 0.0] if abs(z[1]) < 0.9 else [1.0, 0.0, 0.0], z)
+    x /= np.linalg.norm(x)
+    rows = [(*axis.tolist(), 0.0) for axis in (x, np.cross(z, x), z)]
+    return f"( {', '.join(map(repr, [*rows, (0.0, 0.0, 0.0, 1.0)]))} )"
 
 
 def _colour(values: NDArray[np.float64]) -> list[str]:
@@ -145,12 +149,13 @@ def _colour(values: NDArray[np.float64]) -> list[str]:
     ]
 
 
-def _prim(kind: str, name: str, lines: list[str]) -> str:
+def prim(kind: str, name: str, lines: list[str]) -> str:
+    """Definition of a prim with these properties."""
     body = "".join(f"        {line}\n" for line in lines)
     return f'    def {kind} "{name}"\n    {{\n{body}    }}\n'
 
 
-def _crate(text: str) -> bytes:
+def crate(text: str) -> bytes:
     """The binary form of a stage, which only the library of OpenUSD writes."""
     try:
         # Import it only when needed: it is in the extra `usd`.

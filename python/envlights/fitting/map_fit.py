@@ -61,14 +61,45 @@ class _Plan(NamedTuple):
         return self.of_discs is not None and not self.request.has_goal
 
 
+class MapSamples(NamedTuple):
+    """Irradiance under a map, at the normals where a fit measures its error."""
+
+    normals: NDArray[np.float64]
+    """Unit normals, (n, 3)."""
+
+    weights: NDArray[np.float64]
+    """Solid angle of each normal, (n,)."""
+
+    irradiance: NDArray[np.float64]
+    """Irradiance there, (n, 3)."""
+
+
 def fit_map(env: AnyMap, arguments: FitArguments) -> Rig:
     """Rig for a map; see `fit`."""
+    return _fit(env, arguments)[0]
+
+
+def fit_map_and_sample(env: AnyMap, arguments: FitArguments) -> tuple[Rig, MapSamples]:
+    """Rig for a map, and the irradiance under the map, which the fit computes anyway."""
+    rig, answers = _fit(env, arguments)
+    # All answers are for the same map, and fits to a map have samples.
+    samples = next(iter(answers.values())).map_samples
+    return rig, MapSamples(*samples)  # type: ignore[misc]
+
+
+def check_arguments(arguments: FitArguments) -> None:
+    """Refuse arguments that no map could be fitted with, before a map is read."""
+    _plan(arguments)
+
+
+def _fit(env: AnyMap, arguments: FitArguments) -> tuple[Rig, Answers]:
+    """Rig for a map, and the results of the kernel."""
     plan, clock = _plan(arguments), Clock()
     reduction, answers = _answers(env, plan, clock)
     rig = _clocked_rig(plan, reduction, answers, clock)
     LOG.info("fit: %s in %.3g seconds", rig.in_short(), sum(rig.report.seconds.values()))
     log(rig.notes)
-    return rig
+    return rig, answers
 
 
 def fit_map_for(env: AnyMap, each: Sequence[FitArguments]) -> Iterator[Rig]:

@@ -9,9 +9,11 @@
 | the same for balls, boxes and polyhedra, exact    | `solids.py`        |
 | their shadows on a floor                          | `floor_shadow.py`  |
 | as an overlay for blending                        | `overlay.py`       |
+| form factors between texels, by rays              | `gather.py`        |
 | pairs to learn from                               | `bake.py`          |
 | with Mitsuba: a scene under the light of rigs     | `mitsuba_scene.py` |
 | its shapes as charts in a lightmap                | `charts.py`        |
+| the texels of charts that rays hit                | `chart_rays.py`    |
 | a rig as its emitters                             | `emitters.py`      |
 | a sensor on each texel                            | `meters.py`        |
 | a ball and a box on a floor, as an image          | `still_life.py`    |
@@ -30,6 +32,7 @@ indirect light add up to the radiance of a diffuse surface.
 from envlights.scene.bake import BakedPairs, bake
 from envlights.scene.direct import DirectLight
 from envlights.scene.floor_shadow import shadow_overlay
+from envlights.scene.gather import gather
 from envlights.scene.mitsuba_scene import MitsubaScene, Rendering
 from envlights.scene.overlay import ShadowOverlay
 from envlights.scene.surface import Surface
@@ -42,6 +45,7 @@ __all__ = [
     "ShadowOverlay",
     "Surface",
     "bake",
+    "gather",
     "shadow_overlay",
 ]
 

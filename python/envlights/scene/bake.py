@@ -12,8 +12,10 @@ from envlights._check import count
 from envlights._native import EnvLightsError
 from envlights._progress import progress_bar
 from envlights.scene.direct import AnyLights, as_rig
+from envlights.scene.gather import DIRECT, check_blocks
 from envlights.scene.mitsuba_scene import MitsubaScene
 from envlights.transfer.database import ImagePairs
+from envlights.transfer.prior import TransferPrior
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -27,8 +29,12 @@ class BakedPairs(ImagePairs):
     noise: NDArray[np.float64]
     """Noise of each image of indirect light, relative to it, (k,)."""
 
+    prior: TransferPrior | None = None
+    """Indirect light by the geometry of the scene, for `TransferModel.fit`; absent if the scene
+    has none, with a remark in `skipped`."""
+
     skipped: tuple[str, ...] = ()
-    """Remarks on texels that were not rendered."""
+    """Remarks on texels that were not rendered, and on an absent prior."""
 
 
 def bake(
@@ -37,6 +43,7 @@ def bake(
     samples: int = 256,
     *,
     seed: int = 0,
+    size: int = DIRECT,
     progress: bool | None = None,
 ) -> BakedPairs:
     """Light a scene with each of many rigs, for `TransferModel.fit` to learn from.
@@ -52,6 +59,8 @@ def bake(
         so over noise.
     seed : int
         Seed of the paths, which differ from rig to rig.
+    size : int
+        Texels along a side of the direct images. 32 help only with the `prior` of the result.
     progress : bool, optional
         True: show a progress bar. Default: after a second, in a terminal or a notebook.
 
@@ -64,7 +73,7 @@ def bake(
     >>> import envlights as el
     >>> yard = el.MitsubaScene(el.synthetic.courtyard(), lightmap=16)
     >>> pairs = bake(yard, el.synthetic.rigs(8), samples=16)
-    >>> model = el.TransferModel.fit(pairs.direct, pairs.indirect, ridge="loo")
+    >>> model = el.TransferModel.fit(pairs.direct, pairs.indirect, prior=pairs.prior)
     >>> (new,) = el.synthetic.rigs(1, seed=1)
     >>> model.predict(yard.direct(new)).shape
     (16, 16, 3)
@@ -76,16 +85,29 @@ def bake(
     lights = [as_rig(each) for each in rigs]
     if not lights:
         raise EnvLightsError("rigs is empty; give at least one rig")
-    seed = count("seed", seed)
+    seed, size = count("seed", seed), count("size", size, least=1)
+    prior, notes = _prior(scene, size, progress)
     direct, noise = [], []
     # Allocate all lightmaps at once: a copy of them might not fit into memory.
     indirect = np.empty((len(lights), *scene.lightmap.albedo.shape), np.float32)
     for k, rig in enumerate(progress_bar(lights, "baking", "rig", progress)):
-        direct.append(scene.direct(rig))
+        direct.append(scene.direct(rig, size))
         rendered = scene.indirect(rig, samples, seed + k)
         indirect[k] = rendered.image
         noise.append(rendered.noise)
-    return BakedPairs(np.stack(direct), indirect, np.array(noise), _skip_notes(scene))
+    notes = (*_skip_notes(scene), *notes)
+    return BakedPairs(np.stack(direct), indirect, np.array(noise), prior, notes)
+
+
+def _prior(
+    scene: MitsubaScene, size: int, progress: bool | None
+) -> tuple[TransferPrior | None, tuple[str, ...]]:
+    """Prior of the scene, or the reason for its absence."""
+    check_blocks(scene.points, size)
+    try:
+        return scene.gather(size=size, progress=progress), ()
+    except EnvLightsError as error:
+        return None, (f"no prior: {error}",)
 
 
 def _skip_notes(scene: MitsubaScene) -> tuple[str, ...]:

@@ -12,15 +12,18 @@ from numpy.typing import NDArray
 
 from envlights._check import count
 from envlights._native import EnvLightsError
+from envlights.scene.chart_rays import texel_hits
 from envlights.scene.charts import charts
 from envlights.scene.direct import AnyLights, DirectLight, as_rig
 from envlights.scene.emitters import emitters
+from envlights.scene.gather import DIRECT, RAYS, check_blocks, gather
 from envlights.scene.meters import Meters, meters, read
 from envlights.scene.renderer import in_one_line, mitsuba
 from envlights.scene.surface import Surface
+from envlights.transfer.prior import TransferPrior
 
-#: Texels along a side of the direct image, and points along a side of each.
-_DIRECT, _POINTS = 16, 8
+#: Points along a side of each of the 16 by 16 texels of the direct image.
+_POINTS = 8
 #: Rays to the sky from each point. With 16 and with 64 of them, the direct image of the courtyard
 #: under an ambient term differed from Mitsuba's by 3 % and 1 %.
 _RAYS = 64
@@ -86,11 +89,12 @@ class MitsubaScene:
             # Keep the scene alive, because its meshes refer to it.
             self._loaded = _load(mi, scene)
             self._shapes = _shapes(self._loaded)
+            self._has_charts = not isinstance(lightmap, Surface)
             if isinstance(lightmap, Surface):
                 self.lightmap, self.points = lightmap, _thin(lightmap)
             else:
                 self.lightmap = charts(mi, self._shapes, count("lightmap", lightmap, least=1))
-                self.points = charts(mi, self._shapes, _DIRECT * _POINTS)
+                self.points = charts(mi, self._shapes, DIRECT * _POINTS)
             self._scene = self._under(mi, {})
 
     def blocked(
@@ -116,7 +120,53 @@ class MitsubaScene:
             hits = (self._scene.ray_test(mi.Ray3f(*each)) for each in ends)
             return np.fromiter(hits, np.bool_, len(origins))
 
-    def direct(self, rig: AnyLights) -> NDArray[np.float32]:
+    def gather(
+        self, rays: int = RAYS, *, size: int = DIRECT, progress: bool | None = None
+    ) -> TransferPrior:
+        """Indirect light by the geometry of the scene, from rays alone.
+
+        It takes all surfaces as diffuse, with the albedo of `lightmap`. It predicts without any
+        baked pair; `TransferModel.fit` learns the remainder from some.
+
+        Parameters
+        ----------
+        rays : int
+            Rays from each texel of the lightmap.
+        size : int
+            Texels along a side of the direct images, which divide those of `points`.
+        progress : bool, optional
+            True: show a progress bar. Default: after a second, in a terminal or a notebook.
+
+        Returns
+        -------
+        TransferPrior
+
+        Raises
+        ------
+        EnvLightsError
+            If an albedo is 1 or more, or the lightmap is your own: then use `scene.gather` with a
+            ray tracer that knows its texels.
+
+        Examples
+        --------
+        >>> import envlights as el
+        >>> yard = el.MitsubaScene(el.synthetic.courtyard(), lightmap=16)
+        >>> prior = yard.gather(rays=64)
+        >>> (rig,) = el.synthetic.rigs(1)
+        >>> prior.predict(yard.direct(rig)).shape
+        (16, 16, 3)
+        """
+        if not self._has_charts:
+            raise EnvLightsError(
+                "gather needs the charts of the scene, and the lightmap is your own; call"
+                " envlights.scene.gather with a ray tracer that knows its texels"
+            )
+        width = self.points.covered.shape[1]
+        with mitsuba() as mi:
+            hit = texel_hits(mi, self._scene, self._shapes, width, count("size", size, least=1))
+            return gather(self.lightmap, self.points, hit, rays, size=size, progress=progress)
+
+    def direct(self, rig: AnyLights, size: int = DIRECT) -> NDArray[np.float32]:
         """Direct light as a small image, from which a `TransferModel` predicts.
 
         The first call traces the visible part of the sky. After that, each light takes one shadow
@@ -126,15 +176,18 @@ class MitsubaScene:
         ----------
         rig : Rig, Lights or DetectedLights
             Lights alone have no ambient term.
+        size : int
+            Texels along a side of the image. More than 16 help only with the prior of `gather`.
 
         Returns
         -------
-        ndarray, shape (16, 16, 3)
+        ndarray, shape (size, size, 3)
             Reflected radiance, linear RGB: the mean over each part of the lightmap. For an image of
             the size of the lightmap use ``DirectLight.of(scene.lightmap, scene.blocked)``.
         """
+        check_blocks(self.points, count("size", size, least=1))
         image = self._direct_light.image(rig)
-        return self.points.means(image, _DIRECT).astype(np.float32)
+        return self.points.means(image, size).astype(np.float32)
 
     def indirect(self, rig: AnyLights, samples: int = 256, seed: int = 0) -> Rendering:
         """Indirect light with all bounces, path-traced.
@@ -189,11 +242,11 @@ class MitsubaScene:
 def _thin(lightmap: Surface) -> Surface:
     """The texels of a lightmap at which direct light is measured, or a refusal."""
     rows, columns = lightmap.covered.shape
-    if rows % _DIRECT or columns % _DIRECT:
+    if rows % DIRECT or columns % DIRECT:
         raise EnvLightsError(
-            f"lightmap must have a multiple of {_DIRECT} rows and columns; got {rows}x{columns}"
+            f"lightmap must have a multiple of {DIRECT} rows and columns; got {rows}x{columns}"
         )
-    return lightmap.thinned(_step(rows // _DIRECT), _step(columns // _DIRECT))
+    return lightmap.thinned(_step(rows // DIRECT), _step(columns // DIRECT))
 
 
 def _step(texels: int) -> int:

@@ -49,7 +49,7 @@ def sky_transfer(surface: Surface, blocked: Blocked, directions: int) -> NDArray
     transfer = kernels.harmonic_irradiance(normals)
     for first in range(0, len(origins), _BLOCK):
         some = slice(first, first + _BLOCK)
-        rays = _cosine_hemisphere((square + shifts[some, None]) % 1) @ tangent_frames(normals[some])
+        rays = cosine_hemisphere((square + shifts[some, None]) % 1) @ tangent_frames(normals[some])
         rows = np.repeat(origins[some], directions, axis=0)
         hit = are_blocked(blocked, rows, rays.reshape(-1, 3)).reshape(rays.shape[:2])
         radiance = kernels.harmonic_radiance(rays.reshape(-1, 3)).reshape(*hit.shape, 9)
@@ -74,7 +74,7 @@ def are_blocked(
     return answer.astype(np.bool_, copy=False)
 
 
-def _cosine_hemisphere(square: NDArray[np.float64]) -> NDArray[np.float64]:
+def cosine_hemisphere(square: NDArray[np.float64]) -> NDArray[np.float64]:
     """Points of the unit square, (..., 2), as directions around +z with a density of cos / pi."""
     radius, angle = np.sqrt(square[..., 0]), 2 * np.pi * square[..., 1]
     height = np.sqrt(1 - square[..., 0])

@@ -16,6 +16,10 @@ A model is learnt from pairs of images of one scene under many lights. These are
 | the ridge around a prior mean; folds             | `remainder.py`     |
 | errors on lights outside the pairs               | `leave_one_out.py` |
 | all of these in order                            | `training.py`      |
+| indirect light from geometry, without pairs      | `prior.py`         |
+| one file for it                                  | `prior_file.py`    |
+| its sums with indirect images, part by part      | `mixtures.py`      |
+| training around it                               | `around_prior.py`  |
 | size, times and errors                           | `report.py`        |
 | more pairs, without starting over                | `grow.py`          |
 | images from coefficients, and back               | `expand.py`        |
@@ -23,6 +27,7 @@ A model is learnt from pairs of images of one scene under many lights. These are
 | lights unlike those of the pairs                 | `familiarity.py`   |
 | refusals of fields that do not fit together      | `consistency.py`   |
 | one file for a model                             | `archive.py`       |
+| files of arrays with a version                   | `npz_file.py`      |
 | fields and predictions of a model                | `predictor.py`     |
 | the model                                        | `model.py`         |
 | pairs on disk                                    | `database.py`      |
@@ -30,9 +35,10 @@ A model is learnt from pairs of images of one scene under many lights. These are
 
 from envlights.transfer.database import FilePairs, read_pairs
 from envlights.transfer.model import TransferModel
+from envlights.transfer.prior import TransferPrior
 from envlights.transfer.report import TransferReport
 
-__all__ = ["FilePairs", "TransferModel", "TransferReport", "read_pairs"]
+__all__ = ["FilePairs", "TransferModel", "TransferPrior", "TransferReport", "read_pairs"]
 
 
 def __dir__() -> list[str]:

@@ -72,7 +72,11 @@ class BasisSize:
 
 
 def check_parameters(
-    rank: object, ridge: object, error: object, nonnegative: object = False
+    rank: object,
+    ridge: object,
+    error: object,
+    nonnegative: object = False,
+    prior: object = False,
 ) -> BasisSize:
     """Check the parameters of `TransferModel.fit`."""
     if isinstance(ridge, str):
@@ -80,6 +84,7 @@ def check_parameters(
     else:
         amount("ridge", ridge)
     flag("nonnegative", nonnegative)
+    flag("prior", prior)
     return BasisSize.checked(rank, error)
 
 

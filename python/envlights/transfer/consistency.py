@@ -37,12 +37,12 @@ def check_fields(
     # Check the mask and the basis over its texels.
     if np.ndim(lit) != 2:
         raise EnvLightsError(f"lit must have 2 axes; got the shape {np.shape(lit)}")
-    _check_array("lit", lit, np.shape(lit), ("bool",))
+    check_array("lit", lit, np.shape(lit), ("bool",))
     # Take rank and number of pairs from one array each; all others must agree with it.
     rank, pairs = np.shape(arrays["transfer"])[-1:], np.shape(arrays["direct"])[:1]
     _check_basis(basis, lit, rank)
     # Check the other arrays.
-    texels, pixels = int(np.count_nonzero(lit)), _pixels(size)
+    texels, pixels = int(np.count_nonzero(lit)), pixels_of(size)
     has_mean = np.size(arrays["mean"]) > 0
     shapes = {
         "mean": (texels if has_mean else 0,),
@@ -53,24 +53,24 @@ def check_fields(
         "energy": pairs,
     }
     for name, shape in shapes.items():
-        _check_array(name, arrays[name], shape)
+        check_array(name, arrays[name], shape)
 
 
 def _check_basis(
     basis: NDArray[Any] | CompactBasis, lit: NDArray[np.bool_], rank: tuple[int, ...]
 ) -> None:
     if not isinstance(basis, CompactBasis):
-        _check_array("basis", basis, (int(np.count_nonzero(lit)), *rank))
+        check_array("basis", basis, (int(np.count_nonzero(lit)), *rank))
         return
     places = places_of(lit)
     tiles = int(places.max(initial=-1)) + 1
-    _check_array("basis", basis.values, (tiles, *rank, TILE), LARGEST)
-    _check_array("scales", basis.scales, (tiles, *rank, TILE // SHARE), ("float32",))
+    check_array("basis", basis.values, (tiles, *rank, TILE), LARGEST)
+    check_array("scales", basis.scales, (tiles, *rank, TILE // SHARE), ("float32",))
     if not np.array_equal(basis.places, places):
         raise EnvLightsError("places of the basis must be the tiles in which lit has texels")
 
 
-def _pixels(size: tuple[int, int]) -> int:
+def pixels_of(size: tuple[int, int]) -> int:
     """Pixels of a direct image of `size`, or a refusal."""
     if not isinstance(size, tuple) or len(size) != 2:
         raise EnvLightsError("size must be two numbers, height and width")
@@ -78,7 +78,7 @@ def _pixels(size: tuple[int, int]) -> int:
     return height * width
 
 
-def _check_array(
+def check_array(
     name: str, array: object, shape: tuple[int, ...], dtypes: Collection[str] = _FLOATS
 ) -> None:
     """Refuse anything but an array of NumPy of this shape and one of these types."""

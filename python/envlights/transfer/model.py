@@ -14,13 +14,17 @@ from numpy.typing import ArrayLike, NDArray
 from envlights._check import amount, check_progress, flag
 from envlights._native import EnvLightsError
 from envlights.transfer import archive, grow
+from envlights.transfer.around_prior import Learning, check_prior, train_around
 from envlights.transfer.basis import check_parameters
 from envlights.transfer.compact import compress
 from envlights.transfer.pair_summary import PairSummary
 from envlights.transfer.pairs import as_array, image_stack, pairs_of
 from envlights.transfer.predictor import Predictor
+from envlights.transfer.prior import TransferPrior
 from envlights.transfer.training import nonnegative_priors, solve, train
 
+#: Largest number of directions without a request, of a model without a prior.
+_RANK = 64
 #: End of the note on black texels.
 _BLACK = "texels are black in every image, so they are predicted black"
 
@@ -49,11 +53,13 @@ class TransferModel(Predictor):
         cls,
         direct: ArrayLike,
         indirect: ArrayLike,
-        rank: int | float = 64,
+        rank: int | float | None = None,
         ridge: float | str | None = None,
         *,
         error: float | None = None,
         nonnegative: bool = False,
+        prior: TransferPrior | None = None,
+        virtual: ArrayLike | None = None,
         notebook: bool = False,
         progress: bool | None = None,
     ) -> TransferModel:
@@ -67,13 +73,14 @@ class TransferModel(Predictor):
         indirect : array_like, shape (k, H, W, 3 or 4)
             Linear RGB of the indirect light: an array, a mapped file, or an array of Dask. The
             basis of float64 images is float64, which ranks above about 200 need.
-        rank : int or float
+        rank : int or float, optional
             An int: largest number of directions. A float up to 1.0: fraction of the energy of the
-            images that the basis holds.
+            images that the basis holds. By default 64; with a `prior`, as many as let the basis
+            leave out half of the error for new lights, and at most 256.
         ridge : float or "loo", optional
             Ridge of the regression, for direct images of norm 1. "loo": the ridge with the least
             leave-one-out errors, which is smaller for clean images than for noisy ones. By default
-            1e-3, or "loo" with ``nonnegative=True``.
+            1e-3, or "loo" with ``nonnegative=True`` or a `prior`.
         error : float, optional
             Largest accepted relative RMS error of the images in the basis, which gets the fewest
             directions that reach it, and at most `rank`.
@@ -83,6 +90,12 @@ class TransferModel(Predictor):
             takes 0.1 to 0.3 s longer for direct images of 16x16 texels. The errors in the report
             are then those of 8 folds. On the noise-free room with 128 pairs the median error falls
             from 4.3 to 2.7 %.
+        prior : TransferPrior, optional
+            What the geometry of the scene says without pairs, from `MitsubaScene.gather`. The model
+            learns the remainder, and errors for new lights are far smaller with few pairs.
+        virtual : array_like, shape (n, h, w, 3 or 4), optional
+            Direct images of other lights, with a `prior`: the basis then has directions for their
+            indirect light too. By default blocks of direct texels, each alone.
         notebook : bool
             Fit the model of the notebook of Belcour, Deliot, Barbier and Soler, for comparison:
             around the mean image, each channel from all channels, with direct images of norm 1.
@@ -123,11 +136,11 @@ class TransferModel(Predictor):
         (1, True)
         """
         nonnegative, notebook = flag("nonnegative", nonnegative), flag("notebook", notebook)
-        if nonnegative and notebook:
-            raise EnvLightsError("nonnegative=True and notebook=True exclude each other; drop one")
+        _refuse_both(nonnegative=nonnegative, notebook=notebook, prior=prior, virtual=virtual)
         if ridge is None:
-            ridge = "loo" if nonnegative else 1e-3
-        limits = check_parameters(rank, ridge, error)
+            ridge = 1e-3 if prior is None and not nonnegative else "loo"
+        is_free = prior is not None and rank is None and error is None
+        limits = check_parameters(_RANK if rank is None else rank, ridge, error)
         check_progress(progress)
         # Keep parameters as plain numbers, which a file can hold.
         parameters = {
@@ -135,9 +148,17 @@ class TransferModel(Predictor):
             "ridge": ridge if isinstance(ridge, str) else float(ridge),
             "error": limits.error,
             "nonnegative": nonnegative,
+            "prior": prior is not None,
         }
         start = perf_counter()
         pairs = pairs_of(direct, indirect)
+        if prior is not None:
+            rows = check_prior(prior, np.shape(direct)[1:3], pairs, virtual)
+            size = None if is_free else limits
+            learning = train_around(pairs, prior, rows, size, ridge, progress)
+            model = _around(learning, parameters, prior.size, pairs.notes)
+            seconds = {"fit": perf_counter() - start}
+            return replace(model, report=replace(model.report, seconds=seconds))
         columns, lit, mean, learnt, missed = train(pairs, limits, notebook, progress)
         height, width = np.shape(direct)[1:3]
         notes = (*pairs.notes, *missed)
@@ -196,6 +217,10 @@ class TransferModel(Predictor):
         """
         if self.is_notebook:
             raise EnvLightsError("a model with notebook=True cannot grow; fit all pairs again")
+        if self.parameters["prior"]:
+            raise EnvLightsError(
+                "a model with a prior cannot grow; fit all pairs again with the prior"
+            )
         basis = self._dense("take more pairs")
         start = perf_counter()
         # Check the sizes by one image of each, before the work on all.
@@ -224,6 +249,40 @@ class TransferModel(Predictor):
         return archive.load(path, cls)
 
 
+def _refuse_both(nonnegative: bool, notebook: bool, prior: object, virtual: object) -> None:
+    """Refuse arguments that exclude each other."""
+    given = {
+        "nonnegative=True": nonnegative,
+        "notebook=True": notebook,
+        "prior": prior is not None,
+    }
+    names = [name for name, is_given in given.items() if is_given]
+    if len(names) > 1:
+        raise EnvLightsError(f"{' and '.join(names)} exclude each other; drop one")
+    if virtual is not None and prior is None:
+        raise EnvLightsError("virtual lights need a prior; give one or drop virtual")
+
+
+def _around(
+    learning: Learning,
+    parameters: Mapping[str, Any],
+    size: tuple[int, int],
+    notes: tuple[str, ...],
+) -> TransferModel:
+    """Model that was trained around a prior."""
+    columns, lit, mean, learnt, _ = learning.training
+    report = replace(learning.report, notes=_noting_black((*notes, *learning.report.notes), lit))
+    chosen = {**parameters, "rank": report.rank}
+    return TransferModel(columns, lit, learning.transfer, mean, size, chosen, learnt, report)
+
+
+def _noting_black(notes: tuple[str, ...], lit: NDArray[np.bool_]) -> tuple[str, ...]:
+    """Notes with one on black texels, instead of that of an earlier model."""
+    notes = tuple(note for note in notes if not note.endswith(_BLACK))
+    black = np.count_nonzero(~lit)
+    return (*notes, f"{black} of {lit.size} {_BLACK}") if black else notes
+
+
 def _solve(
     columns: NDArray[Any],
     lit: NDArray[np.bool_],
@@ -234,10 +293,7 @@ def _solve(
     notes: tuple[str, ...],
 ) -> TransferModel:
     """Model of a basis, with its transfer matrix and its errors."""
-    # Remove the count of an earlier model from its notes.
-    notes = tuple(note for note in notes if not note.endswith(_BLACK))
-    if black := np.count_nonzero(~lit):
-        notes = (*notes, f"{black} of {lit.size} {_BLACK}")
+    notes = _noting_black(notes, lit)
     priors = nonnegative_priors(columns, lit, learnt) if parameters["nonnegative"] else None
     transfer, report = solve(learnt, parameters["ridge"], not len(mean), notes, priors)
     return TransferModel(columns, lit, transfer, mean, size, parameters, learnt, report)

@@ -106,14 +106,16 @@ def rgb_rows(stack: NDArray[Any]) -> NDArray[np.float64]:
     return rows.astype(np.float64)
 
 
-def image_stack(name: str, values: ArrayLike, size: tuple[int, int]) -> tuple[NDArray[Any], bool]:
-    """One image or a stack, of the model's `size`, as a stack; True if it was one image."""
+def image_stack(
+    name: str, values: ArrayLike, size: tuple[int, int], owner: str = "model"
+) -> tuple[NDArray[Any], bool]:
+    """One image or a stack, of the `size` of its owner, as a stack; True if it was one image."""
     array = as_array(name, values)
     is_one = array.ndim == 3
     stack, _ = images(name, array[None] if is_one else array)
     if stack.shape[1:3] != size:
         given, wanted = ("x".join(map(str, each[::-1])) for each in (stack.shape[1:3], size))
-        raise EnvLightsError(f"{name} must be {wanted} pixels, as in the model; got {given}")
+        raise EnvLightsError(f"{name} must be {wanted} pixels, as in the {owner}; got {given}")
     check_finite(name, stack)
     return stack, is_one
 

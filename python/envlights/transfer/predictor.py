@@ -23,7 +23,7 @@ from envlights.transfer.pair_summary import PairSummary
 from envlights.transfer.pairs import image_stack, rgb_rows
 from envlights.transfer.report import TransferReport
 
-_PARAMETERS = {"rank", "ridge", "error", "nonnegative"}
+_PARAMETERS = {"rank", "ridge", "error", "nonnegative", "prior"}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -48,7 +48,7 @@ class Predictor(Result):
     """Height and width of the direct images."""
 
     parameters: Mapping[str, Any]
-    """Arguments `rank`, `ridge`, `error` and `nonnegative` of `fit`."""
+    """Arguments `rank`, `ridge`, `error` and `nonnegative` of `fit`, and if it had a `prior`."""
 
     learnt: PairSummary
     """Summary of the pairs, without their texels."""

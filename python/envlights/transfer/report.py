@@ -37,10 +37,14 @@ class TransferReport(Result):
 
     unseen_errors: tuple[float, ...]
     """Leave-one-out error of each pair, which new lights of the same kind will have; with
-    ``nonnegative=True`` its error without its fold."""
+    ``nonnegative=True`` its error without its fold. With a prior, also the part of new light that
+    the basis leaves out."""
 
     training_errors: tuple[float, ...]
     """Error of each pair in the model that was trained on it; says little about new lights."""
+
+    prior_errors: tuple[float, ...] = ()
+    """Error of each pair in the prior alone, which is not learnt from pairs; empty without one."""
 
     notes: tuple[str, ...] = ()
     """Remarks on dropped channels, omitted images, unreached bounds, and black texels."""
@@ -67,6 +71,7 @@ class TransferReport(Result):
             ridge=amount("ridge", data["ridge"]),
             unseen_errors=tuple(amount("unseen_errors", e) for e in data["unseen_errors"]),
             training_errors=tuple(amount("training_errors", e) for e in data["training_errors"]),
+            prior_errors=tuple(amount("prior_errors", e) for e in data.get("prior_errors", ())),
             notes=tuple(str(note) for note in data["notes"]),
             seconds=times_of(data),
         )
@@ -84,6 +89,7 @@ class TransferReport(Result):
         kinds = {
             "new lights (leave-one-out)": self.unseen_errors,
             "training images": self.training_errors,
+            "prior alone": self.prior_errors,
         }
         rows = [[name, *_percentiles(errors)] for name, errors in kinds.items() if errors]
         table = Table(["relative error", "median", "90th percentile", "worst"], rows)
@@ -94,8 +100,10 @@ class TransferReport(Result):
             self.in_short(),
             f"error for new lights (leave-one-out): {_spread(self.unseen_errors)}",
             f"error for the training images:        {_spread(self.training_errors)}",
-            *(f"note: {note}" for note in self.notes),
         ]
+        if self.prior_errors:
+            lines.append(f"error of the prior alone:            {_spread(self.prior_errors)}")
+        lines += [f"note: {note}" for note in self.notes]
         return "\n".join(lines)
 
 

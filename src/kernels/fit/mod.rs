@@ -86,7 +86,8 @@ pub fn under_map(map: &WorkingMap, options: &FitOptions) -> Result<FitResult> {
         let (samples, problem) = (samples?, Problem::new(&sphere, options));
         let evaluator = Evaluator { samples: &samples, sizes: Some(sizes), options };
         let path = search_path(&problem, options, &|state| evaluator.trial(&problem, state))?;
-        return Ok(evaluator.best(&problem, path));
+        let result = evaluator.best(&problem, path);
+        return Ok(FitResult { map_samples: Some(samples), ..result });
     }
     // The closed form knows the errors of points: the search need not wait for the references.
     let search = || {
@@ -99,7 +100,8 @@ pub fn under_map(map: &WorkingMap, options: &FitOptions) -> Result<FitResult> {
     let evaluator = Evaluator { samples: &samples, sizes: Some(sizes), options };
     let evaluate = |trial: Trial| Trial { others: trial.others, ..evaluator.trial(&problem, trial.state) };
     let path = path.into_iter().map(evaluate).collect();
-    Ok(evaluator.best(&problem, path))
+    let result = evaluator.best(&problem, path);
+    Ok(FitResult { map_samples: Some(samples), ..result })
 }
 
 /// The best points of each number of lights, by the errors that the objective knows.

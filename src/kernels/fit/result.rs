@@ -34,6 +34,8 @@ pub struct FitResult {
     pub fitted_points_error: f64,
     /// Number of normals at which the error is evaluated.
     pub evaluation_normals: usize,
+    /// These normals with the irradiance under a map; absent for measured values.
+    pub map_samples: Option<Samples>,
     /// Relative RMS error by number of lights: of points, unless an error ended the search.
     pub errors: Vec<(usize, f64)>,
     /// Number of fitted channels: neither black nor the same as another.
@@ -131,6 +133,7 @@ impl Evaluator<'_> {
             shadow_error: trial.shadow_error,
             objective_error,
             evaluation_normals: self.samples.normals.len(),
+            map_samples: None,
             errors,
             channels: problem.objective.reference().channels.len(),
             steps: trial.state.steps + sized.steps,

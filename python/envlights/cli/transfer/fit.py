@@ -6,11 +6,12 @@ import json
 
 import click
 
-from envlights.cli.outputs import default_of, say_written
+from envlights.cli.outputs import say_written
 from envlights.io.files import check_writable
-from envlights.transfer.archive import check_suffix
 from envlights.transfer.database import read_pairs
 from envlights.transfer.model import TransferModel
+from envlights.transfer.npz_file import check_suffix
+from envlights.transfer.prior import TransferPrior
 
 
 def _rank(text: str) -> int | float:
@@ -28,20 +29,23 @@ def _rank(text: str) -> int | float:
 @click.option(
     "--rank",
     type=_rank,
-    default=str(default_of(TransferModel.fit, "rank")),
-    show_default=True,
     metavar="RANK",
-    help="Largest number of directions, or the fraction of the energy in them, such as 0.99.",
+    help="Largest number of directions, or the fraction of the energy in them, such as 0.99."
+    " [default: 64; as many as the errors need with a prior]",
 )
 @click.option(
     "--ridge",
     metavar="RIDGE",
-    help="Regularisation: a number, or loo for the best one. [default: 0.001; loo if nonnegative]",
+    help="Regularisation: a number, or loo for the best one. [default: 0.001; loo if nonnegative"
+    " or with a prior]",
 )
 @click.option(
     "--nonnegative",
     is_flag=True,
     help="No light darkens a texel: smaller errors for new lights, and a slower fit.",
+)
+@click.option(
+    "--prior", metavar="PRIOR", help="File of a prior by the geometry of the scene (.npz)."
 )
 @click.option(
     "--error", type=float, help="Largest error; the fewest directions that reach it are used."
@@ -50,9 +54,10 @@ def _rank(text: str) -> int | float:
 def command(
     folder: str,
     output: str,
-    rank: int | float,
+    rank: int | float | None,
     ridge: str | None,
     nonnegative: bool,
+    prior: str | None,
     error: float | None,
     as_json: bool,
 ) -> None:
@@ -63,6 +68,7 @@ def command(
     """
     check_suffix(output)
     check_writable(output)
+    geometry = None if prior is None else TransferPrior.load(prior)
     pairs = read_pairs(folder, progress=True)
     for note in pairs.notes:
         click.echo(f"note: {note}", err=True)
@@ -73,6 +79,7 @@ def command(
         None if ridge is None else _ridge(ridge),
         error=error,
         nonnegative=nonnegative,
+        prior=geometry,
         progress=True,
     )
     model.save(output)

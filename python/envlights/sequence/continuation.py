@@ -1,0 +1,121 @@
+"""Fits of the frames: each continues the last one, and a full search runs when it pays."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights.envmap import AnyMap
+from envlights.fitting.arguments import FitArguments
+from envlights.fitting.map_fit import MapSamples, fit_map_and_sample
+from envlights.lights import Lights
+from envlights.rig import Rig
+from envlights.sequence.steps import Steps
+from envlights.sequence.window import thin
+
+#: Growth of the error over its level at which a full search runs.
+_GROWTH = 1.1
+#: Frames after which a full search runs in any case, at 1 / 24 of the time of full fits, so that a
+#: scene that changes slowly does not stay in a local minimum.
+_PERIOD = 24
+#: Fraction of the error that a search must save, or the lights stay those of the last frame.
+_WORTH = 0.05
+#: Fraction of a requested error that a search has to reach, so that the next frame reaches it too.
+_MARGIN = 0.9
+#: Fraction of a requested error below which a search for fewer lights runs.
+_SURPLUS = 0.5
+#: Error below which no search runs: the accuracy of the reduced map.
+_ACCURACY = 1e-4
+
+
+class Fit(NamedTuple):
+    """Fit to one frame."""
+
+    rig: Rig
+    samples: MapSamples
+    is_search: bool
+    """True if the lights come from a full search."""
+    is_step: bool = False
+    """True if the light of the scene changed at once."""
+
+
+@dataclass
+class Continuation:
+    """Fits of consecutive frames with the same arguments."""
+
+    arguments: FitArguments
+    """Arguments of `fit`, with the greatest number of lights."""
+    _level: float = field(default=np.inf, init=False)
+    """Error that the lights of the last search leave, as far as it was seen to fall."""
+    _frames: int = field(default=0, init=False)
+    """Frames since the last search."""
+    _steps: Steps = field(default_factory=Steps, init=False)
+
+    def fit(self, env: AnyMap, start: NDArray[np.float64] | None) -> Fit:
+        """Fit to the next frame, whose lights are expected in the directions `start`, (n, 3).
+
+        None for the first frame.
+        """
+        if start is None:
+            first = self._search(env)
+            self._steps.is_step(first.samples)
+            return self._restart(first)
+        self._frames += 1
+        near = self._continue(env, start)
+        near = near._replace(is_step=self._steps.is_step(near.samples))
+        if not (near.is_step or self._is_search_due(near.rig)):
+            self._level = min(self._level, _error(near.rig))
+            return near
+        far = self._search(env)._replace(is_step=near.is_step)
+        return self._restart(far if self._is_worth(far.rig, near.rig) else near)
+
+    def _search(self, env: AnyMap) -> Fit:
+        """Full search, with a margin to the requested error."""
+        goal = self.arguments.error
+        arguments = replace(self.arguments, error=None if goal is None else _MARGIN * goal)
+        rig, samples = fit_map_and_sample(env, arguments)
+        return Fit(rig, thin(samples), True)
+
+    def _continue(self, env: AnyMap, start: NDArray[np.float64]) -> Fit:
+        """Descent from the expected directions, with as many lights."""
+        directions = _above_horizon(start) if self.arguments.floor else start
+        lights = Lights(directions, np.ones((len(start), 3)))
+        arguments = replace(self.arguments, lights=len(start), start=lights, error=None)
+        rig, samples = fit_map_and_sample(env, arguments)
+        return Fit(rig, thin(samples), False)
+
+    def _restart(self, fit: Fit) -> Fit:
+        """Take the error of a fit as the level that later ones are compared with."""
+        self._level, self._frames = _error(fit.rig), 0
+        return fit
+
+    def _is_search_due(self, near: Rig) -> bool:
+        """True if the error has grown, the period is over, or a requested error is missed."""
+        goal = self.arguments.error
+        if goal is not None:
+            return near.error > goal or (self._frames >= _PERIOD and near.error < _SURPLUS * goal)
+        has_grown = _error(near) > max(_GROWTH * self._level, _ACCURACY)
+        return has_grown or self._frames >= _PERIOD
+
+    def _is_worth(self, far: Rig, near: Rig) -> bool:
+        """True if the lights of a search replace those that continue the last frame."""
+        goal = self.arguments.error
+        if goal is not None and near.error <= goal:
+            return len(far.lights) < len(near.lights) and far.error <= goal
+        return _error(far) < (1 - _WORTH) * _error(near)
+
+
+def _error(rig: Rig) -> float:
+    """Error that the fit minimised."""
+    error = rig.report.objective_error
+    return rig.error if error is None else error
+
+
+def _above_horizon(directions: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Directions on the horizon instead of below it."""
+    raised = directions.copy()
+    raised[:, 1] = np.maximum(raised[:, 1], 0)
+    return np.asarray(raised / np.linalg.norm(raised, axis=1, keepdims=True))

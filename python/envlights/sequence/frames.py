@@ -1,0 +1,105 @@
+"""Frames of a sequence: files by a pattern or in a folder, a video, an array, or maps."""
+
+from __future__ import annotations
+
+import glob
+import os
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from envlights._check import describe
+from envlights._native import EnvLightsError
+from envlights.envmap import AnyMap
+from envlights.io.errors import MissingFileError
+from envlights.sequence.video import VIDEOS, video_frames
+
+#: Pattern or folder of files, path of a video, array of the shape (n, height, 2 * height, 3), or
+#: maps one after another.
+AnyFrames = str | os.PathLike[str] | Iterable[AnyMap] | ArrayLike
+
+#: Suffixes of maps in a folder; other files are not looked at.
+_MAPS = (".exr", ".hdr", ".png", ".jpg", ".jpeg", ".tif", ".tiff")
+
+
+class Frames(NamedTuple):
+    """Maps of a sequence, which are read one at a time."""
+
+    maps: Iterable[AnyMap]
+    number: int | None
+    """Number of frames, if it is known."""
+
+    fps: float | None = None
+    """Frames in a second, if the source says so."""
+
+
+def frames_of(frames: Any) -> Frames:
+    """Frames of anything that `follow` accepts.
+
+    Raises
+    ------
+    EnvLightsError
+        If there are no frames, or `frames` is nothing that holds any.
+    """
+    if isinstance(frames, str | os.PathLike):
+        return _of_path(os.fspath(frames))
+    if isinstance(frames, np.ndarray) and frames.ndim != 4:
+        raise EnvLightsError(
+            "frames as one array must have the shape (frames, height, 2 * height, 3); got the shape"
+            f" {frames.shape}. Put a single map into a list, or use fit"
+        )
+    if isinstance(frames, bytes) or not isinstance(frames, Iterable):
+        raise EnvLightsError(
+            "frames must be a pattern such as 'frames/*.exr', a folder, a video, an array or maps"
+            f" one after another; got {describe(frames)}"
+        )
+    if isinstance(frames, Sequence | np.ndarray):
+        if not len(frames):
+            raise EnvLightsError("frames must hold at least one map; got none")
+        return Frames(frames, len(frames))
+    return Frames(frames, None)
+
+
+def natural_key(path: str) -> tuple[tuple[int, int, str], ...]:
+    """Sort key by which frame 9 comes before frame 10.
+
+    Examples
+    --------
+    >>> sorted(["f10.exr", "f9.exr", "f1.exr"], key=natural_key)
+    ['f1.exr', 'f9.exr', 'f10.exr']
+    """
+    parts = re.split(r"(\d+)", path)
+    return tuple((1, int(part), "") if part.isdecimal() else (0, 0, part) for part in parts)
+
+
+def _of_path(path: str) -> Frames:
+    """Files of a pattern or a folder in natural order, or the frames of a video."""
+    if Path(path).suffix.lower() in VIDEOS:
+        return Frames(*video_frames(path))
+    if Path(path).is_dir():
+        found: list[str] = [
+            str(each) for each in Path(path).iterdir() if each.suffix.lower() in _MAPS
+        ]
+    else:
+        # The glob of pathlib takes no absolute pattern.
+        found = [each for each in glob.glob(path) if Path(each).is_file()]  # noqa: PTH207
+    if not found:
+        raise MissingFileError(
+            f"no map matches {path}; give a pattern such as 'frames/*.exr', a folder of maps"
+            f" ({', '.join(_MAPS)}), or a video ({', '.join(VIDEOS)})"
+        )
+    found.sort(key=natural_key)
+    return Frames(found, len(found))
+
+
+def enumerate_maps(maps: Iterable[AnyMap]) -> Iterator[tuple[int, AnyMap]]:
+    """Maps with their numbers from 0; a refusal of an iterable that is empty."""
+    number = -1
+    for number, env in enumerate(maps):
+        yield number, env
+    if number < 0:
+        raise EnvLightsError("frames must hold at least one map; got none")

@@ -1,0 +1,140 @@
+"""Identities of lights: which light of a frame is which light of the frames before."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights.lights import Lights
+from envlights.sequence.assignment import assignment
+
+#: Degrees, and factor of flux, that cost as much as one light without a partner. Two lights are the
+#: same if they cost less than two lights without one: 10 degrees at equal flux.
+_ANGLE_DEG, _FLUX_RATIO = 5.0, 4.0
+#: Cost of lights that return after a frame without them, so that present lights come first.
+_RETURN = 0.5
+#: Lights that are remembered after they vanished.
+_MOST_VANISHED = 64
+#: Weight of the newest step in the velocity of a light. 1 would pass the noise of each fit on.
+_NEWEST = 0.3
+
+
+@dataclass
+class _Light:
+    """Last state of a light."""
+
+    identity: int
+    direction: NDArray[np.float64]
+    flux: float
+    radius: float
+    #: Rotation in one frame, as axis times angle.
+    velocity: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
+    age: int = 0
+    #: Frames since it was seen.
+    absent: int = 0
+
+    @property
+    def next_direction(self) -> NDArray[np.float64]:
+        """Direction in the next frame at the same velocity; the last one if it vanished."""
+        return self.direction if self.absent else turn(self.direction, self.velocity)
+
+    def move(self, direction: NDArray[np.float64], flux: float, radius: float) -> None:
+        """Take over the state in the next frame."""
+        if self.absent:
+            self.velocity, self.age = np.zeros(3), 0
+        else:
+            self.age += 1
+            share = max(1 / self.age, _NEWEST)
+            step = rotation_vector(self.direction, direction)
+            self.velocity = (1 - share) * self.velocity + share * step
+        self.direction, self.flux, self.radius, self.absent = direction, flux, radius, 0
+
+
+class Identities:
+    """Lights of a sequence, which are recognised from frame to frame."""
+
+    def __init__(self) -> None:
+        self._lights: list[_Light] = []
+        self._count = 0
+        self._present: list[_Light] = []
+
+    def next_directions(self) -> NDArray[np.float64]:
+        """Expected directions of the lights of the last frame, brightest first, (n, 3)."""
+        return np.reshape([light.next_direction for light in self._present], (-1, 3))
+
+    def follow(self, lights: Lights) -> tuple[int, ...]:
+        """Identity of each light of the next frame."""
+        partners = self._partners(lights)
+        arrays = lights.direction, lights.luminance.tolist(), lights.angular_radius.tolist()
+        self._present = []
+        for row, state in enumerate(zip(*arrays, strict=True)):
+            known = partners.get(row)
+            if known is None:
+                known = _Light(self._count, *state)
+                self._count += 1
+                self._lights.append(known)
+            else:
+                known.move(*state)
+            self._present.append(known)
+        self._forget()
+        return tuple(light.identity for light in self._present)
+
+    def _partners(self, lights: Lights) -> dict[int, _Light]:
+        """Known light of each row that has one: the assignment with the least cost."""
+        known, rows = len(self._lights), len(lights)
+        # Each light may also stay alone: at a cost of 1, in columns and rows of its own.
+        costs = np.full((known + rows, known + rows), np.inf)
+        costs[:known, :rows] = self._costs(lights)
+        np.fill_diagonal(costs[:known, rows:], 1.0)
+        np.fill_diagonal(costs[known:, :rows], 1.0)
+        costs[known:, rows:] = 0.0
+        # An infinite cost has no finite difference from another one.
+        columns = assignment(np.minimum(costs, 1e9))
+        return {int(columns[i]): self._lights[i] for i in range(known) if columns[i] < rows}
+
+    def _costs(self, lights: Lights) -> NDArray[np.float64]:
+        """Cost of each pair of a known light and a row, by direction and flux."""
+        if not self._lights or not len(lights):
+            return np.zeros((len(self._lights), len(lights)))
+        expected = np.array([light.next_direction for light in self._lights])
+        chord = np.linalg.norm(expected[:, None] - lights.direction[None], axis=2)
+        angle = np.rad2deg(2 * np.arcsin(np.minimum(chord / 2, 1)))
+        radius = np.array([light.radius for light in self._lights])
+        # The direction of a wide light is less certain.
+        wide = np.rad2deg(radius[:, None] + lights.angular_radius) / 8
+        smallest = np.finfo(float).tiny
+        before = np.log(np.maximum([light.flux for light in self._lights], smallest))
+        after = np.log(np.maximum(lights.luminance, smallest))
+        ratio = np.abs(after - before[:, None]) / np.log(_FLUX_RATIO)
+        absent = np.array([_RETURN * (light.absent > 0) for light in self._lights])
+        costs: NDArray[np.float64] = angle / (_ANGLE_DEG + wide) + ratio + absent[:, None]
+        return costs
+
+    def _forget(self) -> None:
+        """Count the frames without each absent light, and forget the longest absent ones."""
+        present = {light.identity for light in self._present}
+        for light in self._lights:
+            light.absent += light.identity not in present
+        vanished = sorted((light for light in self._lights if light.absent), key=lambda x: x.absent)
+        gone = {light.identity for light in vanished[_MOST_VANISHED:]}
+        self._lights = [light for light in self._lights if light.identity not in gone]
+
+
+def rotation_vector(start: NDArray[np.float64], end: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Shortest rotation from one unit vector to another, as axis times angle, (3,)."""
+    cross = np.cross(start, end)
+    sine = float(np.linalg.norm(cross))
+    angle = float(np.arctan2(sine, start @ end))
+    return np.asarray(cross * (angle / sine)) if sine > 0 else np.zeros(3)
+
+
+def turn(direction: NDArray[np.float64], rotation: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Unit vector after a rotation about a perpendicular axis, given as axis times angle."""
+    angle = float(np.linalg.norm(rotation))
+    if angle == 0:
+        return direction
+    ahead = np.cross(rotation / angle, direction)
+    moved = np.cos(angle) * direction + np.sin(angle) * ahead
+    return np.asarray(moved / np.linalg.norm(moved))

@@ -1,0 +1,104 @@
+"""OpenUSD: distant lights and a dome with a time sample for each frame."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights.export.usd import light_matrix, prim
+from envlights.sequence.frame_rig import FrameRig
+from envlights.sequence.light_tracks import LightTrack, tracks_of
+
+_HEAD = """#usda 1.0
+(
+    defaultPrim = "rig"
+    doc = "Lights: irradiance at normal incidence; dome: radiance; linear Rec.709 RGB; @UNITS@"
+    endTimeCode = @END@
+    metersPerUnit = 1
+    startTimeCode = @START@
+    timeCodesPerSecond = @RATE@
+    upAxis = "Y"
+)
+
+def Xform "rig"
+{
+"""
+
+
+def usd(rigs: Iterable[FrameRig], fps: float | None = None) -> str:
+    """A stage of animated lights as text; a time code is the number of a frame.
+
+    Parameters
+    ----------
+    rigs : iterable of FrameRig
+        Rigs of the frames, such as a `RigSequence`.
+    fps : float, optional
+        Frames in a second. Default: 24.
+
+    Returns
+    -------
+    str
+        Prims as in `el.export.usd`, ``light_`` and the identity; transform, color, intensity and
+        angle have a sample in each frame. A light has the intensity 0 in frames without it. Over a
+        floor, the dome lights from below too.
+
+    Examples
+    --------
+    >>> import envlights as el
+    >>> lamp = el.Lights([[0, 1, 0]], [[3, 1.5, 0]], [0.1])
+    >>> text = usd([el.FrameRig([0, 0, 0], lamp, 0.0, frame=k, ids=(2,)) for k in (0, 1)])
+    >>> "float inputs:intensity.timeSamples = {0: 3.0, 1: 3.0}" in text
+    True
+    """
+    tracks = tracks_of(rigs, "usd", fps)
+    prims = [_light(track, tracks.frames) for track in tracks.lights]
+    if tracks.ambient.any():
+        most = tracks.ambient.max(axis=1)
+        colour = tracks.ambient / np.where(most > 0, most, 1)[:, None]
+        prims.append(prim("DomeLight", "ambient", _colour(colour, most, tracks.frames)))
+    marks = {
+        "@UNITS@": tracks.statement,
+        "@START@": str(tracks.frames[0]),
+        "@END@": str(tracks.frames[-1]),
+        "@RATE@": repr(tracks.fps),
+    }
+    head = _HEAD
+    for mark, text in marks.items():
+        head = head.replace(mark, text)
+    return head + "\n".join(prims) + "}\n"
+
+
+def _light(track: LightTrack, frames: Sequence[int]) -> str:
+    """A distant light with samples."""
+    matrices = [light_matrix(direction) for direction in track.direction]
+    angles = [repr(float(2 * np.rad2deg(radius))) for radius in track.radius]
+    return prim(
+        "DistantLight",
+        f"light_{track.id}",
+        [
+            f"float inputs:angle.timeSamples = {_samples(frames, angles)}",
+            *_colour(track.colour, track.intensity, frames),
+            "bool inputs:normalize = 1",
+            f"matrix4d xformOp:transform.timeSamples = {_samples(frames, matrices)}",
+            'uniform token[] xformOpOrder = ["xformOp:transform"]',
+        ],
+    )
+
+
+def _colour(
+    colour: NDArray[np.float64], intensity: NDArray[np.float64], frames: Sequence[int]
+) -> list[str]:
+    """Samples of colour and intensity."""
+    colours = [repr(tuple(each)) for each in colour.tolist()]
+    intensities = [repr(each) for each in intensity.tolist()]
+    return [
+        f"color3f inputs:color.timeSamples = {_samples(frames, colours)}",
+        f"float inputs:intensity.timeSamples = {_samples(frames, intensities)}",
+    ]
+
+
+def _samples(frames: Sequence[int], values: list[str]) -> str:
+    pairs = zip(frames, values, strict=True)
+    return "{" + ", ".join(f"{frame}: {value}" for frame, value in pairs) + "}"

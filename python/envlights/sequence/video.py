@@ -1,0 +1,67 @@
+"""Frames of a video file, decoded by PyAV, which the extra `video` installs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from envlights._native import EnvLightsError
+from envlights.envmap import EnvMap
+from envlights.io.errors import DamagedFileError, MissingFileError
+
+#: Suffixes of videos.
+VIDEOS = (".mp4", ".mov", ".mkv", ".webm", ".avi")
+#: Transfer curves of high dynamic range in ITU-T H.273, which need frames as linear files.
+_CURVES = {16: "PQ", 18: "HLG"}
+_NOTE = "a frame of a video: 8-bit codes read as sRGB, so bright lights are clipped"
+
+
+def video_frames(path: str) -> tuple[Iterable[EnvMap], int | None, float | None]:
+    """Maps of the frames, read one at a time; their number and their rate if the file has them.
+
+    Raises
+    ------
+    EnvLightsError
+        If the file is missing or damaged, has no picture or one of high dynamic range, or PyAV is
+        not installed.
+    """
+    try:
+        av = import_module("av")
+    except ImportError as error:
+        raise EnvLightsError(
+            f"videos need PyAV, which cannot be imported: {error}; install it with"
+            " pip install 'envlights[video]', or write the frames as files"
+        ) from None
+    if not Path(path).is_file():
+        raise MissingFileError(f"cannot read {path}: there is no such file")
+    with _open(av, path) as file:
+        if not file.streams.video:
+            raise EnvLightsError(f"{path} holds no pictures; give a video of equirectangular maps")
+        stream = file.streams.video[0]
+        curve = _CURVES.get(int(stream.codec_context.color_trc or 0))
+        if curve:
+            raise EnvLightsError(
+                f"{path} is a {curve} video, whose codes are not decoded; write its frames as"
+                " linear .exr files"
+            )
+        rate = stream.average_rate
+        return _frames(av, path), stream.frames or None, float(rate) if rate else None
+
+
+def _frames(av: Any, path: str) -> Iterator[EnvMap]:
+    """Maps of the frames in order."""
+    with _open(av, path) as file:
+        try:
+            for frame in file.decode(video=0):
+                yield EnvMap(frame.to_ndarray(format="rgb24"), notes=(_NOTE,))
+        except av.error.FFmpegError as error:
+            raise DamagedFileError(f"{path} cannot be decoded: {error}") from None
+
+
+def _open(av: Any, path: str) -> Any:
+    try:
+        return av.open(path)
+    except (av.error.FFmpegError, OSError) as error:
+        raise DamagedFileError(f"{path} is not a video that PyAV reads: {error}") from None

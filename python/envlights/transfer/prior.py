@@ -1,0 +1,207 @@
+"""Indirect light of a diffuse scene from its geometry, without pairs.
+
+With the form factors G from texels of the lightmap to direct texels, F among direct texels, the
+fraction v of each direct texel that is not inside a solid, and the albedo rho of both,
+
+    y = rho G V (I - rho_s F V)^-1 x,    V = diag(1 / v),
+
+since a direct image averages hidden parts as black. For images of irradiance instead of reflected
+radiance, y = G V (I - rho_s F V)^-1 rho_s x.
+"""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from envlights._check import count, flag
+from envlights._native import EnvLightsError
+from envlights._result import Result
+from envlights.transfer import prior_file
+from envlights.transfer.consistency import check_array, pixels_of
+from envlights.transfer.pairs import image_stack, pairs_of, rgb_rows
+
+#: Largest number of rays from a texel, which two bytes can count.
+MOST_RAYS = 65535
+#: Texels whose form factors are held as floats at once.
+_BLOCK = 4096
+#: Assumptions of every prior.
+_ASSUMED = "diffuse surfaces, the same light over each direct texel"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class TransferPrior(Result):
+    """Indirect light of a diffuse scene, from form factors (see `MitsubaScene.gather`).
+
+    It holds for surfaces that reflect all light diffusely, with an albedo below 1, and takes the
+    light as the same over each texel of the direct image. `TransferModel.fit` learns the remainder
+    from pairs.
+    """
+
+    hits: NDArray[np.uint16]
+    """Rays from each texel of `covered` that hit each direct texel, (texels, h * w)."""
+
+    rays: int
+    """Rays from each texel."""
+
+    between: NDArray[np.float64]
+    """Form factors among direct texels, (h * w, h * w): the fraction of the rays from each row that
+    hit each column."""
+
+    visible: NDArray[np.float64]
+    """Fraction of each direct texel that is not inside a solid, (h * w,)."""
+
+    albedo: NDArray[np.float64]
+    """Reflectance of the texels of the indirect images, (H, W, 3)."""
+
+    covered: NDArray[np.bool_]
+    """Texels with a surface, (H, W); the others are predicted black."""
+
+    direct_albedo: NDArray[np.float64]
+    """Reflectance of the direct texels, (h * w, 3)."""
+
+    size: tuple[int, int]
+    """Height and width of the direct images."""
+
+    irradiance: bool = False
+    """True if the images hold irradiance instead of reflected radiance."""
+
+    def __post_init__(self) -> None:
+        count("rays", self.rays, least=1, most=MOST_RAYS)
+        flag("irradiance", self.irradiance)
+        pixels, shape = pixels_of(self.size), np.shape(self.covered)
+        check_array("covered", self.covered, (*shape, 1, 1)[:2], ("bool",))
+        texels = int(np.count_nonzero(self.covered))
+        check_array("hits", self.hits, (texels, pixels), ("uint16",))
+        for name, wanted in {
+            "between": (pixels, pixels),
+            "visible": (pixels,),
+            "albedo": (*shape, 3),
+            "direct_albedo": (pixels, 3),
+        }.items():
+            check_array(name, getattr(self, name), wanted, ("float64",))
+        _check_albedo(self.albedo)
+        _check_albedo(self.direct_albedo)
+
+    @cached_property
+    def leaving(self) -> NDArray[np.float64]:
+        """Light that leaves each direct texel after all bounces, by the direct light of each.
+
+        One matrix for each channel, (3, h * w, h * w). Light is that of the visible part, for
+        direct images averaged with hidden parts.
+        """
+        share = np.divide(
+            1.0, self.visible, out=np.zeros_like(self.visible), where=self.visible > 0
+        )
+        reflected = self.direct_albedo.T[:, :, None]
+        bounced = np.linalg.inv(np.eye(len(share)) - reflected * (self.between * share))
+        shown: NDArray[np.float64] = share[:, None] * bounced
+        return shown * self.direct_albedo.T[:, None] if self.irradiance else shown
+
+    def factors(self, texels: slice) -> NDArray[np.float32]:
+        """Form factors of some of the covered texels, (texels, h * w)."""
+        return np.asarray(self.hits[texels] / np.float32(self.rays), np.float32)
+
+    @cached_property
+    def reflectance(self) -> NDArray[np.float32]:
+        """Factor from gathered light to the images in the covered texels, (texels, 3)."""
+        albedo = self.albedo[self.covered].astype(np.float32)
+        return np.ones_like(albedo) if self.irradiance else albedo
+
+    def gathered(self, light: NDArray[np.float64], texels: slice) -> NDArray[np.float32]:
+        """Indirect light of some of the covered texels, (n, texels, 3).
+
+        `light`: that leaves the direct texels, (n, 3, h * w).
+        """
+        n, _, pixels = light.shape
+        seen = self.factors(texels) @ light.reshape(3 * n, pixels).astype(np.float32).T
+        return seen.reshape(-1, n, 3).swapaxes(0, 1) * self.reflectance[texels]
+
+    def bounces(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Light that leaves the direct texels, for rows of direct light (n, 3, h * w)."""
+        light: NDArray[np.float64] = rows.swapaxes(0, 1) @ self.leaving.swapaxes(1, 2)
+        return light.swapaxes(0, 1)
+
+    def predict(self, direct: ArrayLike) -> NDArray[np.float32]:
+        """Indirect light under new direct light, without any pair.
+
+        Parameters
+        ----------
+        direct : array_like, shape (h, w, 3 or 4) or (n, h, w, 3 or 4)
+            One image or several, of the size of the direct images.
+
+        Returns
+        -------
+        ndarray, shape (H, W, 3) or (n, H, W, 3)
+            Linear RGB.
+        """
+        stack, is_one = image_stack("direct", direct, self.size, "prior")
+        light = self.bounces(rgb_rows(stack))
+        out = np.zeros((len(stack), self.covered.size, 3), np.float32)
+        places = np.flatnonzero(self.covered)
+        for first in range(0, len(places), _BLOCK):
+            some = slice(first, first + _BLOCK)
+            out[:, places[some]] = self.gathered(light, some)
+        images = out.reshape(len(stack), *self.covered.shape, 3)
+        return images[0] if is_one else images
+
+    def errors(self, direct: ArrayLike, indirect: ArrayLike) -> NDArray[np.float64]:
+        """Relative error of each of some pairs, without learning from them.
+
+        Parameters
+        ----------
+        direct : array_like, shape (k, h, w, 3 or 4)
+            Direct light.
+        indirect : array_like, shape (k, H, W, 3 or 4)
+            Indirect light.
+
+        Returns
+        -------
+        ndarray, shape (k,)
+            Norm of the difference over that of the image; 0 for a black one.
+        """
+        pairs = pairs_of(direct, indirect)
+        truth = image_stack("indirect", pairs.indirect, self.covered.shape, "prior")[0]
+        seen = self.predict(direct)
+        missed, norm = (
+            np.linalg.norm(each.reshape(len(truth), -1), axis=1) for each in (seen - truth, truth)
+        )
+        errors: NDArray[np.float64] = np.divide(
+            missed, norm, out=np.zeros(len(truth)), where=norm > 0
+        )
+        return errors
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the prior as one .npz file with a version; a failure leaves no file behind."""
+        prior_file.save(path, vars(self))
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> TransferPrior:
+        """Read a prior that `save` wrote, or refuse a file of another kind or version."""
+        return prior_file.load(path, cls)
+
+    def in_short(self) -> str:
+        """Sizes of the images, and rays."""
+        (rows, columns), (height, width) = self.size, self.covered.shape
+        return f"{columns}x{rows} to {width}x{height} pixels by {self.rays} rays a texel"
+
+    def __str__(self) -> str:
+        light = "irradiance" if self.irradiance else "reflected radiance"
+        hidden = np.count_nonzero(self.visible < 1)
+        lines = [self.in_short(), f"images of {light}", f"assumed: {_ASSUMED}"]
+        if hidden:
+            lines.append(f"note: {hidden} direct texels are partly or wholly hidden or empty")
+        return "\n".join(lines)
+
+
+def _check_albedo(albedo: NDArray[np.float64]) -> None:
+    least, most = albedo.min(initial=0), albedo.max(initial=0)
+    if not (least >= 0 and most < 1):
+        raise EnvLightsError(
+            f"albedo must be from 0 to below 1, or light would not fade; it is from {least:.6g}"
+            f" to {most:.6g}; divide the albedo of the scene by a scale"
+        )

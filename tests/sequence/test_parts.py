@@ -1,0 +1,209 @@
+"""Parts of `follow`: assignment, window, identities, steps, frames."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from scipy.optimize import linear_sum_assignment
+
+import envlights as el
+from envlights.fitting.map_fit import MapSamples
+from envlights.sequence.assignment import assignment
+from envlights.sequence.frames import frames_of
+from envlights.sequence.identity import Identities, rotation_vector, turn
+from envlights.sequence.steadiness import window_frames, window_weights
+from envlights.sequence.steps import Steps
+from envlights.sequence.window import FrameFit, average, thin
+from tests.sequence import shows
+from tests.sequence.shows import towards
+
+SQUARES = st.integers(1, 8).flatmap(
+    lambda size: arrays(float, (size, size), elements=st.floats(-10, 1e9))
+)
+
+
+@given(SQUARES)
+def test_the_assignment_costs_as_little_as_that_of_scipy(costs):
+    columns = assignment(costs)
+    assert sorted(columns) == [*range(len(costs))]
+    least = costs[linear_sum_assignment(costs)].sum()
+    assert costs[np.arange(len(costs)), columns].sum() == pytest.approx(least, rel=1e-9, abs=1e-6)
+
+
+@given(st.integers(0, 40))
+def test_a_window_leaves_straight_lines_as_they_are(half):
+    weights = window_weights(half)
+    assert weights.sum() == pytest.approx(1)
+    assert weights @ np.arange(-half, half + 1) == pytest.approx(0, abs=1e-12)
+    assert (weights > 0).all()
+
+
+def test_seconds_become_frames():
+    assert window_frames("0.5s", 24.0) == 12
+    assert window_frames(" 0.25 s ", 60.0) == 15
+
+
+@given(st.integers(0, 2**32))
+def test_the_shortest_rotation_leads_from_one_direction_to_the_other(seed):
+    start, end = np.random.default_rng(seed).normal(size=(2, 3))
+    start, end = start / np.linalg.norm(start), end / np.linalg.norm(end)
+    np.testing.assert_allclose(turn(start, rotation_vector(start, end)), end, atol=1e-9)
+
+
+def lamps(*places, flux=(1.0, 1.0, 1.0)):
+    irradiance = np.repeat(np.array(flux[: len(places)])[:, None], 3, axis=1)
+    return el.Lights([towards(*place) for place in places], irradiance)
+
+
+def test_lights_that_cross_between_two_frames_go_on_by_their_motion():
+    identities = Identities()
+    for k in range(-6, 7):
+        # At k = 0 each light is where the other one was: the nearest light is the wrong one.
+        lights = lamps((2 * k - 1, 0), (1 - 2 * k, 0))
+        ids = identities.follow(lights)
+        left = ids[int(np.argmin(lights.direction[:, 0]))]
+        assert left == (0 if k <= 0 else 1)
+
+
+def test_a_light_far_away_is_another_one():
+    identities = Identities()
+    assert identities.follow(lamps((0, 0), (90, 0))) == (0, 1)
+    assert identities.follow(lamps((1, 0), (120, 0))) == (0, 2)
+    # The light that vanished is remembered.
+    assert identities.follow(lamps((2, 0), (90, 0))) == (0, 1)
+
+
+def test_flux_decides_between_lights_that_are_nearly_as_near():
+    identities = Identities()
+    identities.follow(lamps((-2, 0), (2, 0), flux=(9, 1)))
+    # The bright one is now nearer to where the other one was.
+    assert identities.follow(lamps((0.5, 1), (-0.5, -1), flux=(9, 1))) == (0, 1)
+
+
+def test_a_rig_is_the_weighted_mean_of_the_fits_around_it():
+    fluxes, weights = [1.0, 2.0, 4.0, 8.0, 16.0], window_weights(2)
+    fits = [
+        FrameFit(
+            k,
+            el.Rig([0, 0, flux], lamps((3 * k, 0), flux=(flux,)), 0.5),
+            (7,),
+            samples(1),
+            False,
+            False,
+        )
+        for k, flux in enumerate(fluxes)
+    ]
+    # The light of the last frame is another one.
+    fits[4] = fits[4]._replace(ids=(8,))
+    rig = average(fits)
+    assert (rig.frame, rig.fit_error) == (2, 0.5)
+    assert rig.ambient[2] == pytest.approx(weights @ fluxes)
+    assert rig.flux(7) == pytest.approx(weights[:4] @ fluxes[:4])
+    assert rig.flux(8) == pytest.approx(weights[4] * fluxes[4])
+    parts = weights[:4] * fluxes[:4] @ [towards(3 * k, 0) for k in range(4)]
+    expected = parts / np.linalg.norm(parts)
+    np.testing.assert_allclose(rig.light(7).direction[0], expected, atol=1e-12)
+
+
+def samples(level):
+    irradiance = np.full((20, 3), float(level))
+    return MapSamples(np.tile([0.0, 1.0, 0.0], (20, 1)), np.ones(20), irradiance)
+
+
+def test_a_step_is_far_above_the_usual_change():
+    steps = Steps()
+    levels = [1, 1.01, 1.0, 1.01, 1.02, 1.2, 1.21, 1.3]
+    assert [steps.is_step(samples(level)) for level in levels] == [False] * 5 + [True, False, True]
+
+
+def test_a_resting_scene_has_no_step():
+    steps = Steps()
+    assert not any(steps.is_step(samples(1)) for _ in range(9))
+
+
+def test_a_seventh_of_the_normals_measures_nearly_the_same_error():
+    env = next(shows.crossing(1, height=64))
+    alone = el.follow([env], lights=1).sequence()
+    assert alone.error[0] == pytest.approx(alone.fit_error[0], rel=0.01)
+    whole = MapSamples(np.zeros((5120, 3)), np.zeros(5120), np.zeros((5120, 3)))
+    assert len(thin(whole).normals) == 732
+
+
+def test_files_come_in_natural_order(tmp_path):
+    for number in (10, 9, 1):
+        el.EnvMap(np.full((4, 8, 3), float(number))).save(tmp_path / f"f{number}.exr")
+    (tmp_path / "notes.txt").write_text("no map")
+    for source in (tmp_path, str(tmp_path / "f*.exr")):
+        found = frames_of(source)
+        assert found.number == 3
+        assert [el.EnvMap.open(path).radiance[0, 0, 0] for path in found.maps] == [1, 9, 10]
+
+
+def test_frame_rigs_have_an_identity_for_each_light():
+    with pytest.raises(el.EnvLightsError, match="ids must be 1 different numbers"):
+        el.FrameRig([0, 0, 0], lamps((0, 0)), 0.0)
+    with pytest.raises(el.EnvLightsError, match="ids must be 2 different numbers"):
+        el.FrameRig([0, 0, 0], lamps((0, 0), (9, 0)), 0.0, ids=(1, 1))
+
+
+def test_frames_must_be_in_order():
+    rigs = [el.FrameRig([0, 0, 0], lamps((0, 0)), 0.0, frame=k, ids=(0,)) for k in (1, 0)]
+    with pytest.raises(el.EnvLightsError, match="rising order"):
+        el.RigSequence(rigs)
+
+
+def test_flicker_is_the_standard_deviation_of_independent_noise():
+    noise = 1 + 0.01 * np.random.default_rng(1).standard_normal(4000)
+    rigs = [
+        el.FrameRig([0, 0, 0], el.Lights([[0, 1, 0]], [[a, a, a]]), 0.0, frame=k, ids=(0,))
+        for k, a in enumerate(noise)
+    ]
+    assert el.RigSequence(rigs).flicker == pytest.approx(0.01, rel=0.05)
+
+
+def test_flicker_leaves_out_steps_and_constant_changes():
+    flux = [1, 2, 3, 4, 9, 10, 11, 12]
+    rigs = [
+        el.FrameRig(
+            [0, 0, 0], el.Lights([[0, 1, 0]], [[a] * 3]), 0.0, frame=k, ids=(0,), is_step=k == 4
+        )
+        for k, a in enumerate(flux)
+    ]
+    assert el.RigSequence(rigs).flicker == pytest.approx(0, abs=1e-12)
+    rigs[4] = el.FrameRig([0, 0, 0], rigs[4].lights, 0.0, frame=4, ids=(0,))
+    assert el.RigSequence(rigs).flicker > 0.1
+
+
+def test_a_video_is_decoded_frame_by_frame(tmp_path):
+    av = pytest.importorskip("av", reason="needs PyAV")
+    path = str(tmp_path / "lamps.mkv")
+    with av.open(path, "w") as file:
+        stream = file.add_stream("ffv1", rate=25)
+        stream.width, stream.height, stream.pix_fmt = 64, 32, "bgr0"
+        for level in (50, 100, 200):
+            codes = np.full((32, 64, 3), level, np.uint8)
+            file.mux(stream.encode(av.VideoFrame.from_ndarray(codes, format="rgb24")))
+        file.mux(stream.encode(None))
+    found = frames_of(path)
+    assert found.fps == 25
+    from envlights._srgb import decode_srgb
+
+    levels = [float(env.radiance[0, 0, 0]) for env in found.maps]
+    np.testing.assert_allclose(levels, decode_srgb(np.array([50, 100, 200]) / 255), rtol=1e-5)
+    assert el.follow(path, lights=1).sequence().fps == 25
+
+
+def test_a_damaged_video_is_refused(tmp_path):
+    pytest.importorskip("av", reason="needs PyAV")
+    (tmp_path / "no.mp4").write_bytes(b"no video")
+    with pytest.raises(el.DamagedFileError, match="is not a video that PyAV reads"):
+        el.follow(tmp_path / "no.mp4")
+
+
+def test_without_pyav_a_video_is_refused(tmp_path, monkeypatch):
+    import sys
+
+    monkeypatch.setitem(sys.modules, "av", None)
+    with pytest.raises(el.EnvLightsError, match=r"pip install 'envlights\[video\]'"):
+        el.follow(tmp_path / "lamps.mp4")
