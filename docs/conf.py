@@ -41,7 +41,6 @@ nb_merge_streams = True
 
 # The reference: numpydoc's sections, one page for each name.
 default_role = "py:obj"
-autosummary_generate = True
 autosummary_ignore_module_all = False
 autodoc_typehints = "none"
 autodoc_member_order = "groupwise"

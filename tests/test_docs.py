@@ -3,6 +3,7 @@
 import re
 import runpy
 import sys
+from functools import cache
 from pathlib import Path
 from types import ModuleType
 
@@ -114,6 +115,12 @@ def test_every_program_has_a_page_with_its_table():
         assert f"{{program-facts}} {page}\n" in text_of(DOCS / "programs" / f"{page}.md")
 
 
+@cache
+def reference():
+    """Text of each page of the reference."""
+    return reference_pages.texts()
+
+
 PUBLIC = [("", name) for name in el.__all__] + [
     (package, name) for package in reference_pages.PACKAGES for name in getattr(el, package).__all__
 ]
@@ -129,11 +136,11 @@ def test_every_public_name_is_in_the_reference(package, name):
         entry = rf"`envlights\.{name}`"
     else:
         entry = rf"^   ~{full}$|^.. py:data:: {full}$"
-    assert re.search(entry, "\n".join(reference_pages.texts().values()), re.M)
+    assert re.search(entry, "\n".join(reference().values()), re.M)
 
 
 def test_the_help_of_every_command_is_in_the_reference():
-    page = reference_pages.texts()["commands"]
+    page = reference()["commands"]
     for command in ("fit", "detect", "export", "transfer fit", "view"):
         assert re.search(rf"^   Usage: envlights {command} ", page, re.M), command
 

@@ -179,11 +179,13 @@ def texts() -> dict[str, str]:
     return {**pages, "index": heading("Reference") + index}
 
 
-def write_pages(app, _config) -> None:
-    """Write pages that have changed."""
+def write_pages(app, config) -> None:
+    """Write pages that have changed, and have all of them searched for names."""
     folder = Path(app.srcdir) / "docs" / "reference"
     folder.mkdir(exist_ok=True)
-    for name, text in texts().items():
+    pages = texts()
+    config.autosummary_generate = [f"docs/reference/{name}.rst" for name in pages]
+    for name, text in pages.items():
         path = folder / f"{name}.rst"
         if not path.exists() or path.read_text(encoding="utf-8") != text:
             path.write_text(text, encoding="utf-8")
