@@ -32,7 +32,7 @@ def test_what_is_stored_is_small_and_whole(path):
     assert [cell.execution_count for cell in cells] == list(range(1, len(cells) + 1))
     assert all(len(picture) <= 60_000 for picture in pictures_in(cells))
     assert path.stat().st_size <= 400_000
-    assert pictures_in(cells)
+    assert any(cell.outputs for cell in cells)
     assert "widgets" not in notebook.metadata
     for output in (each for cell in cells for each in cell.outputs):
         assert output.output_type != "error"
