@@ -40,6 +40,10 @@ types:
 	$(PYTHON) -m mypy
 	$(PYTHON) -m mypy.stubtest envlights._native
 
+.PHONY: docs  ## The site, docs/_build/html/index.html, without the network; needs the extra docs
+docs:
+	MPLBACKEND=agg $(PYTHON) -m sphinx --fail-on-warning --keep-going --quiet --jobs 2 -c docs . docs/_build/html
+
 .PHONY: bench  ## Run time against error, peers in the same run
 bench:
 	$(PYTHON) -m benchmarks

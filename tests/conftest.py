@@ -60,7 +60,6 @@ RENDERING_FILES = (
     "plot/test_scene.py",
     "test_benchmarks.py",
     "test_blender.py",
-    "test_readme.py",
     "scene/bake.py",
 )
 

@@ -1,9 +1,13 @@
-"""Notebooks run from top to bottom, and are kept without what they print."""
+"""Notebooks run from top to bottom, and draw the pictures that are stored in them."""
 
+import base64
+import io
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
+from PIL import Image
 
 nbclient = pytest.importorskip("nbclient")
 nbformat = pytest.importorskip("nbformat")
@@ -20,19 +24,56 @@ def printed_text(cell):
 
 
 @NOTEBOOKS
-def test_nothing_that_was_printed_is_kept(path):
+def test_what_is_stored_is_small_and_whole(path):
+    """Every cell has run, from the top down; a picture has at most 60 kB, a notebook 400 kB."""
     notebook = nbformat.read(path, as_version=4)
     nbformat.validate(notebook)
-    for cell in notebook.cells:
-        if cell.cell_type == "code":
-            assert (cell.outputs, cell.execution_count) == ([], None), cell.source
+    cells = [cell for cell in notebook.cells if cell.cell_type == "code"]
+    assert [cell.execution_count for cell in cells] == list(range(1, len(cells) + 1))
+    assert all(len(picture) <= 60_000 for picture in pictures_in(cells))
+    assert path.stat().st_size <= 400_000
+    assert any(cell.outputs for cell in cells)
+    assert "widgets" not in notebook.metadata
+    for output in (each for cell in cells for each in cell.outputs):
+        assert output.output_type != "error"
+        assert output.get("name") != "stderr"
+
+
+def pictures_in(cells):
+    """Files of all pictures that cells show by themselves, in order."""
+    return [
+        base64.b64decode(code)
+        for cell in cells
+        for output in cell.get("outputs", ())
+        for kind, code in output.get("data", {}).items()
+        if kind.startswith("image/")
+    ]
+
+
+def thumbnail(file):
+    """Grey values of a picture in 64x32 pixels, from 0 to 1."""
+    picture = Image.open(io.BytesIO(file)).convert("L")
+    return np.asarray(picture.resize((64, 32), Image.Resampling.BOX)) / 255
 
 
 def run_notebook(name):
-    """The cells of a notebook, after a run."""
+    """The cells of a notebook, after a run that draws what is stored."""
     notebook = nbformat.read(FOLDER / f"{name}.ipynb", as_version=4)
     nbclient.NotebookClient(notebook, timeout=600).execute()
+    assert_stored_pictures_look_like(name, notebook.cells)
     return notebook.cells
+
+
+def assert_stored_pictures_look_like(name, cells):
+    """The stored pictures are those of a new run, but for their size and noise."""
+    stored = pictures_in(nbformat.read(FOLDER / f"{name}.ipynb", as_version=4).cells)
+    new = pictures_in(cells)
+    assert len(stored) == len(new)
+    for one, other in zip(stored, new, strict=True):
+        difference = np.abs(thumbnail(one) - thumbnail(other))
+        assert np.sqrt((difference**2).mean()) < 0.03, (
+            f"store the new pictures: python notebooks/store_outputs.py {name}"
+        )
 
 
 @pytest.mark.slow
@@ -120,15 +161,14 @@ def test_mitsuba_agrees_with_a_rig_within_its_noise():
 @pytest.mark.slow
 def test_the_courtyard_goes_from_a_map_to_a_lightmap_within_the_stated_error():
     pytest.importorskip("mitsuba")
-    notebook = nbformat.read(FOLDER / "courtyard.ipynb", as_version=4)
-    nbclient.NotebookClient(notebook, timeout=600).execute()
+    cells = run_notebook("courtyard")
     (said,) = re.findall(
         r"error ([\d.]+)%; stated ([\d.]+)%; noise of the render ([\d.]+)%",
-        "".join(map(printed_text, notebook.cells)),
+        "".join(map(printed_text, cells)),
     )
     error, stated, noise = map(float, said)
     assert error < stated + noise
-    assert "image/png" in notebook.cells[-1].outputs[-1].data
+    assert "image/png" in cells[-1].outputs[-1].data
 
 
 @pytest.mark.slow

@@ -1,4 +1,4 @@
-"""Every block of Python in the README runs as pasted, from the top down, after its demos."""
+"""Every block of Python in the README runs as pasted, from the top down, after its demo."""
 
 import os
 import re
@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from envlights.demo import demo, demo_transfer
+from envlights.demo import demo
 
 README = Path(__file__).parent.parent / "README.md"
 BLOCKS = re.findall(r"^```python\n(.*?)^```", README.read_text(encoding="utf-8"), re.M | re.S)
@@ -14,22 +14,15 @@ BLOCKS = re.findall(r"^```python\n(.*?)^```", README.read_text(encoding="utf-8")
 
 @pytest.fixture(scope="module")
 def session(tmp_path_factory):
-    """A folder with the files of both demos, and the names that blocks leave behind."""
+    """A folder with the files of the demo, and the names that blocks leave behind."""
     folder, before = tmp_path_factory.mktemp("newcomer"), Path.cwd()
     demo(folder)
-    demo_transfer(folder)
     os.chdir(folder)
     yield {}
     os.chdir(before)
 
 
-@pytest.mark.parametrize(
-    "number",
-    [
-        pytest.param(number, marks=[pytest.mark.slow] if "Mitsuba" in block else [])
-        for number, block in enumerate(BLOCKS)
-    ],
-)
+@pytest.mark.parametrize("number", range(len(BLOCKS)))
 def test_a_block_runs_as_pasted(number, session):
     exec(compile(BLOCKS[number], f"README, block {number}", "exec"), session)
 

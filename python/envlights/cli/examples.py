@@ -16,6 +16,7 @@ EXAMPLES = {
         "sky.hdr --error 0.01 --floor",
         "face.exr --projection cube --faces opengl",
     ),
+    "follow": ("frames -o rigs.jsonl -o rigs.usda --fps 24", "video.mp4 --error 0.01 -o rigs.csv"),
     "merge": ("dark.jpg light.jpg -o merged.exr",),
     "photograph": ("room.jpg --fov 60",),
     "repair": ("sky.jpg -o repaired.exr",),

@@ -1,0 +1,12 @@
+"""
+The steps of Loghin (2021)
+==========================
+
+The method of the article: bright samples, a link between neighbours, and one light for each group.
+"""
+
+import envlights as el
+
+env = el.EnvMap(el.synthetic.hall(256).radiance)
+print(el.detect(env, "article"))
+figure = el.plot.article_picture(env)
