@@ -117,7 +117,7 @@ fn common(
 
 /// Matrix of a window whose corners are the nearest corners of its panes.
 ///
-/// Bright bars pull the edges of the common rectangle inwards: with bars of 0.1 of the panes, by 0.4 degrees.
+/// Bars pull the edges of the common rectangle; those of a pane have none.
 fn outer_corners(window: &DMat3, panes: [&Group; 2]) -> Option<DMat3> {
     let fits = panes.iter().filter_map(|pane| pane.1.as_ref());
     let all: Vec<DVec3> = fits.flat_map(|fit| corners(&fit.matrix)).collect();
