@@ -33,6 +33,7 @@ from envlights.rig import Rig
 __all__ = [
     "BakedPairs",
     "Ball",
+    "Batch",
     "Box",
     "Comparison",
     "DamagedFileError",
@@ -46,6 +47,7 @@ __all__ = [
     "FitReport",
     "FolderComparison",
     "ImageErrors",
+    "LabelArrays",
     "LightSetDifference",
     "Lights",
     "Limit",
@@ -70,6 +72,7 @@ __all__ = [
     "TransferReport",
     "View",
     "bake",
+    "batch",
     "compare",
     "compare_folders",
     "compare_lights",
@@ -84,6 +87,7 @@ __all__ = [
     "fit_probe",
     "image_errors",
     "kernels",
+    "label_arrays",
     "limit",
     "read_pairs",
     "shadow_overlay",
@@ -116,6 +120,9 @@ _LATER = {
     "compare_lights": "comparison.light_sets",
     "vector_angle": "comparison.vector_angle",
     "Model": "viewer.model",
+    "Batch": "many.result",
+    "batch": "many.batch",
+    **dict.fromkeys(("LabelArrays", "label_arrays"), "many.labels"),
     **dict.fromkeys(("Sun", "SunAt", "SunSplit", "find_sun", "with_sun"), "sun"),
     **dict.fromkeys(("FilePairs", "TransferModel", "TransferReport", "read_pairs"), "transfer"),
 }
@@ -147,6 +154,9 @@ if _typing.TYPE_CHECKING:
     from envlights.comparison.vector_angle import vector_angle as vector_angle
     from envlights.fitting.error_curve import ErrorCurve, error_curve
     from envlights.fitting.madsen import PaperFit, fit_paper
+    from envlights.many.batch import batch as batch
+    from envlights.many.labels import LabelArrays, label_arrays
+    from envlights.many.result import Batch
     from envlights.scene import BakedPairs, DirectLight, MitsubaScene, ShadowOverlay, Surface
     from envlights.scene.bake import bake as bake
     from envlights.scene.floor_shadow import shadow_overlay as shadow_overlay

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import warnings
-from collections.abc import Collection, Iterable
+from collections.abc import Iterable
 from typing import TypeVar
 
 _T = TypeVar("_T")
@@ -14,7 +14,7 @@ _DELAY = 1.0
 
 
 def progress_bar(
-    items: Collection[_T], what: str, unit: str, progress: bool | None
+    items: Iterable[_T], what: str, unit: str, progress: bool | None
 ) -> Iterable[_T]:
     """Iterate over the items, with a bar on stderr or in the notebook if `progress` is True.
 
