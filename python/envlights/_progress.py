@@ -13,9 +13,7 @@ _T = TypeVar("_T")
 _DELAY = 1.0
 
 
-def progress_bar(
-    items: Iterable[_T], what: str, unit: str, progress: bool | None
-) -> Iterable[_T]:
+def progress_bar(items: Iterable[_T], what: str, unit: str, progress: bool | None) -> Iterable[_T]:
     """Iterate over the items, with a bar on stderr or in the notebook if `progress` is True.
 
     None: only in a terminal or a notebook, and only after a second.

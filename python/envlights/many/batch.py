@@ -95,7 +95,7 @@ def batch(
     Examples
     --------
     >>> import envlights as el
-    >>> halls = ((f"hall-{seed}", el.synthetic.hall(32, seed).radiance) for seed in range(3))
+    >>> halls = ((f"hall-{seed}", el.synthetic.plain(seed, 128).radiance) for seed in range(3))
     >>> result = el.batch(halls, lights=2, jobs=1)
     >>> result
     <Batch: 3 maps, 0 failed>
@@ -111,7 +111,12 @@ def batch(
         threads = threads_of(executor, jobs)
         journal = Journal(folder)
         try:
-            head = {"what": method[0], "options": method[1], "suffix": suffix, "version": _version()}
+            head = {
+                "what": method[0],
+                "options": method[1],
+                "suffix": suffix,
+                "version": _version(),
+            }
             tasks = _tasks(maps, journal, what, options, folder, suffix, threads, method)
             done = in_window(pool, work_on, tasks, _AHEAD * jobs)
             counts = [
@@ -129,9 +134,7 @@ def _version() -> str:
     return version("envlights")
 
 
-def _method(
-    what: Any, suffix: object, options: Mapping[str, Any]
-) -> tuple[str, str, str | None]:
+def _method(what: Any, suffix: object, options: Mapping[str, Any]) -> tuple[str, str, str | None]:
     """Name of the work, its options as text, and the suffix; they are the key of a row."""
     if suffix is not None and not (isinstance(suffix, str) and suffix.startswith(".")):
         raise EnvLightsError(f"suffix must be text that begins with a dot; got {describe(suffix)}")

@@ -104,8 +104,7 @@ def _readable(content: Any) -> Any:
 def _parts(content: Any) -> Iterator[Any]:
     """Bytes that determine a map, in blocks."""
     if isinstance(content, EnvMap):
-        yield f"{content.radiance.shape} {content.registration} {content.white} {content.units}"\
-            .encode()
+        yield f"{content.radiance.shape} {content.registration} {content.white} {content.units}".encode()
         yield np.ascontiguousarray(content.radiance)
         if content.seen is not None:
             yield np.ascontiguousarray(content.seen)
