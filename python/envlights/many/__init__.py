@@ -1,4 +1,4 @@
-"""The same work on many maps, and labels for training.
+"""Work on many maps, with rows and files, and labels for training.
 
 | step                                   | file           |
 |----------------------------------------|----------------|

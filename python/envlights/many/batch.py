@@ -172,7 +172,7 @@ def _tasks(
     names = {source: entry.name for source, entry in journal.entries.items()}
     out = None if folder is None else str(folder)
     for name, source, content in with_unique_names(items_of(maps), names):
-        known = journal.known(source, name, method)
+        known = journal.finished_hash(source, name, method)
         yield Task(name, source, content, what, options, out, suffix, threads, known)
 
 

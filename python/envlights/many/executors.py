@@ -107,14 +107,14 @@ def in_window(
         for task in tasks:
             pending[executor.submit(work, task)] = task
             if len(pending) >= width:
-                yield from _finished(pending)
+                yield from _next_futures(pending)
         while pending:
-            yield from _finished(pending)
+            yield from _next_futures(pending)
     finally:
         for future in pending:
             future.cancel()
 
 
-def _finished(pending: dict[Future[Any], _Task]) -> Iterator[tuple[_Task, Future[Any]]]:
+def _next_futures(pending: dict[Future[Any], _Task]) -> Iterator[tuple[_Task, Future[Any]]]:
     for future in wait(pending, return_when=FIRST_COMPLETED).done:
         yield pending.pop(future), future

@@ -35,7 +35,7 @@ class Entry(NamedTuple):
 
     name: str
     sha256: str | None
-    """None if the map failed, so that it is tried again."""
+    """Hash of the map; None after a failure, so that it is tried again."""
 
     method: tuple[str, str, str | None]
     """Method, options and suffix of the file."""
@@ -50,7 +50,7 @@ class Journal:
 
     def __init__(self, folder: Path | None) -> None:
         self._folder = folder
-        self._file = io.BytesIO() if folder is None else _locked(folder / JOURNAL)
+        self._file = io.BytesIO() if folder is None else _lock_file(folder / JOURNAL)
         self._synced = monotonic()
         self.entries: dict[str, Entry] = {}
         """Last row of each source."""
@@ -79,7 +79,7 @@ class Journal:
         except (ValueError, KeyError, TypeError, AttributeError):
             return
 
-    def known(self, source: str, name: str, method: tuple[str, str, str | None]) -> str | None:
+    def finished_hash(self, source: str, name: str, method: tuple[str, str, str | None]) -> str | None:
         """SHA-256 of a map whose row and file are there for the same method, or None."""
         entry = self.entries.get(source)
         if entry is None or entry.method != method or entry.name != name:
@@ -121,7 +121,7 @@ class Journal:
         self._file.close()
 
 
-def _locked(path: Path) -> IO[bytes]:
+def _lock_file(path: Path) -> IO[bytes]:
     """File of rows, open for one batch; a second one in the same folder is refused."""
     check_writable(path)
     try:

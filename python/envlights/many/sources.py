@@ -58,14 +58,14 @@ def _items_of_entry(number: int, entry: Any) -> Iterator[Item]:
     if isinstance(entry, tuple) and len(entry) == 2 and isinstance(entry[0], str):
         name, entry = printable(entry[0]), entry[1]
         source = os.fsdecode(entry) if isinstance(entry, str | os.PathLike) else name
-        yield Item(_checked(name), source, entry)
+        yield Item(_file_name(name), source, entry)
     elif isinstance(entry, str | os.PathLike):
         yield from _items_of_text(os.fsdecode(entry))
     else:
         yield Item(name, name, entry)
 
 
-def _checked(name: str) -> str:
+def _file_name(name: str) -> str:
     """`name`, or a refusal of one that would leave the folder of the files."""
     parts = re.split(r"[/\\]", name)
     if any(part in ("", ".", "..") for part in parts):
@@ -107,7 +107,7 @@ def _items_of_folder(folder: Path) -> Iterator[Item]:
 
 
 def _matches(pattern: str) -> list[str]:
-    paths = sorted(glob.glob(pattern, recursive=True))
+    paths = sorted(glob.glob(pattern, recursive=True))  # noqa: PTH207
     if not paths:
         raise MissingFileError(f"no file matches the pattern '{pattern}'")
     return paths
@@ -155,7 +155,7 @@ def _items_of_line(path: Path, number: int, text: str) -> Iterator[Item]:
         )
     place = entry["path"]
     source = place if ADDRESS.match(place) else str(path.parent / place)
-    yield Item(_checked(printable(str(entry.get("name") or _stem(source)))), source, source)
+    yield Item(_file_name(printable(str(entry.get("name") or _stem(source)))), source, source)
 
 
 def with_unique_names(items: Iterable[Item], known: Mapping[str, str]) -> Iterator[Item]:

@@ -104,7 +104,8 @@ def _readable(content: Any) -> Any:
 def _parts(content: Any) -> Iterator[Any]:
     """Bytes that determine a map, in blocks."""
     if isinstance(content, EnvMap):
-        yield f"{content.radiance.shape} {content.registration} {content.white} {content.units}".encode()
+        shape, kind = content.radiance.shape, content.registration
+        yield f"{shape} {kind} {content.white} {content.units}".encode()
         yield np.ascontiguousarray(content.radiance)
         if content.seen is not None:
             yield np.ascontiguousarray(content.seen)
