@@ -79,7 +79,9 @@ class Journal:
         except (ValueError, KeyError, TypeError, AttributeError):
             return
 
-    def finished_hash(self, source: str, name: str, method: tuple[str, str, str | None]) -> str | None:
+    def finished_hash(
+        self, source: str, name: str, method: tuple[str, str, str | None]
+    ) -> str | None:
         """SHA-256 of a map whose row and file are there for the same method, or None."""
         entry = self.entries.get(source)
         if entry is None or entry.method != method or entry.name != name:
