@@ -9,6 +9,7 @@ import signal
 import sys
 import tempfile
 import time
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -44,6 +45,10 @@ TABLES = [
     for which in (0, 1)
 ]
 
+BATCHES = [
+    el.batch([("hall", image)], lights=1 + which, jobs=1) for which, image in enumerate(IMAGES)
+]
+
 
 #: For each kind the name of its file, and how the first or the second thing is saved there.
 SAVES = {
@@ -57,6 +62,11 @@ SAVES = {
     **{
         f"comparison {suffix}": (f"table{suffix}", lambda path, which: TABLES[which].save(path))
         for suffix in (".csv", ".json")
+    },
+    **{
+        f"batch {suffix}": (f"lights{suffix}", lambda path, which: BATCHES[which].save(path))
+        for suffix in (".jsonl", ".parquet")
+        if suffix == ".jsonl" or find_spec("pyarrow")
     },
     "model": ("model.npz", lambda path, which: MODELS[which].save(path)),
     "image": ("image.exr", lambda path, which: el.io.write_exr(path, IMAGES[which])),

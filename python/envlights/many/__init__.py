@@ -4,6 +4,7 @@
 |----------------------------------------|----------------|
 | maps from paths, folders and iterators | `sources.py`   |
 | row of a result                        | `rows.py`      |
+| name of a function of the user         | `functions.py` |
 | work on one map                        | `work.py`      |
 | executors and threads                  | `executors.py` |
 | rows that survive a kill               | `journal.py`   |

@@ -22,6 +22,7 @@ from envlights.many.executors import (
     threads_of,
     threads_restored,
 )
+from envlights.many.functions import name_of
 from envlights.many.journal import Journal
 from envlights.many.result import Batch
 from envlights.many.rows import plain
@@ -57,11 +58,13 @@ def batch(
         addresses of fsspec, `EnvMap` or arrays; or an iterable of them, and of pairs of a name and
         a map. An iterator is read as the work goes on, a few maps ahead.
     out : path-like, optional
-        Folder of the files and of the rows, ``batch.jsonl``; it is made if it is missing. When left
-        out, the rows are kept in memory and nothing is saved.
+        Folder of the files and of the rows, ``batch.jsonl``; it is made if it is missing. Maps in
+        it that `maps` finds by a folder or pattern are left out. Without `out`, the rows are kept
+        in memory and nothing is saved.
     what : {"fit", "detect", "split", "error_curve"} or callable
         Work on each map. A function gets an `EnvMap` and the options, and returns a dict of numbers
-        and texts, a rig, lights or another result.
+        and texts, a rig, lights or another result. When its own text changes, all maps are done
+        again, but not when a function that it calls changes.
     suffix : str, optional
         Format of the file of each map, as in `Rig.save`; a split also writes its rest as ``.exr``.
         None: no files.
@@ -71,7 +74,8 @@ def batch(
         Dask, whose workers see the same files.
     jobs : int, optional
         Maps at once. When left out, the number of workers of the executor or of cores. Kernels get
-        an equal share of the threads of `el.threads`; with ``jobs=1``, all of them.
+        an equal share of the threads of `el.threads`; with ``jobs=1``, all of them. Workers of
+        Dask use one thread each, those of MPI and other executors what they are set to.
     progress : bool, optional
         True: show a bar. When left out, one appears in a terminal or notebook after a second.
     **options
@@ -143,8 +147,7 @@ def _method(what: Any, suffix: object, options: Mapping[str, Any]) -> tuple[str,
         check_options(what, options)
         name = what
     else:
-        inner = getattr(what, "func", what)  # of functools.partial
-        name = f"{inner.__module__}.{getattr(inner, '__qualname__', type(inner).__qualname__)}"
+        name = name_of(what)
         options = {**getattr(what, "keywords", {}), **options}
     return name, json.dumps(plain(options), sort_keys=True), suffix
 
@@ -165,13 +168,13 @@ def _tasks(
     options: Mapping[str, Any],
     folder: Path | None,
     suffix: str | None,
-    threads: int,
+    threads: int | None,
     method: tuple[str, str, str | None],
 ) -> Iterator[Task]:
     """Work on each map, made when a worker is free."""
     names = {source: entry.name for source, entry in journal.entries.items()}
     out = None if folder is None else str(folder)
-    for name, source, content in with_unique_names(items_of(maps), names):
+    for name, source, content in with_unique_names(items_of(maps, folder), names):
         known = journal.finished_hash(source, name, method)
         yield Task(name, source, content, what, options, out, suffix, threads, known)
 

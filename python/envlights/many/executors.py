@@ -22,7 +22,7 @@ from envlights._native import EnvLightsError
 _Task = TypeVar("_Task")
 
 #: Executors by name.
-_NAMES = ("thread", "process")
+NAMES = ("thread", "process")
 
 
 @contextlib.contextmanager
@@ -47,7 +47,7 @@ def executor_of(executor: Any, jobs: int) -> Iterator[Executor]:
 
 @contextlib.contextmanager
 def _own(name: str, jobs: int) -> Iterator[Executor]:
-    check_choice("executor", name, _NAMES)
+    check_choice("executor", name, NAMES)
     if name == "thread":
         pool: Executor = ThreadPoolExecutor(jobs, "envlights-batch")
     else:
@@ -80,11 +80,16 @@ def jobs_of(executor: Any, jobs: int | None) -> int:
     return _native.threads(None)
 
 
-def threads_of(executor: Any, jobs: int) -> int:
-    """Threads of the kernels of each worker, so that the workers of a machine share its cores."""
+def threads_of(executor: Any, jobs: int) -> int | None:
+    """Threads of the kernels of each worker, so that the workers of this machine share its cores.
+
+    None leaves them: workers of an executor that we do not know may be on other machines.
+    """
     if hasattr(executor, "get_executor"):  # Dask counts the cores of its workers itself
         return 1
-    return max(1, _native.threads(None) // jobs)
+    if executor is None or isinstance(executor, str | ThreadPoolExecutor | ProcessPoolExecutor):
+        return max(1, _native.threads(None) // jobs)
+    return None
 
 
 @contextlib.contextmanager

@@ -42,25 +42,28 @@ class Item(NamedTuple):
     """Path, address, files of a cube, `EnvMap` or array."""
 
 
-def items_of(maps: Any) -> Iterator[Item]:
-    """Maps of the first argument of `batch`, each made when it is needed."""
+def items_of(maps: Any, out: Path | None = None) -> Iterator[Item]:
+    """Maps of the first argument of `batch`, each made when it is needed.
+
+    Folders and patterns leave out the files of the folder `out`, where a split saves maps.
+    """
     is_one = isinstance(maps, str | os.PathLike | EnvMap | np.ndarray | Mapping)
     if not is_one and not isinstance(maps, Iterable):
         raise EnvLightsError(
             f"maps must be paths, folders, patterns, arrays or an iterator; got {describe(maps)}"
         )
     for number, entry in enumerate([maps] if is_one else maps):
-        yield from _items_of_entry(number, entry)
+        yield from _items_of_entry(number, entry, out)
 
 
-def _items_of_entry(number: int, entry: Any) -> Iterator[Item]:
+def _items_of_entry(number: int, entry: Any, out: Path | None) -> Iterator[Item]:
     name = f"map-{number:06}"
     if isinstance(entry, tuple) and len(entry) == 2 and isinstance(entry[0], str):
         name, entry = printable(entry[0]), entry[1]
         source = os.fsdecode(entry) if isinstance(entry, str | os.PathLike) else name
         yield Item(_file_name(name), source, entry)
     elif isinstance(entry, str | os.PathLike):
-        yield from _items_of_text(os.fsdecode(entry))
+        yield from _items_of_text(os.fsdecode(entry), out)
     else:
         yield Item(name, name, entry)
 
@@ -73,18 +76,18 @@ def _file_name(name: str) -> str:
     return name
 
 
-def _items_of_text(text: str) -> Iterator[Item]:
+def _items_of_text(text: str, out: Path | None) -> Iterator[Item]:
     """Maps of a path, a folder, a pattern, a list of paths or an address."""
     if ADDRESS.match(text):
         for address in _addresses(text):
             yield Item(_stem(address), address, address)
     elif Path(text).is_dir():
-        yield from _items_of_folder(Path(text))
+        yield from _items_of_folder(Path(text), out)
     elif Path(text).suffix.lower() in _LISTS and Path(text).is_file():
         yield from _items_of_list(Path(text))
     elif _PATTERN.search(text) and not Path(text).exists():
-        for path in _matches(text):
-            yield from _items_of_text(path)
+        for path in _matches(text, out):
+            yield from _items_of_text(path, out)
     else:
         yield Item(_stem(text), text, text)
 
@@ -94,22 +97,35 @@ def _stem(path: str) -> str:
     return printable(Path(name).stem) or "map"
 
 
-def _items_of_folder(folder: Path) -> Iterator[Item]:
+def _items_of_folder(folder: Path, out: Path | None) -> Iterator[Item]:
     """Maps in a folder and in the folders below it, sorted by path."""
-    paths = sorted(path for path in folder.rglob("*") if path.suffix.lower() in MAPS)
+    found = (path for path in folder.rglob("*") if path.suffix.lower() in MAPS)
+    paths = sorted(path for path in found if not _is_below(path, out))
     if not paths:
         raise EnvLightsError(
-            f"the folder '{folder}' holds no map; a map has one of the suffixes {', '.join(MAPS)}"
+            f"the folder '{folder}' holds no map{_outside(out)}; a map has one of the suffixes"
+            f" {', '.join(MAPS)}"
         )
     for path in paths:
         below = path.relative_to(folder).with_suffix("").as_posix()
         yield Item(printable(below), str(path), str(path))
 
 
-def _matches(pattern: str) -> list[str]:
-    paths = sorted(glob.glob(pattern, recursive=True))  # noqa: PTH207
+def _is_below(path: str | Path, folder: Path | None) -> bool:
+    """True if `path` is `folder` or lies in it."""
+    return folder is not None and Path(path).resolve().is_relative_to(folder.resolve())
+
+
+def _outside(out: Path | None) -> str:
+    """End of a refusal if the folder of the results was left out."""
+    return "" if out is None else f" outside of the folder of the results, '{out}'"
+
+
+def _matches(pattern: str, out: Path | None) -> list[str]:
+    found = glob.glob(pattern, recursive=True)  # noqa: PTH207
+    paths = sorted(path for path in found if not _is_below(path, out))
     if not paths:
-        raise MissingFileError(f"no file matches the pattern '{pattern}'")
+        raise MissingFileError(f"no file matches the pattern '{pattern}'{_outside(out)}")
     return paths
 
 

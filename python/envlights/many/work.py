@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from time import perf_counter
 from typing import Any, NamedTuple
@@ -132,12 +132,20 @@ def _save(task: Task, result: Any) -> str | None:
         return None
     path = Path(task.folder) / f"{task.name}{task.suffix}"
     path.parent.mkdir(parents=True, exist_ok=True)
-    rest = getattr(result, "rest", None)
-    if isinstance(rest, EnvMap) and task.suffix not in MAP_SUFFIXES:
-        result.save(path.with_name(f"{Path(task.name).name}{MAP_SUFFIXES[0]}"), path)
-    else:
-        result.save(path)
+    paths = [path]
+    if isinstance(getattr(result, "rest", None), EnvMap) and task.suffix not in MAP_SUFFIXES:
+        paths.insert(0, path.with_name(f"{Path(task.name).name}{MAP_SUFFIXES[0]}"))
+    _check_source_stays(task.source, paths)
+    result.save(*paths)
     return os.path.relpath(path, task.folder)
+
+
+def _check_source_stays(source: str, paths: Iterable[Path]) -> None:
+    """Refuse to save a result over its own map."""
+    if any(path.exists() and Path(source).exists() and path.samefile(source) for path in paths):
+        raise EnvLightsError(
+            f"the result would be saved over its map, {source}; give another folder"
+        )
 
 
 def check_options(what: str, options: Mapping[str, Any]) -> None:
