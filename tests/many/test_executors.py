@@ -4,6 +4,7 @@ import os
 import signal
 from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
 from multiprocessing import get_context
+from pathlib import Path
 
 import pytest
 
@@ -26,7 +27,7 @@ def test_rows_are_those_of_one_job(tmp_path, executor):
     assert len(result) == 9
 
 
-def test_processes_started_by_spawn_or_forkserver_are_taken(tmp_path):
+def test_an_executor_of_spawned_processes_is_taken(tmp_path):
     good = write_maps(tmp_path / "maps", 9)
     with ProcessPoolExecutor(1, get_context("spawn")) as executor:
         result = el.batch(tmp_path / "maps", tmp_path / "out", lights=1, executor=executor)
@@ -54,8 +55,8 @@ def test_threads_are_as_before_after_a_batch():
 
 def kill_itself(env, *, mark):
     """Kill the process of the worker once; then fit."""
-    if not os.path.exists(mark):  # noqa: PTH110
-        open(mark, "w").close()  # noqa: PTH123, SIM115
+    if not Path(mark).exists():
+        Path(mark).touch()
         os.kill(os.getpid(), signal.SIGKILL)
     return el.fit(env, lights=1)
 

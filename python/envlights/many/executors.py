@@ -76,7 +76,7 @@ def jobs_of(executor: Any, jobs: int | None) -> int:
     if isinstance(workers, int) and workers > 0:
         return workers
     if hasattr(executor, "ncores"):  # a client of Dask
-        return max(1, sum(executor.ncores().values()))
+        return max(1, int(sum(executor.ncores().values())))
     return _native.threads(None)
 
 

@@ -54,8 +54,7 @@ class LabelArrays(Result):
     @property
     def solid_angle(self) -> NDArray[np.float32]:
         """Solid angle of each disc in steradians, (n, k)."""
-        angles: NDArray[np.float32] = 4 * np.pi * np.sin(self.angular_radius / 2) ** 2
-        return angles
+        return (4 * np.pi * np.sin(self.angular_radius / 2) ** 2).astype(np.float32)
 
     def __len__(self) -> int:
         return len(self.mask)
