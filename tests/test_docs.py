@@ -11,7 +11,15 @@ DOCS = Path(__file__).parent.parent / "docs"
 
 @pytest.mark.parametrize(
     "page",
-    ["compare.md", "compare_lights.md", "layouts.md", "overlays.md", "sun.md", "units.md"],
+    [
+        "batch.md",
+        "compare.md",
+        "compare_lights.md",
+        "layouts.md",
+        "overlays.md",
+        "sun.md",
+        "units.md",
+    ],
 )
 def test_a_page_runs_as_pasted(page, tmp_path):
     text = (DOCS / page).read_text(encoding="utf-8")
