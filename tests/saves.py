@@ -63,11 +63,7 @@ SAVES = {
         f"comparison {suffix}": (f"table{suffix}", lambda path, which: TABLES[which].save(path))
         for suffix in (".csv", ".json")
     },
-    **{
-        f"batch {suffix}": (f"lights{suffix}", lambda path, which: BATCHES[which].save(path))
-        for suffix in (".jsonl", ".parquet")
-        if suffix == ".jsonl" or find_spec("pyarrow")
-    },
+    "batch .jsonl": ("lights.jsonl", lambda path, which: BATCHES[which].save(path)),
     "model": ("model.npz", lambda path, which: MODELS[which].save(path)),
     "image": ("image.exr", lambda path, which: el.io.write_exr(path, IMAGES[which])),
     "tif": ("image.tif", lambda path, which: write_tiff(path, IMAGES[which])),
@@ -83,6 +79,12 @@ SAVES = {
         suffix: (f"picture{suffix}", lambda path, which: el.plot.save(FIGURES[which], path))
         for suffix in PICTURES
     },
+    # Last: once pyarrow has worked, processes that are forked crash when they write an EXR.
+    **(
+        {"batch .parquet": ("lights.parquet", lambda path, which: BATCHES[which].save(path))}
+        if find_spec("pyarrow")
+        else {}
+    ),
 }
 
 

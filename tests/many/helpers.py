@@ -58,7 +58,7 @@ def rows_of(out):
 
 
 def check_whole(result, out, good):
-    """Check that good maps have a row and a rig, broken ones a reason, and nothing else is there."""
+    """Check that good maps have a row and a rig, broken ones a reason, and there is no more."""
     rows = list(result.rows())
     assert [row["name"] for row in rows] == sorted([*good, *BROKEN])
     assert rows_of(out) == len(rows)
