@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 import envlights as el
 from envlights import export, io, kernels, synthetic
+from tests.call_batches import BATCH_CALLS
 from tests.call_comparisons import COMPARISON_CALLS
 from tests.call_gloss import GLOSS_CALLS
 from tests.call_sequences import SEQUENCE_CALLS
@@ -205,6 +206,7 @@ CALLS = {
             "fixed": st.one_of(st.none(), FEW),
         },
     ),
+    **BATCH_CALLS,
     **COMPARISON_CALLS,
     "fit_paper": (
         el.fit_paper,

@@ -10,6 +10,7 @@ import sys
 import tempfile
 import time
 from dataclasses import replace
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -59,6 +60,10 @@ TABLES = [
     for which in (0, 1)
 ]
 
+BATCHES = [
+    el.batch([("hall", image)], lights=1 + which, jobs=1) for which, image in enumerate(IMAGES)
+]
+
 
 SEQUENCES = [el.follow([image, image], lights=2).sequence() for image in IMAGES]
 
@@ -76,6 +81,7 @@ SAVES = {
         for suffix in (".csv", ".json")
     },
     "prior": ("prior.npz", lambda path, which: PRIORS[which].save(path)),
+    "batch .jsonl": ("lights.jsonl", lambda path, which: BATCHES[which].save(path)),
     "model": ("model.npz", lambda path, which: MODELS[which].save(path)),
     "image": ("image.exr", lambda path, which: el.io.write_exr(path, IMAGES[which])),
     "tif": ("image.tif", lambda path, which: write_tiff(path, IMAGES[which])),
@@ -97,6 +103,12 @@ SAVES = {
         suffix: (f"picture{suffix}", lambda path, which: el.plot.save(FIGURES[which], path))
         for suffix in PICTURES
     },
+    # Last: once pyarrow has worked, processes that are forked crash when they write an EXR.
+    **(
+        {"batch .parquet": ("lights.parquet", lambda path, which: BATCHES[which].save(path))}
+        if find_spec("pyarrow")
+        else {}
+    ),
 }
 
 

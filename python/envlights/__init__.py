@@ -36,6 +36,7 @@ from envlights.rig import Rig, rigs_to_frame
 __all__ = [
     "BakedPairs",
     "Ball",
+    "Batch",
     "Box",
     "Card",
     "CardSplit",
@@ -54,6 +55,7 @@ __all__ = [
     "FolderComparison",
     "FrameRig",
     "ImageErrors",
+    "LabelArrays",
     "LightSetDifference",
     "Lights",
     "Limit",
@@ -82,6 +84,7 @@ __all__ = [
     "TransferReport",
     "View",
     "bake",
+    "batch",
     "compare",
     "compare_folders",
     "compare_lights",
@@ -97,6 +100,7 @@ __all__ = [
     "follow",
     "image_errors",
     "kernels",
+    "label_arrays",
     "limit",
     "read_pairs",
     "rigs_to_frame",
@@ -131,6 +135,9 @@ _LATER = {
     "compare_lights": "comparison.light_sets",
     "vector_angle": "comparison.vector_angle",
     "Model": "viewer.model",
+    "Batch": "many.result",
+    "batch": "many.batch",
+    **dict.fromkeys(("LabelArrays", "label_arrays"), "many.labels"),
     **dict.fromkeys(("Sun", "SunAt", "SunSplit", "find_sun", "with_sun"), "sun"),
     **dict.fromkeys(
         ("FilePairs", "TransferModel", "TransferPrior", "TransferReport", "read_pairs"), "transfer"
@@ -165,6 +172,9 @@ if _typing.TYPE_CHECKING:
     from envlights.comparison.vector_angle import vector_angle as vector_angle
     from envlights.fitting.error_curve import ErrorCurve, error_curve
     from envlights.fitting.madsen import PaperFit, fit_paper
+    from envlights.many.batch import batch as batch
+    from envlights.many.labels import LabelArrays, label_arrays
+    from envlights.many.result import Batch
     from envlights.scene import BakedPairs, DirectLight, MitsubaScene, ShadowOverlay, Surface
     from envlights.scene.bake import bake as bake
     from envlights.scene.floor_shadow import shadow_overlay as shadow_overlay

@@ -15,6 +15,7 @@ from envlights.io.errors import FileError
 
 #: Subcommands with their help. The file of a subcommand is imported when it is called.
 _COMMANDS = {
+    "batch": "Do the same work on many maps.",
     "compare": "Compare the lighting of maps, rigs or folders of them.",
     "convert": "Write a map in another layout, turned or resized.",
     "demo": "Make example files, and draw the result.",

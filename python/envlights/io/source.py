@@ -27,7 +27,7 @@ WANTED = f"give {READABLE}"
 AnySource = str | os.PathLike[str] | bytes | bytearray | memoryview | IO[bytes]
 
 #: Start of an address of fsspec.
-_ADDRESS = re.compile(r"[a-z][a-z0-9+.-]*(::[a-z0-9+.-]+)*://", re.IGNORECASE)
+ADDRESS = re.compile(r"[a-z][a-z0-9+.-]*(::[a-z0-9+.-]+)*://", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
@@ -105,7 +105,7 @@ def named_source(source: Any) -> Source:
         ) from None
     if text == "-":
         return _standard_input()
-    if _ADDRESS.match(text):
+    if ADDRESS.match(text):
         return _of_address(text)
     return _of_path(text)
 

@@ -1,0 +1,103 @@
+"""`envlights batch`: `envlights.batch` on files."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from inspect import signature
+from typing import Any
+
+import click
+
+from envlights._native import EnvLightsError
+from envlights.cli.outputs import default_of
+from envlights.many.batch import batch
+from envlights.many.columns import COLUMNS
+from envlights.many.executors import NAMES
+from envlights.many.result import Batch
+from envlights.many.tables import SUFFIXES, check_table
+from envlights.many.work import METHODS
+
+
+@click.command("batch")
+@click.argument("maps", nargs=-1, required=True, metavar="MAP...")
+@click.option(
+    "-o",
+    "--output",
+    "out",
+    required=True,
+    metavar="DIR",
+    help="Folder of the files and of the rows (batch.jsonl); the same folder goes on.",
+)
+@click.option(
+    "--what",
+    type=click.Choice(list(METHODS)),
+    default=default_of(batch, "what"),
+    show_default=True,
+    help="Work on each map.",
+)
+@click.option(
+    "--set",
+    "settings",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="Option of the work, as in Python: --set lights=4. Can be repeated.",
+)
+@click.option(
+    "--suffix",
+    default=default_of(batch, "suffix"),
+    show_default=True,
+    metavar="SUFFIX",
+    help="Format of the file of each map (list: envlights export -h).",
+)
+@click.option("--jobs", type=int, metavar="N", help="Maps at once; by default one for each core.")
+@click.option("--executor", type=click.Choice(NAMES), help="Threads, the default, or processes.")
+@click.option(
+    "--table", metavar="TABLE", help=f"Also write the rows as a table ({', '.join(SUFFIXES)})."
+)
+@click.option(
+    "--rows",
+    type=click.Choice(list(COLUMNS)),
+    default=default_of(Batch.save, "of"),
+    show_default=True,
+    help="Rows of TABLE: one for each light, or for each map, also for those that failed.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON.")
+@click.pass_context
+def command(
+    context: click.Context,
+    maps: Sequence[str],
+    out: str,
+    what: str,
+    settings: Sequence[str],
+    suffix: str,
+    jobs: int | None,
+    executor: str | None,
+    table: str | None,
+    rows: str,
+    as_json: bool,
+) -> None:
+    """Do the same work on many maps: files, folders, patterns or lists of paths (.txt, .jsonl).
+
+    A map that fails costs its row; the exit code is then 1.
+    """
+    if table is not None:
+        check_table(table)
+    options = dict(map(_setting, settings))
+    result = batch(maps, out, what=what, suffix=suffix, executor=executor, jobs=jobs, **options)
+    if table is not None:
+        result.save(table, rows)
+    click.echo(json.dumps(result.to_dict(), indent=2) if as_json else str(result))
+    if result.failures:
+        context.exit(1)
+
+
+def _setting(text: str) -> tuple[str, Any]:
+    """Name and value of an option; a value that is not JSON is text."""
+    name, equals, value = text.partition("=")
+    if not equals or not name.isidentifier() or name in signature(batch).parameters:
+        raise EnvLightsError(f"--set must be NAME=VALUE of an option of the work; got {text}")
+    try:
+        return name, json.loads(value)
+    except ValueError:
+        return name, value

@@ -1,0 +1,69 @@
+"""Arrays for training, against closed forms."""
+
+import numpy as np
+import pytest
+
+import envlights as el
+
+
+def lights(*irradiances, radius=0.1):
+    count = len(irradiances)
+    directions = np.array([[0, 1, 0], [0, 0, 1], [0.6, 0.8, 0]])[:count]
+    return el.Lights(directions, [[each] * 3 for each in irradiances], np.full(count, radius))
+
+
+def test_places_have_the_brightest_lights_and_the_rest_is_a_fraction():
+    arrays = el.label_arrays([lights(6, 3, 1), lights(5)], lights=2)
+    assert arrays.mask.tolist() == [[True, True], [True, False]]
+    np.testing.assert_array_equal(arrays.direction[0], [[0, 1, 0], [0, 0, 1]])
+    np.testing.assert_array_equal(arrays.irradiance[..., 1], [[6, 3], [5, 0]])
+    np.testing.assert_allclose(arrays.left_out, [0.1, 0], rtol=1e-6)
+    for name in ("direction", "irradiance", "amplitude", "sharpness", "angular_radius"):
+        assert not getattr(arrays, name)[1, 1].any()
+        assert getattr(arrays, name).dtype == np.float32
+
+
+def test_the_solid_angle_is_that_of_the_cap():
+    arrays = el.label_arrays([lights(1, radius=0.3)], lights=1)
+    assert arrays.solid_angle[0, 0] == pytest.approx(2 * np.pi * (1 - np.cos(0.3)), rel=1e-6)
+
+
+def test_gaussians_keep_flux_and_mean_cosine_of_the_disc():
+    """Integrals of the Gaussian by quadrature over the polar angle."""
+    radius = 0.3
+    arrays = el.label_arrays([lights(2, radius=radius)], lights=1)
+    sharpness, amplitude = float(arrays.sharpness[0, 0]), float(arrays.amplitude[0, 0, 0])
+    cosine = np.linspace(-1, 1, 400_001)
+    lobe = 2 * np.pi * amplitude * np.exp(sharpness * (cosine - 1))
+    flux, moment = np.trapezoid(lobe, cosine), np.trapezoid(lobe * cosine, cosine)
+    radiance = 2 / (np.pi * np.sin(radius) ** 2)
+    cap = 2 * np.pi * (1 - np.cos(radius))
+    assert moment == pytest.approx(2, rel=1e-6)
+    assert flux == pytest.approx(radiance * cap, rel=1e-6)
+
+
+def test_ambient_term_of_a_grey_map_is_its_radiance():
+    grey = np.full((32, 64, 3), [0.5, 0.25, 1.0])
+    arrays = el.label_arrays([el.fit(grey, lights=0), lights(1)], lights=1)
+    np.testing.assert_allclose(arrays.ambient[0], [0.5, 0.25, 1.0], rtol=1e-5)
+    assert not arrays.ambient[1].any()
+    assert not arrays.mask[0].any()
+
+
+def test_arrays_of_a_batch_are_those_of_its_rigs_without_failures():
+    maps = {f"map-{seed}": el.synthetic.plain(seed, 128).radiance for seed in range(3)}
+    result = el.batch([*maps.items(), ("bad", [1])], lights=2, jobs=1)
+    rigs = [el.fit(image, lights=2) for image in maps.values()]
+    arrays, expected = el.label_arrays(result, 3), el.label_arrays(rigs, 3)
+    assert arrays.names == tuple(maps)
+    for name, array in expected.to_dict().items():
+        if name != "names":
+            np.testing.assert_array_equal(getattr(arrays, name), array)
+
+
+def test_labels_without_lights_are_refused():
+    result = el.batch([np.ones((16, 32, 3))], what=lambda env: {"peak": env.radiance.max()})
+    with pytest.raises(el.EnvLightsError, match="labels must hold lights"):
+        el.label_arrays(result, 1)
+    with pytest.raises(el.EnvLightsError, match="several rigs or lights; got"):
+        el.label_arrays(lights(1), 1)
