@@ -86,4 +86,8 @@ COMPARISON_CALLS = {
             "specular": SHARE,
         },
     ),
+    "kernels.weighted_means": (
+        kernels.weighted_means,
+        {"points": FEW, "weights": array(5), "light": st.just([0, 0, 1, 1, 2])},
+    ),
 }

@@ -384,10 +384,6 @@ CALLS = {
         kernels.uv_to_pixel,
         {"uv": array(7, 2), "height": SIZE, "width": SIZE},
     ),
-    "kernels.weighted_means": (
-        kernels.weighted_means,
-        {"points": FEW, "weights": array(5), "light": st.just([0, 0, 1, 1, 2])},
-    ),
     "kernels.working_irradiance": (
         kernels.working_irradiance,
         {

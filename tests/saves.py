@@ -44,8 +44,8 @@ CARDS = [
     el.CardSplit(
         el.Cards(
             ["rectangle"],
-            [np.array([[-1.0, 0, 0.5], [0, -1, 0.5], [0, 0, 1]])],
-            [[1.0 + which] * 3],
+            [np.array([[-1.0 - which, 0, 0.5], [0, -1, 0.5], [0, 0, 1]])],
+            [[1.0] * 3],
         ),
         el.EnvMap(np.ones((8, 16, 3), np.float32)),
     )

@@ -1,4 +1,4 @@
-"""The same rows on all executors, also when a worker is killed."""
+"""Rows are equal on all executors, also when a worker is killed."""
 
 import os
 import signal

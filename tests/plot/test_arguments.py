@@ -91,6 +91,13 @@ PICTURES = {
 }
 SHARED = ["ax", "figsize", "dpi", "transparent"]
 
+
+@pytest.fixture(autouse=True)
+def no_figure_of_other_tests():
+    """Figures of pyplot that a page of the documentation left open are not ours."""
+    plt.close("all")
+
+
 every_picture = pytest.mark.parametrize("name", PICTURES)
 
 

@@ -37,6 +37,8 @@ from envlights.lights import Lights, Rows, brightest_first, rgb_cell, rgb_headin
 #: Distance of cards without a place, in radii of the scene: images differ from those with cards at
 #: infinity by 0.3 % at most.
 FAR = 1000.0
+#: Largest distance, far below that whose cube overflows.
+_FARTHEST = 1e30
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -219,7 +221,7 @@ class Cards(Result):
         Seen from the origin, nothing changes. Elsewhere a card at a finite distance has parallax:
         the error of an image falls as 1 / distance.
         """
-        distance = amount("distance", distance)
+        distance = amount("distance", distance, most=_FARTHEST)
         if not distance:
             raise EnvLightsError("distance must be greater than 0; got 0")
         length = np.linalg.norm(geometry.centres(self.matrix), axis=1)
@@ -231,7 +233,7 @@ class Cards(Result):
 
         An image of a ball on a floor changes by about 2 / distance, in radii of the ball.
         """
-        return self.at(FAR * amount("radius", radius))
+        return self.at(FAR * amount("radius", radius, most=_FARTHEST / FAR))
 
     @property
     def is_flat(self) -> NDArray[np.bool_]:

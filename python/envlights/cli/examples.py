@@ -6,6 +6,10 @@ import click
 
 #: Examples of each subcommand, without its name.
 EXAMPLES = {
+    "batch": (
+        "maps -o rigs --set lights=4 --table lights.parquet",
+        "'*.hdr' -o found --what detect",
+    ),
     "compare": ("hall.exr rig.json", "truth guess -o errors.csv --protocol exact"),
     "convert": ("hall.exr cube.exr --to cube --width 256", "sky.hdr turned.hdr --rotate 90"),
     "demo": ("-o folder", "transfer -o folder"),

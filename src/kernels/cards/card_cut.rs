@@ -7,12 +7,10 @@ use glam::{DMat3, DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::card_matrix::{self, point, sizes, square_towards, upright};
-use super::footprint::{Footprint, RemovedRadiance};
-use super::panes;
+use super::footprint::{Footprint, MOST_SAMPLES, RemovedRadiance};
+use super::panes::{self, Group};
 use super::shape_fit::{FittedShape, Shape, fit};
 
-/// Pixels of a footprint at most.
-pub const MOST_SAMPLES: usize = 12_000;
 /// Texels along a side of a texture at most.
 const MOST_TEXELS: f64 = 4096.0;
 /// Share of the flux of a point or another light in its square.
@@ -79,9 +77,6 @@ pub fn cut(removed: &RemovedRadiance<'_>, lights: &[CardLight], rest: &mut [[f32
 fn is_outline(fit: &Option<FittedShape>) -> bool {
     fit.as_ref().is_some_and(|fit| !matches!(fit.shape, Shape::Point | Shape::Other))
 }
-
-/// Lights of a card, and its shape, if there is one.
-pub type Group = (Vec<u32>, Option<FittedShape>);
 
 struct Cutter<'a> {
     removed: &'a RemovedRadiance<'a>,

@@ -7,6 +7,9 @@ use super::soft_shapes::PlanePixel;
 use crate::kernels::image::LUMINANCE;
 use crate::kernels::sphere;
 
+/// Pixels of a footprint at most.
+pub const MOST_SAMPLES: usize = 12_000;
+
 /// Least cosine between the middle of a plane and a direction in it.
 const LEAST_COSINE: f64 = 0.15;
 /// Largest angle around a light that is searched for its outline, in radians.

@@ -7,9 +7,8 @@ use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
-use super::card_cut::{Group, MOST_SAMPLES};
 use super::card_matrix::{centre, corners, matrix_of_corners, point, sizes};
-use super::footprint::{Footprint, RemovedRadiance};
+use super::footprint::{Footprint, MOST_SAMPLES, RemovedRadiance};
 use super::shape_fit::{FittedShape, Shape, fit};
 
 /// Largest ratio of the luminance of two panes.
@@ -22,6 +21,9 @@ const RELATIVE_GAP: f64 = 0.5;
 const LEAST_OVERLAP: f64 = 0.7;
 /// Largest angle between the axes of a pane and its window, in radians: 3 degrees.
 const LARGEST_TURN: f64 = 0.052;
+
+/// Lights of a card, and its shape, if there is one.
+pub type Group = (Vec<u32>, Option<FittedShape>);
 
 /// Cards of the lights, with panes merged; in the order of their first lights.
 pub fn merge(
