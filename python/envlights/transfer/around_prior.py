@@ -278,6 +278,6 @@ def _notes(
     if alone > _DOUBTFUL:
         notes.append(
             f"the prior does not describe the pairs: its own median error is {100 * alone:.3g} %;"
-            " check that scene, units and orientation are those of the pairs"
+            " check that scene, units and orientation are those of the pairs, and surfaces diffuse"
         )
     return tuple(notes)
