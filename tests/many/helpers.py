@@ -10,8 +10,8 @@ import envlights as el
 
 #: Maps that cannot be read, by name, and a part of the reason.
 BROKEN = {
-    "bad-empty": (b"", "EnvLightsError"),
-    "bad-text": (b"no map", "EnvLightsError"),
+    "bad-empty": (b"", "FileError"),
+    "bad-text": (b"no map", "FileError"),
     "bad-header": (b"#?RADIANCE\n", "DamagedFileError"),
     "bad-cut": (b"v/1\x01" + bytes(40), "DamagedFileError"),
     "bad-png": (b"\x89PNG\r\n\x1a\n", "DamagedFileError"),
