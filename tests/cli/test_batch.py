@@ -40,14 +40,20 @@ def test_a_failed_map_makes_the_exit_code_1(maps, tmp_path):
     table = tmp_path / "maps.jsonl"
     done = run(maps, "-o", tmp_path / "out", "--what", "detect", "--table", table, "--rows", "maps")
     assert done.exit_code == 1
-    assert "4 maps, 1 failed\nfailed: bad: EnvLightsError: cannot read" in done.stdout
+    assert "4 maps, 1 failed\nfailed: bad: FileError: cannot read" in done.stdout
     assert len(table.read_text().splitlines()) == 4
+
+
+def test_a_pattern_without_files_has_exit_code_1(maps, monkeypatch):
+    monkeypatch.chdir(maps.parent)
+    done = run("no*.exr", "-o", "out")
+    assert done.exit_code == 1
+    assert "no file matches the pattern" in done.stderr
 
 
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["no*.exr", "-o", "out"], "no file matches the pattern"),
         (["maps", "-o", "out", "--set", "what=fit"], "--set must be NAME=VALUE of an option"),
         (["maps", "-o", "out", "--set", "lights"], "--set must be NAME=VALUE of an option"),
         (["maps", "-o", "out", "--set", "lamps=2"], "fit refuses an option of the batch"),
