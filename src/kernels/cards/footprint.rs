@@ -1,4 +1,4 @@
-//! RemovedRadiance luminance around a light, in the plane that touches the sphere at the light.
+//! Removed luminance around a light, in the plane that touches the sphere at the light.
 
 use glam::{DMat3, DVec3};
 
@@ -13,7 +13,7 @@ pub const MOST_SAMPLES: usize = 12_000;
 /// Least cosine between the middle of a plane and a direction in it.
 const LEAST_COSINE: f64 = 0.15;
 /// Largest angle around a light that is searched for its outline, in radians.
-const FARTHEST: f64 = 1.4;
+pub const FARTHEST: f64 = 1.4;
 
 /// Radiance that was removed from a map, and the light of each pixel.
 pub struct RemovedRadiance<'a> {
@@ -28,7 +28,7 @@ pub struct RemovedRadiance<'a> {
 }
 
 impl RemovedRadiance<'_> {
-    /// RemovedRadiance radiance of a pixel.
+    /// Radiance that was removed from a pixel.
     pub fn radiance(&self, pixel: usize) -> DVec3 {
         let channel = |c: usize| f64::from(self.map[pixel][c]) - f64::from(self.rest[pixel][c]);
         DVec3::new(channel(0), channel(1), channel(2)).max(DVec3::ZERO)

@@ -8,8 +8,8 @@ use std::f64::consts::FRAC_PI_8;
 
 use glam::{DMat3, DVec2};
 
-use super::card_matrix::matrix_of_corners;
-use super::footprint::{Footprint, PlaneSample};
+use super::card_matrix::{matrix_of_corners, reach};
+use super::footprint::{FARTHEST, Footprint, PlaneSample};
 use super::least_squares::minimise;
 use super::soft_shapes::{Ellipse, Quadrilateral, SoftRectangle, SoftShape, rectangle_corners};
 
@@ -77,7 +77,13 @@ pub fn fit(footprint: &Footprint) -> Option<FittedShape> {
         Some(fit) => (fit, parts),
         None => (outline, footprint.coverage(0.5 * level, 1.5 * level)),
     };
-    name(footprint, &fit, &parts, inner)
+    name(footprint, &fit, &parts, inner).map(within_reach)
+}
+
+/// The shape, or "other" for a matrix that reaches beyond the search: its far side may face away from its centre.
+fn within_reach(fitted: FittedShape) -> FittedShape {
+    let is_within = reach(&fitted.matrix) < FARTHEST;
+    FittedShape { shape: if is_within { fitted.shape } else { Shape::Other }, ..fitted }
 }
 
 /// Fit of the level whose shape overlaps best and holds most of the flux, and the luminance of that level.
@@ -204,7 +210,7 @@ fn overlap<const N: usize>(footprint: &Footprint, parts: &[f64], shape: &dyn Sof
 /// Centre and second moments of covered parts in the plane.
 struct PlaneMoments {
     centre: DVec2,
-    /// PlaneMoments xx, xy, yy.
+    /// Second moments xx, xy, yy.
     squares: [f64; 3],
     angle: f64,
     least: f64,
