@@ -109,7 +109,8 @@ class DetectionReport(Result):
     def __str__(self) -> str:
         clipped = (
             "; clipped map: lights are separated by the depth of their clipped regions, and ordered"
-            " by an estimate of their brightness"
+            " by an estimate of their brightness; the light of clipped ones is a lower bound:"
+            " `envlights repair` or `repaired` first estimates what was cut off"
         )
         lines = [
             f"threshold {self.threshold:.3g} ({self.reason}){clipped if self.clip_level else ''}",
