@@ -154,6 +154,7 @@ class MapCards:
     texture: list[_Image]
     lights: list[list[int]]
 
+@final
 class MapSplit:
     rest: _Image
     map_flux: float

@@ -60,7 +60,7 @@ pub fn cut(removed: &RemovedRadiance<'_>, lights: &[CardLight], rest: &mut [[f32
     let fits: Vec<Option<FittedShape>> = (0..lights.len()).into_par_iter().map(single).collect();
     let cards = panes::merge(removed, &members, fits);
     let mut order: Vec<usize> = (0..cards.len()).collect();
-    order.sort_by_key(|&card| !is_outline(&cards[card].1));
+    order.sort_by_key(|&card| !is_outline(cards[card].1.as_ref()));
     let mut cutter = Cutter { removed, taken: vec![0.0; removed.map.len()] };
     let mut cuts: Vec<(usize, CardCut)> =
         order.into_iter().map(|card| (card, cutter.cut(lights, &members, &cards[card]))).collect();
@@ -74,8 +74,8 @@ pub fn cut(removed: &RemovedRadiance<'_>, lights: &[CardLight], rest: &mut [[f32
     cuts.into_iter().map(|(_, cut)| cut).collect()
 }
 
-fn is_outline(fit: &Option<FittedShape>) -> bool {
-    fit.as_ref().is_some_and(|fit| !matches!(fit.shape, Shape::Point | Shape::Other))
+fn is_outline(fit: Option<&FittedShape>) -> bool {
+    fit.is_some_and(|fit| !matches!(fit.shape, Shape::Point | Shape::Other))
 }
 
 struct Cutter<'a> {
@@ -88,7 +88,7 @@ impl Cutter<'_> {
     fn cut(&mut self, lights: &[CardLight], members: &[Vec<u32>], (numbers, fit): &Group) -> CardCut {
         let first = numbers[0] as usize - 1;
         let (shape, matrix, overlap) = match fit {
-            Some(fit) if is_outline(&Some(fit.clone())) => (fit.shape, upright(&fit.matrix), fit.overlap),
+            Some(fit) if is_outline(Some(fit)) => (fit.shape, upright(&fit.matrix), fit.overlap),
             other => {
                 let shape = other.as_ref().map_or(Shape::Point, |fit| fit.shape);
                 let square = self.square(&lights[first], &members[first]);

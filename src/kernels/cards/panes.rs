@@ -56,11 +56,11 @@ pub fn merge(
 fn near_pairs(groups: &[Group]) -> Vec<(usize, usize)> {
     let all =
         (0..groups.len()).flat_map(|first| (first + 1..groups.len()).map(move |second| (first, second)));
-    all.filter(|&(first, second)| are_near(&groups[first].1, &groups[second].1)).collect()
+    all.filter(|&(first, second)| are_near(groups[first].1.as_ref(), groups[second].1.as_ref())).collect()
 }
 
 /// True for two rectangles of similar luminance with a small gap between them.
-fn are_near(first: &Option<FittedShape>, second: &Option<FittedShape>) -> bool {
+fn are_near(first: Option<&FittedShape>, second: Option<&FittedShape>) -> bool {
     let (Some(first), Some(second)) = (first, second) else { return false };
     let is_box = |fit: &FittedShape| matches!(fit.shape, Shape::Rectangle | Shape::Tube);
     let ratio = first.inner / second.inner;

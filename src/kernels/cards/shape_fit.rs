@@ -154,17 +154,16 @@ fn fit_shapes(footprint: &Footprint, parts: &[f64], starts: Option<[[f64; 5]; 2]
         return None;
     }
     let rectangle = |start| descend(footprint, parts, start, SoftRectangle::new);
-    let (found, ellipse) = match starts {
-        Some([box_start, ellipse]) => (rectangle(box_start), ellipse),
-        None => {
-            let moments = moments(footprint, parts);
-            let starts = (0..4).map(|turn| moments.start(f64::from(turn) * FRAC_PI_8, 3.0_f64.sqrt()));
-            let mut starts: Vec<_> = starts.map(|start| (cost(footprint, parts, &start), start)).collect();
-            starts.sort_by(|a, b| a.0.total_cmp(&b.0));
-            let best =
-                starts.iter().take(2).map(|(_, start)| rectangle(*start)).min_by(|a, b| a.1.total_cmp(&b.1));
-            (best?, moments.start(0.0, 2.0))
-        }
+    let (found, ellipse) = if let Some([box_start, ellipse]) = starts {
+        (rectangle(box_start), ellipse)
+    } else {
+        let moments = moments(footprint, parts);
+        let starts = (0..4).map(|turn| moments.start(f64::from(turn) * FRAC_PI_8, 3.0_f64.sqrt()));
+        let mut starts: Vec<_> = starts.map(|start| (cost(footprint, parts, &start), start)).collect();
+        starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let best =
+            starts.iter().take(2).map(|(_, start)| rectangle(*start)).min_by(|a, b| a.1.total_cmp(&b.1));
+        (best?, moments.start(0.0, 2.0))
     };
     let (ellipse, _) = descend(footprint, parts, ellipse, Ellipse::new);
     let ellipse_overlap = overlap(footprint, parts, &Ellipse::new(&ellipse));
