@@ -1,0 +1,56 @@
+"""Cards of cubes, of parts of the sphere and of clipped maps; their bits on any threads."""
+
+import numpy as np
+
+import envlights as el
+from tests.helpers import angle_deg, printed_by_threads
+
+
+def hall(width=256):
+    """A hall with three bright windows."""
+    return el.EnvMap(el.synthetic.hall(width // 2).radiance)
+
+
+def test_cards_of_a_cube_are_those_of_its_panorama():
+    env = hall()
+    cube = env.to("cube", width=128)
+    found, _ = el.split(el.EnvMap(cube.array, projection="cube"), shapes=True)
+    expected, _ = el.split(env, shapes=True)
+    assert found.shape == expected.shape
+    assert angle_deg(found.direction, expected.direction).max() < 0.5
+
+
+def test_nothing_is_taken_from_what_a_map_does_not_show():
+    env = hall()
+    alpha = np.ones((*env.radiance.shape[:2], 1), np.float32)
+    alpha[:, :64] = 0
+    part = el.EnvMap(np.concatenate([env.radiance, alpha], axis=2))
+    cards, rest = el.split(part, shapes=True)
+    together = rest.radiance + cards.to_map(env.width).radiance
+    normals, _ = el.kernels.icosphere(320)
+    shown = np.where(alpha > 0, env.radiance, 0)
+    expected = el.EnvMap(shown).probe(normals)
+    error = el.EnvMap(np.where(alpha > 0, together, 0)).probe(normals) - expected
+    assert len(cards) > 0
+    assert np.linalg.norm(error) < 1e-2 * np.linalg.norm(expected)
+
+
+def test_a_clipped_map_has_cards():
+    codes = np.round(255 * np.clip(hall().radiance / 2, 0, 1) ** (1 / 2.2)).astype(np.uint8)
+    env = el.EnvMap(codes)
+    cards, rest = el.split(env, shapes=True)
+    together = el.EnvMap(rest.radiance + cards.to_map(env.width).radiance)
+    normals, _ = el.kernels.icosphere(320)
+    expected = env.probe(normals)
+    assert len(cards) > 0
+    assert np.linalg.norm(together.probe(normals) - expected) < 1e-2 * np.linalg.norm(expected)
+
+
+def test_cards_have_the_same_bits_for_any_number_of_threads():
+    code = (
+        "import hashlib, envlights as el\n"
+        "cards, rest = el.split(el.EnvMap(el.synthetic.hall(128).radiance), shapes=True)\n"
+        "parts = [cards.matrix, cards.irradiance, rest.radiance, *cards.textures]\n"
+        "print(hashlib.sha256(b''.join(part.tobytes() for part in parts)).hexdigest())"
+    )
+    assert len(printed_by_threads(code)) == 1
