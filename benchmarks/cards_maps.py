@@ -25,8 +25,7 @@ def fastest(work):
 def closing(env, cards, rest):
     """Relative RMS difference of the irradiance under rest and cards, and under the map."""
     normals, _ = el.kernels.icosphere(1280)
-    together = cards.to_map(env.width).radiance + rest.radiance
-    parts, whole = el.EnvMap(together).probe(normals), env.probe(normals)
+    parts, whole = cards.to_map(env.width).probe(normals) + rest.probe(normals), env.probe(normals)
     return np.linalg.norm(parts - whole) / np.linalg.norm(whole)
 
 

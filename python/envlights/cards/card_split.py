@@ -6,7 +6,6 @@ import os
 from pathlib import Path
 from typing import NamedTuple
 
-from envlights._check import amount
 from envlights._links import LinkedParts, save_with_map
 from envlights._native import EnvLightsError
 from envlights.cards.cards import Cards
@@ -95,5 +94,5 @@ def at_place(cards: Cards, distance: float | None, radius: float | None) -> Card
             "distance places the cards, and radius puts them far away; give only one of them"
         )
     if radius is not None:
-        return cards.far(amount("radius", radius))
+        return cards.far(radius)
     return cards if distance is None else cards.at(distance)

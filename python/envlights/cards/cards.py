@@ -325,9 +325,8 @@ class Cards(Result):
     def in_short(self) -> str:
         """Number of cards of each shape."""
         counts = ((self.shape.count(shape), shape) for shape in SHAPES)
-        kinds = ", ".join(f"{count} {shape}" for count, shape in counts if count)
-        noun = "card" if len(self) == 1 else "cards"
-        return f"{len(self)} {noun}" + (f": {kinds}" if kinds else "")
+        kinds = ", ".join(_quantity(count, shape) for count, shape in counts if count)
+        return _quantity(len(self), "card") + (f": {kinds}" if kinds else "")
 
     def __str__(self) -> str:
         table = str(self.table()) if len(self) else "no card"
@@ -377,3 +376,8 @@ class Cards(Result):
 
 
 Sequence.register(Cards)
+
+
+def _quantity(count: int, noun: str) -> str:
+    """Number of things; "other" has no plural."""
+    return f"{count} {noun}" + ("" if count == 1 or noun == "other" else "s")

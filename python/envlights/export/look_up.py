@@ -10,9 +10,10 @@ from envlights.kernels import sphere
 
 
 def looked_up(env: EnvMap, directions: NDArray[np.float64]) -> NDArray[np.float32]:
-    """Pixel of a cell-centred map in each direction, (n, 3)."""
+    """Pixel of a map in each direction, (n, 3)."""
+    cells = env.cells()
     uv = sphere.direction_to_uv(directions)
     columns = (uv[:, 0] * env.width).astype(int) % env.width
     rows = np.minimum((uv[:, 1] * env.height).astype(int), env.height - 1)
-    pixels: NDArray[np.float32] = env.radiance[rows, columns]
+    pixels: NDArray[np.float32] = cells[rows, columns]
     return pixels

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -185,12 +185,10 @@ def card_balls(
     check_is("parts", parts, CardSplit)
     env = as_envmap(env)
     width = parts.rest.width
-    discs = parts.rest.radiance + parts.cards.lights.to_map(width // 2).radiance
-    planes = parts.rest.radiance + parts.cards.to_map(width).radiance
     drawn = {
-        "the map": env,
-        "the rest and discs": EnvMap(discs),
-        "the rest and cards": EnvMap(planes),
+        "the map": (env,),
+        "the rest and discs": (parts.rest, parts.cards.lights.to_map(width // 2)),
+        "the rest and cards": (parts.rest, parts.cards.to_map(width)),
     }
     white = expose(working(env)).white
     eye = _eye(parts.cards)
@@ -210,12 +208,13 @@ def _eye(cards: Cards) -> NDArray[np.float64]:
     return eye
 
 
-def _mirror(env: EnvMap, eye: NDArray[np.float64], white: float) -> NDArray[np.float64]:
-    """Picture of a mirror ball."""
+def _mirror(maps: Iterable[EnvMap], eye: NDArray[np.float64], white: float) -> NDArray[np.float64]:
+    """Picture of a mirror ball under the sum of some maps."""
     view = ball(eye)
     towards = 2 * (view.normals @ eye)[:, None] * view.normals - eye
     towards /= np.linalg.norm(towards, axis=1, keepdims=True)
-    return view.image(_thumbnails.expose(looked_up(env, towards), white) / 255)
+    seen = np.sum([looked_up(each, towards) for each in maps], axis=0)
+    return view.image(_thumbnails.expose(seen, white) / 255)
 
 
 def _draw_texture(axes: Axes, card: Card, white: float) -> None:

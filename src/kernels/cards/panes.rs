@@ -7,7 +7,7 @@ use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
-use super::card_matrix::{centre, corners, matrix_of_corners, point, sizes};
+use super::card_matrix::{centre, corners, point, sizes};
 use super::footprint::{Footprint, MOST_SAMPLES, RemovedRadiance};
 use super::shape_fit::{FittedShape, Shape, fit};
 
@@ -113,20 +113,7 @@ fn common(
     if !is_box || !holds(first) || !holds(second) {
         return None;
     }
-    let matrix = outer_corners(&joint.matrix, [first, second]).unwrap_or(joint.matrix);
-    Some((lights, Some(FittedShape { matrix, ..joint })))
-}
-
-/// Matrix of a window whose corners are the nearest corners of its panes.
-///
-/// Bars pull the edges of the common rectangle; those of a pane have none.
-fn outer_corners(window: &DMat3, panes: [&Group; 2]) -> Option<DMat3> {
-    let fits = panes.iter().filter_map(|pane| pane.1.as_ref());
-    let all: Vec<DVec3> = fits.flat_map(|fit| corners(&fit.matrix)).collect();
-    let nearest = |corner: DVec3| {
-        all.iter().copied().max_by(|a, b| a.dot(corner).total_cmp(&b.dot(corner))).unwrap_or(corner)
-    };
-    matrix_of_corners(corners(window).map(nearest))
+    Some((lights, Some(joint)))
 }
 
 /// True if the axes of two cards are the same within twice the largest turn.

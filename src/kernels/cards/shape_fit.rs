@@ -15,8 +15,6 @@ use super::soft_shapes::{Ellipse, Quadrilateral, SoftRectangle, SoftShape, recta
 
 /// Levels of the outline, relative to the reference luminance.
 const LEVELS: [f64; 5] = [0.03, 0.06, 0.12, 0.25, 0.5];
-/// Overlap below which an ellipse is no disc. True discs reach 0.92 to 0.98; an ellipse around a screen behind a man 0.87.
-const LEAST_DISC_OVERLAP: f64 = 0.88;
 /// Covered pixels below which a light is a point.
 const POINT_PIXELS: f64 = 12.0;
 /// Overlap of the best shape below which a light is other. True shapes reach 0.87 to 0.99.
@@ -30,8 +28,9 @@ const QUADRILATERAL_MARGIN: f64 = 0.02;
 
 /// Pixels at most for the choice of the level; the last fit uses all.
 const LEVEL_SAMPLES: usize = 3000;
-/// Largest cosine between the sides of a quadrilateral in space; measured angles of oblique windows differ by up to 20 degrees.
-const LARGEST_SKEW: f64 = 0.5;
+
+/// Largest change of centre and half sizes by the last fit, in pixels: more is another shape, such as the hot middle of a lamp.
+const LARGEST_MOVE: f64 = 2.0;
 
 /// Name of a shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,8 +70,8 @@ pub fn fit(footprint: &Footprint) -> Option<FittedShape> {
     let (outer, inner) = levels_around(footprint, &outline);
     let parts = footprint.coverage(outer, inner);
     let starts = [outline.rectangle, outline.ellipse];
-    let refined =
-        fit_shapes(footprint, &parts, Some(starts)).filter(|fit| fit.best() >= outline.best() - 0.05);
+    let refined = fit_shapes(footprint, &parts, Some(starts))
+        .filter(|fit| fit.best() >= LEAST_OVERLAP && fit.distance(&outline) < LARGEST_MOVE * footprint.step);
     let (fit, parts) = match refined {
         Some(fit) => (fit, parts),
         None => (outline, footprint.coverage(0.5 * level, 1.5 * level)),
@@ -107,6 +106,18 @@ fn best_level(footprint: &Footprint) -> Option<(Fit, f64)> {
 impl Fit {
     fn best(&self) -> f64 {
         self.rectangle_overlap.max(self.ellipse_overlap)
+    }
+
+    /// Centre and half sizes of the shape of the larger overlap.
+    fn place(&self) -> [f64; 4] {
+        let [x, y, a, b, _] =
+            if self.ellipse_overlap > self.rectangle_overlap { self.ellipse } else { self.rectangle };
+        [x, y, a.abs(), b.abs()]
+    }
+
+    /// Largest difference of centre and half sizes to those of another fit.
+    fn distance(&self, other: &Fit) -> f64 {
+        self.place().iter().zip(other.place()).map(|(one, other)| (one - other).abs()).fold(0.0, f64::max)
     }
 
     /// Shape of the larger overlap, larger by an angle on all sides.
@@ -257,7 +268,7 @@ fn name(footprint: &Footprint, fit: &Fit, parts: &[f64], inner: f64) -> Option<F
     let free_overlap = overlap(footprint, parts, &Quadrilateral::new(&free));
     let is_sound = is_near(&free, &corners, a.min(b))
         && free_overlap >= fit.rectangle_overlap
-        && is_upright(footprint, &free);
+        && matrix_of(footprint, &free).is_some();
     let free_overlap = if is_sound { free_overlap } else { 0.0 };
     let box_overlap = fit.rectangle_overlap.max(free_overlap - QUADRILATERAL_MARGIN);
     let aspect = a.max(b) / a.min(b);
@@ -271,15 +282,13 @@ fn name(footprint: &Footprint, fit: &Fit, parts: &[f64], inner: f64) -> Option<F
     } else if aspect > TUBE_ASPECT {
         Shape::Tube
     } else if fit.ellipse_overlap >= box_overlap {
-        if fit.ellipse_overlap < LEAST_DISC_OVERLAP { Shape::Other } else { Shape::Disc }
+        Shape::Disc
     } else {
         Shape::Rectangle
     };
     let is_disc = shape == Shape::Disc;
     let corners = if is_disc { ellipse_box(&fit.ellipse) } else { box_corners };
-    let direction =
-        |i: usize| (footprint.frame * DVec2::new(corners[2 * i], corners[2 * i + 1]).extend(1.0)).normalize();
-    let matrix = matrix_of_corners([0, 1, 2, 3].map(direction))?;
+    let matrix = matrix_of(footprint, &corners)?;
     let overlap = if is_disc { fit.ellipse_overlap } else { box_best };
     Some(FittedShape { shape, matrix, overlap: overlap.clamp(0.0, 1.0), inner })
 }
@@ -288,14 +297,6 @@ fn name(footprint: &Footprint, fit: &Fit, parts: &[f64], inner: f64) -> Option<F
 fn matrix_of(footprint: &Footprint, corners: &[f64; 8]) -> Option<DMat3> {
     let corner = |i: usize| footprint.frame * DVec2::new(corners[2 * i], corners[2 * i + 1]).extend(1.0);
     matrix_of_corners([0, 1, 2, 3].map(|i| corner(i).normalize()))
-}
-
-/// True if corners are those of a parallelogram whose sides are nearly perpendicular.
-fn is_upright(footprint: &Footprint, corners: &[f64; 8]) -> bool {
-    matrix_of(footprint, corners).is_some_and(|matrix| {
-        let cosine = matrix.x_axis.normalize().dot(matrix.y_axis.normalize());
-        cosine.abs() < LARGEST_SKEW
-    })
 }
 
 /// Corners of the rectangle around an ellipse.
@@ -307,4 +308,23 @@ fn ellipse_box(&[x, y, a, b, angle]: &[f64; 5]) -> [f64; 8] {
 fn is_near(corners: &[f64; 8], start: &[f64; 8], limit: f64) -> bool {
     let corner = |of: &[f64; 8], i: usize| DVec2::new(of[2 * i], of[2 * i + 1]);
     (0..4).all(|i| corner(corners, i).distance(corner(start, i)) < limit)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kernels::cards::card_matrix::square_towards;
+    use glam::DVec3;
+
+    #[test]
+    fn a_shape_that_reaches_beyond_the_search_is_other() {
+        let shape = |radius| FittedShape {
+            shape: Shape::Rectangle,
+            matrix: square_towards(DVec3::X, radius),
+            overlap: 0.9,
+            inner: 1.0,
+        };
+        assert_eq!(within_reach(shape(0.5)).shape, Shape::Rectangle);
+        assert_eq!(within_reach(shape(1.4)).shape, Shape::Other);
+    }
 }
