@@ -141,25 +141,22 @@ def commands_page() -> str:
         heading("Commands")
         + "``envlights --help`` and ``envlights COMMAND --help`` print this page.\n\n"
     )
-    for path, command in commands(main, ("envlights",)):
-        title = " ".join(path)
-        context = click.Context(command, info_name=title)
-        body = command.get_help(context).replace("\n", "\n   ")
+    for context in contexts(click.Context(main, info_name="envlights", **main.context_settings)):
+        title = context.command_path
+        body = context.get_help().replace("\n", "\n   ")
         text += f"{title}\n{'-' * len(title)}\n\n.. code-block:: text\n\n   {body}\n\n"
     return text
 
 
-def commands(
-    group: click.Command, path: tuple[str, ...]
-) -> Iterator[tuple[tuple[str, ...], click.Command]]:
-    """Commands of a group, with the words that call them."""
-    yield path, group
+def contexts(context: click.Context) -> Iterator[click.Context]:
+    """Context of a command, and those of its subcommands, which inherit its settings."""
+    yield context
+    group = context.command
     if isinstance(group, click.Group):
-        context = click.Context(group)
         for name in group.list_commands(context):
             command = group.get_command(context, name)
             assert command is not None
-            yield from commands(command, (*path, name))
+            yield from contexts(click.Context(command, parent=context, info_name=name))
 
 
 def texts() -> dict[str, str]:

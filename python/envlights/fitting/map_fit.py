@@ -27,7 +27,7 @@ from envlights.fitting.arguments import FitArguments
 from envlights.fitting.clock import Clock
 from envlights.fitting.options import FitOptions
 from envlights.fitting.reduction import Reduction, is_file, reduction_of, reduction_of_file
-from envlights.fitting.request import Request, check_radius, request_of
+from envlights.fitting.request import Request, check_radius, request_for
 from envlights.fitting.result import rig_of
 from envlights.rig import Rig
 
@@ -129,16 +129,7 @@ def _plan(arguments: FitArguments) -> _Plan:
     check_choice("objective", arguments.objective, OBJECTIVES)
     target = target_names(arguments.target)
     shows = shown_by(target)
-    request = request_of(
-        arguments.lights,
-        arguments.error,
-        arguments.start,
-        arguments.fixed,
-        shadow_error=arguments.shadow_error,
-        gloss_error=arguments.gloss_error,
-        roughness=arguments.roughness,
-        most_lights=shows.lights,
-    )
+    request = request_for(arguments, most_lights=shows.lights)
     has_sizes = flag("sizes", arguments.sizes)
     check_radius(arguments.max_radius, has_sizes)
     checked_unseen(arguments.unseen)

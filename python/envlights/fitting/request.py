@@ -13,6 +13,7 @@ from envlights._check import amount, check_choice, count, reals
 from envlights._native import GLOSS_DEGREE, EnvLightsError, FitAnswer
 from envlights.detection.detect import detect
 from envlights.envmap import EnvMap
+from envlights.fitting.arguments import FitArguments
 from envlights.fitting.unseen_part import above_horizon
 from envlights.kernels import gloss, sphere
 from envlights.lights import Lights
@@ -130,6 +131,20 @@ class Request(NamedTuple):
                     f"{name} must have no light below the horizon where there is a floor;"
                     f" the direction {below[0]} has y = {towards[below[0], 1]:.3g}"
                 )
+
+
+def request_for(arguments: FitArguments, most_lights: int | None = None) -> Request:
+    """Check what the arguments of a fit to a map request; see `request_of`."""
+    return request_of(
+        arguments.lights,
+        arguments.error,
+        arguments.start,
+        arguments.fixed,
+        shadow_error=arguments.shadow_error,
+        gloss_error=arguments.gloss_error,
+        roughness=arguments.roughness,
+        most_lights=most_lights,
+    )
 
 
 def request_of(

@@ -21,7 +21,7 @@ from envlights._unseen import Unseen
 from envlights.envmap import EnvMap
 from envlights.fitting.arguments import FitArguments
 from envlights.fitting.map_fit import fit_map
-from envlights.fitting.request import Request, request_of
+from envlights.fitting.request import Request, request_for
 from envlights.fitting.unseen_part import above_horizon, fill_for_fit
 from envlights.kernels import gloss
 from envlights.kernels.sphere import pixel_directions, pixel_solid_angles
@@ -68,15 +68,7 @@ def fit_with_sun(parts: SunSplit, arguments: FitArguments) -> Rig:
     if not len(parts.lights):
         return fit_map(parts.rest, arguments)
     shows = shown_by(target_names(arguments.target))
-    request = request_of(
-        arguments.lights,
-        arguments.error,
-        arguments.start,
-        arguments.fixed,
-        shadow_error=arguments.shadow_error,
-        gloss_error=arguments.gloss_error,
-        roughness=arguments.roughness,
-    )
+    request = request_for(arguments)
     sky = pixels_of(_sky(parts.rest, arguments.floor, arguments.unseen))
     ratios = ratios_of(sky, parts.lights)
     of_sky = replace(
