@@ -179,10 +179,21 @@ mod tests {
 
     proptest! {
         #[test]
-        fn derivatives_of_a_rectangle_are_those_of_differences(x in -1.2..1.2_f64, y in -0.8..0.8_f64) {
-            let (pixel, numbers) = (pixel(x, y), [0.02, 0.01, 1.0, 0.5, 0.3]);
+        fn derivatives_of_a_rectangle_are_those_of_differences(
+            edge in 0..4_u8, along in -0.8..0.8_f64, offset in -0.04..0.04_f64,
+        ) {
+            // Half sizes of 1.0 and 0.5, turned by 0.3: each pixel lies on the ramp of one edge.
+            let numbers = [0.02, 0.01, 1.0, 0.5, 0.3];
+            let place = match edge {
+                0 => DVec2::new(along, 0.5 + offset),
+                1 => DVec2::new(along, -0.5 + offset),
+                2 => DVec2::new(1.0 + offset, 0.5 * along),
+                _ => DVec2::new(-1.0 + offset, 0.5 * along),
+            };
+            let place = DVec2::new(0.02, 0.01) + DVec2::from_angle(0.3).rotate(place);
+            let pixel = pixel(place.x, place.y);
             let (value, derivatives) = SoftRectangle::new(&numbers).cover(&pixel);
-            prop_assume!(value > 0.02 && value < 0.98);
+            prop_assert!(value > 0.0 && value < 1.0);
             for n in 0..5 {
                 let mut moved = numbers;
                 moved[n] += 1e-6;
