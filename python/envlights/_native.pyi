@@ -153,6 +153,7 @@ class MapCards:
     radius: list[float | None]
     texture: list[_Image]
     lights: list[list[int]]
+    is_window: list[bool]
 
 @final
 class MapSplit:

@@ -22,6 +22,7 @@ pub struct MapCards {
     radius: Vec<Option<f64>>,
     texture: Vec<Py<PyArray3<f32>>>,
     lights: Vec<Vec<u32>>,
+    is_window: Vec<bool>,
 }
 
 /// Cards of the lights that were removed from a map; `pixel` are those of lights in blocks.
@@ -61,6 +62,7 @@ pub fn cut_cards(
         radius: cuts.iter().map(|cut| cut.radius).collect(),
         texture: cuts.iter().map(texture).collect(),
         lights: cuts.iter().map(|cut| cut.lights.clone()).collect(),
+        is_window: cuts.iter().map(|cut| cut.is_window).collect(),
     })
 }
 

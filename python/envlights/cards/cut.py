@@ -49,10 +49,21 @@ def cut(
 
 
 def _notes(parts: _native.MapCards, lights: int) -> tuple[str, ...]:
-    """Remark on lights that became one card."""
-    windows = [each for each in parts.lights if len(each) > 1]
-    if not windows:
-        return ()
-    panes = sum(map(len, windows))
-    cards = "1 card" if len(windows) == 1 else f"{len(windows)} cards"
-    return (f"{panes} of {lights} lights are panes, and became {cards}",)
+    """Remarks on lights that became one card, and on windows that were found by their edges."""
+    several = [len(each) for each in parts.lights if len(each) > 1]
+    windows = sum(parts.is_window)
+    notes = []
+    if several:
+        notes.append(
+            f"{sum(several)} of {lights} lights are panes, and became {_cards(len(several))}"
+        )
+    if windows:
+        notes.append(
+            f"{_cards(windows)} became a window by edges of the map, not by a level of luminance;"
+            " its overlap is the contrast of its sides"
+        )
+    return tuple(notes)
+
+
+def _cards(number: int) -> str:
+    return "1 card" if number == 1 else f"{number} cards"

@@ -10,6 +10,8 @@ use super::card_matrix::{self, point, sizes, square_towards, upright};
 use super::footprint::{Footprint, MOST_SAMPLES, RemovedRadiance};
 use super::panes::{self, Group};
 use super::shape_fit::{FittedShape, Shape, fit};
+use super::window_fill::fill_windows;
+use super::window_search;
 
 /// Texels along a side of a texture at most.
 const MOST_TEXELS: f64 = 4096.0;
@@ -40,6 +42,8 @@ pub struct CardCut {
     pub texture: Texture,
     /// Numbers of the lights from 1.
     pub lights: Vec<u32>,
+    /// True for a window that edges of the map show.
+    pub is_window: bool,
 }
 
 /// Radiance of the texels of a card, row after row.
@@ -50,15 +54,18 @@ pub struct Texture {
 }
 
 /// Cards of some lights; `rest` receives what lies beside them.
-pub fn cut(removed: &RemovedRadiance<'_>, lights: &[CardLight], rest: &mut [[f32; 3]]) -> Vec<CardCut> {
+pub fn cut(removed: RemovedRadiance<'_>, lights: &[CardLight], rest: &mut [[f32; 3]]) -> Vec<CardCut> {
     let members = removed.members(lights.len());
     let single = |light: usize| {
         let number = [light as u32 + 1];
-        Footprint::new(removed, &number, &members[light], MOST_SAMPLES).and_then(|footprint| fit(&footprint))
+        Footprint::new(&removed, &number, &members[light], MOST_SAMPLES).and_then(|footprint| fit(&footprint))
     };
     // Lights do not depend on each other: the same bits for any number of threads.
     let fits: Vec<Option<FittedShape>> = (0..lights.len()).into_par_iter().map(single).collect();
-    let cards = panes::merge(removed, &members, fits);
+    let groups = window_search::find(&removed, &members, fits);
+    let cards = panes::merge(&removed, &members, groups);
+    let filled = fill_windows(&removed, &cards);
+    let removed = &RemovedRadiance { rest: filled.as_deref().unwrap_or(removed.rest), ..removed };
     let mut order: Vec<usize> = (0..cards.len()).collect();
     order.sort_by_key(|&card| !is_outline(cards[card].1.as_ref()));
     let mut cutter = Cutter { removed, taken: vec![0.0; removed.map.len()] };
@@ -108,7 +115,8 @@ impl Cutter<'_> {
         let irradiance: DVec3 = parts.iter().map(flux).sum();
         let texture = self.texture(&matrix, shape == Shape::Disc, &parts, irradiance);
         let radius = is_square.then(|| lights[first].radius.min(disc_radius(&matrix)));
-        CardCut { shape, matrix, overlap, irradiance, radius, texture, lights: numbers.clone() }
+        let is_window = fit.as_ref().is_some_and(|fit| fit.is_window);
+        CardCut { shape, matrix, overlap, irradiance, radius, texture, lights: numbers.clone(), is_window }
     }
 
     /// Facing square around most of the flux of a light.

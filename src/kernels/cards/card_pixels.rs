@@ -28,6 +28,11 @@ impl CardPixels {
         Self { height, width, grid, centres, bands, registration }
     }
 
+    /// Cells of the pixels.
+    pub fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
     /// Height of a row in radians.
     pub fn step(&self) -> f64 {
         PI / self.height as f64

@@ -12,7 +12,10 @@
 //! | soft shapes with derivatives                 | `soft_shapes.rs`   |
 //! | damped least squares                         | `least_squares.rs` |
 //! | shape of a light                             | `shape_fit.rs`     |
+//! | windows with a view, by their edges          | `window_search.rs` |
+//! | - the map in the plane of a wall             | `wall_plane.rs`    |
 //! | panes of a window                            | `panes.rs`         |
+//! | the rest of the map behind a window          | `window_fill.rs`   |
 //! | textures, and the map without the cards      | `card_cut.rs`      |
 //! | drawing of cards into a map                  | `card_drawing.rs`  |
 
@@ -25,6 +28,9 @@ mod least_squares;
 mod panes;
 mod shape_fit;
 mod soft_shapes;
+mod wall_plane;
+mod window_fill;
+mod window_search;
 
 use card_pixels::CardPixels;
 use footprint::RemovedRadiance;
@@ -89,7 +95,7 @@ pub fn cut_map(
     };
     let all: Vec<CardLight> = (0..lights.directions.nrows()).map(light).collect();
     let samples = rest.as_slice_mut().ok_or_else(not_rows)?;
-    Ok(cut(&removed, &all, samples.as_chunks_mut().0))
+    Ok(cut(removed, &all, samples.as_chunks_mut().0))
 }
 
 /// Number of the light of each block from 1, or 0.

@@ -25,14 +25,8 @@ const LARGEST_TURN: f64 = 0.052;
 /// Lights of a card, and its shape, if there is one.
 pub type Group = (Vec<u32>, Option<FittedShape>);
 
-/// Cards of the lights, with panes merged; in the order of their first lights.
-pub fn merge(
-    removed: &RemovedRadiance<'_>,
-    members: &[Vec<u32>],
-    fits: Vec<Option<FittedShape>>,
-) -> Vec<Group> {
-    let mut groups: Vec<Group> =
-        fits.into_iter().enumerate().map(|(i, fit)| (vec![i as u32 + 1], fit)).collect();
+/// Cards with panes merged; in the order of their first lights.
+pub fn merge(removed: &RemovedRadiance<'_>, members: &[Vec<u32>], mut groups: Vec<Group>) -> Vec<Group> {
     let step = removed.pixels.step();
     let mut tried: FxHashMap<(Vec<u32>, Vec<u32>), Option<Group>> = FxHashMap::default();
     loop {

@@ -51,6 +51,8 @@ pub struct FittedShape {
     pub overlap: f64,
     /// Luminance inside.
     pub inner: f64,
+    /// True for a window that edges of the map show; its overlap is the contrast of its sides.
+    pub is_window: bool,
 }
 
 /// Rectangle and ellipse of one footprint.
@@ -290,7 +292,7 @@ fn name(footprint: &Footprint, fit: &Fit, parts: &[f64], inner: f64) -> Option<F
     let corners = if is_disc { ellipse_box(&fit.ellipse) } else { box_corners };
     let matrix = matrix_of(footprint, &corners)?;
     let overlap = if is_disc { fit.ellipse_overlap } else { box_best };
-    Some(FittedShape { shape, matrix, overlap: overlap.clamp(0.0, 1.0), inner })
+    Some(FittedShape { shape, matrix, overlap: overlap.clamp(0.0, 1.0), inner, is_window: false })
 }
 
 /// Matrix of the card with these corners in the plane.
@@ -323,6 +325,7 @@ mod tests {
             matrix: square_towards(DVec3::X, radius),
             overlap: 0.9,
             inner: 1.0,
+            is_window: false,
         };
         assert_eq!(within_reach(shape(0.5)).shape, Shape::Rectangle);
         assert_eq!(within_reach(shape(1.4)).shape, Shape::Other);

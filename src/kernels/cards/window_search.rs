@@ -1,0 +1,243 @@
+//! Windows with a view: upright rectangles on walls, found by their edges.
+//!
+//! No level of luminance shows the frame of a window with sky above and a garden below. But windows stand upright: in the
+//! plane of their wall, their sides are level and plumb. So walls of all azimuths are tried. In each, the rectangle is
+//! searched whose four sides separate a bright inside from a darker outside, and which holds the light.
+
+use std::f64::consts::FRAC_PI_3;
+
+use glam::{DMat3, DVec2};
+use rayon::prelude::*;
+
+use super::card_matrix::{place_of, point, sizes};
+use super::footprint::RemovedRadiance;
+use super::panes::Group;
+use super::shape_fit::{FittedShape, Shape};
+use super::wall_plane::{LightSamples, Sides, WallPlane, luminance, wall_frame};
+use crate::kernels::image::LUMINANCE;
+use crate::kernels::sphere;
+
+/// Walls that are tried, up to 60 degrees on each side of the light.
+const WALLS: usize = 41;
+/// Lines that are tried for each side.
+const LINES: usize = 14;
+/// Least share of the flux of a light in its window.
+const LEAST_SHARE: f64 = 0.9;
+/// Least contrast of a window: half the mean of its sides and half the least of them.
+const LEAST_CONTRAST: f64 = 0.65;
+/// Overlap above which a shape is sure, and no window is searched. True shapes reach 0.87 to 0.99.
+const SURE_OVERLAP: f64 = 0.9;
+/// Least thickness of a window in pixels.
+const LEAST_PIXELS: f64 = 8.0;
+/// Directions of a light at most.
+const MOST_SAMPLES: usize = 2000;
+/// Points on each side of a rectangle whose sides are refined.
+const POINTS: usize = 48;
+/// Distance from a side of the points that are compared, and of those that tell the level of luminance, in pixels.
+const INNER: f64 = 0.75;
+const OUTER: f64 = 3.0;
+/// First step of the sides relative to the rectangle, halvings of all steps, and sweeps of each.
+const FIRST_STEP: f64 = 0.02;
+const HALVINGS: i32 = 6;
+const SWEEPS: usize = 4;
+
+/// Cards of lights: those of unsure shapes become windows if edges show them more surely. Others inside of a window join it.
+pub fn find(
+    removed: &RemovedRadiance<'_>,
+    members: &[Vec<u32>],
+    fits: Vec<Option<FittedShape>>,
+) -> Vec<Group> {
+    let is_other = |fit: &Option<FittedShape>| fit.as_ref().is_some_and(|fit| fit.shape == Shape::Other);
+    let window = |(light, fit): (usize, &Option<FittedShape>)| {
+        let fit = fit.as_ref().filter(|fit| fit.shape != Shape::Point && fit.overlap < SURE_OVERLAP)?;
+        window_of(removed, &members[light]).filter(|window| window.overlap > fit.overlap)
+    };
+    let windows: Vec<Option<FittedShape>> = fits.par_iter().enumerate().map(window).collect();
+    let mut groups: Vec<Group> = Vec::new();
+    for (light, (fit, window)) in fits.into_iter().zip(windows).enumerate() {
+        let number = light as u32 + 1;
+        let holds = |group: &&mut Group| {
+            let outline = group.1.as_ref().filter(|fit| fit.is_window);
+            outline
+                .is_some_and(|outline| share_inside(removed, &members[light], &outline.matrix) >= LEAST_SHARE)
+        };
+        let holder = if is_other(&fit) { groups.iter_mut().find(holds) } else { None };
+        match holder {
+            Some(group) => group.0.push(number),
+            None => groups.push((vec![number], window.or(fit))),
+        }
+    }
+    groups
+}
+
+/// Window around a light, if its edges show one.
+fn window_of(removed: &RemovedRadiance<'_>, members: &[u32]) -> Option<FittedShape> {
+    let light = samples(removed, members)?;
+    let sum: glam::DVec3 = light.samples.iter().map(|(direction, flux)| *flux * *direction).sum();
+    let (_, azimuth) = sphere::angles(sum);
+    let wall = |i: usize| {
+        crate::interrupt::check();
+        let turn = FRAC_PI_3 * (2.0 * i as f64 / (WALLS - 1) as f64 - 1.0);
+        let (contrast, sides) = best_rectangle(&WallPlane::new(removed, &light, azimuth + turn)?)?;
+        Some((contrast, azimuth + turn, sides))
+    };
+    let best = (0..WALLS).filter_map(wall).max_by(|a, b| a.0.total_cmp(&b.0));
+    let (contrast, azimuth, sides) = best.filter(|(contrast, ..)| *contrast >= LEAST_CONTRAST)?;
+    let (azimuth, sides) = refine(removed, azimuth, sides);
+    let matrix = matrix(azimuth, sides);
+    let is_thick = sizes(&matrix).into_iter().all(|size| size >= LEAST_PIXELS * removed.pixels.step());
+    is_thick.then_some(FittedShape {
+        shape: Shape::Rectangle,
+        matrix,
+        overlap: contrast,
+        inner: light.luminance,
+        is_window: true,
+    })
+}
+
+/// Directions and flux of some of the pixels of a light, and the mean luminance of all.
+fn samples(removed: &RemovedRadiance<'_>, members: &[u32]) -> Option<LightSamples> {
+    let value = |pixel: u32| removed.radiance(pixel as usize).dot(LUMINANCE.into());
+    let sample = |&pixel: &u32| {
+        let flux = value(pixel) * removed.pixels.solid_angle(pixel as usize);
+        (removed.pixels.direction(pixel as usize), flux)
+    };
+    let samples: Vec<_> =
+        members.iter().step_by(members.len().div_ceil(MOST_SAMPLES).max(1)).map(sample).collect();
+    let mean = members.iter().map(|&pixel| value(pixel)).sum::<f64>() / members.len().max(1) as f64;
+    (mean > 0.0).then_some(LightSamples { samples, luminance: mean })
+}
+
+/// Contrast and sides of the best rectangle on a wall that holds the light.
+fn best_rectangle(wall: &WallPlane) -> Option<(f64, Sides)> {
+    let candidates = [0, 1, 2, 3].map(|side| wall.candidates(side, LINES));
+    let [lefts, rights, bottoms, tops] = &candidates;
+    let across = lefts.iter().flat_map(|&left| rights.iter().map(move |&right| [left, right]));
+    let mut best: Option<(f64, [usize; 4])> = None;
+    for [left, right] in across.filter(|[left, right]| left < right) {
+        for &bottom in bottoms {
+            for &top in tops.iter().filter(|top| bottom < **top) {
+                let lines = [left, right, bottom, top];
+                if wall.share(lines) < LEAST_SHARE {
+                    continue;
+                }
+                let contrast = contrast([0, 1, 2, 3].map(|side| wall.contrast(side, lines)));
+                if best.as_ref().is_none_or(|(other, _)| contrast > *other) {
+                    best = Some((contrast, lines));
+                }
+            }
+        }
+    }
+    best.map(|(contrast, lines)| (contrast, wall.sides(lines)))
+}
+
+/// Contrast of a rectangle from those of its sides.
+fn contrast(sides: [f64; 4]) -> f64 {
+    0.125 * sides.iter().sum::<f64>() + 0.5 * sides.into_iter().fold(f64::INFINITY, f64::min)
+}
+
+/// Azimuth and sides at which the map changes most over the sides, from a start.
+fn refine(removed: &RemovedRadiance<'_>, azimuth: f64, sides: Sides) -> (f64, Sides) {
+    let [left, right, bottom, top] = sides;
+    let [across, up] = [FIRST_STEP * (right - left), FIRST_STEP * (top - bottom)];
+    let steps = [FRAC_PI_3 / (WALLS - 1) as f64, across, across, up, up];
+    let levels = rim(removed, azimuth, sides, OUTER).map(|[inside, outside]| inside.max(outside).max(1e-30));
+    let levels: Vec<f64> = levels.collect();
+    // The luminance is divided by a constant for each point: a logarithm would move the side outwards.
+    let change = |&[azimuth, left, right, bottom, top]: &[f64; 5]| -> f64 {
+        let rim = rim(removed, azimuth, [left, right, bottom, top], INNER);
+        rim.zip(&levels).map(|([inside, outside], level)| ((inside - outside) / level).clamp(-1.0, 1.0)).sum()
+    };
+    let mut best = [azimuth, left, right, bottom, top];
+    let mut most = change(&best);
+    for halving in 0..HALVINGS {
+        for _ in 0..SWEEPS {
+            for (n, step) in steps.iter().enumerate() {
+                for sign in [-1.0, 1.0] {
+                    let mut moved = best;
+                    moved[n] += sign * step * 0.5_f64.powi(halving);
+                    let value = change(&moved);
+                    if value > most {
+                        (best, most) = (moved, value);
+                    }
+                }
+            }
+        }
+    }
+    let [azimuth, sides @ ..] = best;
+    (azimuth, sides)
+}
+
+/// Luminance inside and outside of the points on the sides of a rectangle, at a distance in pixels.
+fn rim<'a>(
+    removed: &'a RemovedRadiance<'_>,
+    azimuth: f64,
+    [left, right, bottom, top]: Sides,
+    pixels: f64,
+) -> impl Iterator<Item = [f64; 2]> + 'a {
+    let frame = wall_frame(azimuth);
+    let (low, high) = (DVec2::new(left, bottom), DVec2::new(right, top));
+    let (top_left, bottom_right) = (DVec2::new(left, top), DVec2::new(right, bottom));
+    let sides = [
+        (low, top_left, DVec2::X),
+        (bottom_right, high, DVec2::NEG_X),
+        (low, bottom_right, DVec2::Y),
+        (top_left, high, DVec2::NEG_Y),
+    ];
+    sides.into_iter().flat_map(move |(from, to, inwards)| {
+        (0..POINTS).map(move |i| {
+            let place = from.lerp(to, (i as f64 + 0.5) / POINTS as f64);
+            let offset = pixels * removed.pixels.step() * (1.0 + place.length_squared()) * inwards;
+            [place + offset, place - offset].map(|place| luminance(removed, frame * place.extend(1.0)))
+        })
+    })
+}
+
+/// Matrix of a rectangle on the wall of an azimuth, with its centre at distance 1.
+fn matrix(azimuth: f64, [left, right, bottom, top]: Sides) -> DMat3 {
+    let frame = wall_frame(azimuth);
+    let corner = frame * DVec2::new(left, top).extend(1.0);
+    let matrix = DMat3::from_cols((right - left) * frame.x_axis, (bottom - top) * frame.y_axis, corner);
+    matrix * (1.0 / point(&matrix, DVec2::splat(0.5)).length())
+}
+
+/// Share of the flux of a light inside of a card.
+fn share_inside(removed: &RemovedRadiance<'_>, members: &[u32], matrix: &DMat3) -> f64 {
+    let Some(light) = samples(removed, members) else { return 0.0 };
+    let inverse = matrix.inverse();
+    let is_inside = |direction| {
+        place_of(&inverse, direction).is_some_and(|place| super::card_matrix::is_inside(place, false))
+    };
+    let flux = |inside: bool| -> f64 {
+        light
+            .samples
+            .iter()
+            .filter(|(direction, _)| !inside || is_inside(*direction))
+            .map(|(_, flux)| flux)
+            .sum()
+    };
+    flux(true) / flux(false)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kernels::cards::card_matrix::corners;
+
+    #[test]
+    fn the_contrast_of_a_rectangle_is_low_if_one_side_has_none() {
+        assert!((contrast([1.0; 4]) - 1.0).abs() < 1e-12);
+        assert!(contrast([1.0, 1.0, 1.0, 0.0]) < LEAST_CONTRAST);
+    }
+
+    #[test]
+    fn the_matrix_of_a_rectangle_has_its_corners() {
+        let [top_left, _, bottom_right, _] = corners(&matrix(2.0, [-0.2, 0.9, -0.4, 0.3]));
+        let place = |corner: glam::DVec3| {
+            let local = wall_frame(2.0).transpose() * corner;
+            local.truncate() / local.z
+        };
+        assert!(place(top_left).abs_diff_eq(DVec2::new(-0.2, 0.3), 1e-12));
+        assert!(place(bottom_right).abs_diff_eq(DVec2::new(0.9, -0.4), 1e-12));
+    }
+}
