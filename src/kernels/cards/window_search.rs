@@ -36,10 +36,10 @@ const POINTS: usize = 48;
 /// Distance from a side of the points that are compared, and of those that tell the level of luminance, in pixels.
 const INNER: f64 = 0.75;
 const OUTER: f64 = 3.0;
-/// First step of the sides relative to the rectangle, halvings of all steps, and sweeps of each.
-const FIRST_STEP: f64 = 0.02;
-const HALVINGS: i32 = 6;
-const SWEEPS: usize = 4;
+/// First step of a side in pixels and of the wall relative to those of the search, halvings, and sweeps of each.
+const FIRST_STEP: f64 = 0.5;
+const HALVINGS: i32 = 5;
+const SWEEPS: i32 = 3;
 
 /// Cards of lights: those of unsure shapes become windows if edges show them more surely. Others inside of a window join it.
 pub fn find(
@@ -136,36 +136,50 @@ fn contrast(sides: [f64; 4]) -> f64 {
     0.125 * sides.iter().sum::<f64>() + 0.5 * sides.into_iter().fold(f64::INFINITY, f64::min)
 }
 
-/// Azimuth and sides at which the map changes most over the sides, from a start.
+/// Azimuth and sides at which the map changes most over the sides, within three pixels of a start.
 fn refine(removed: &RemovedRadiance<'_>, azimuth: f64, sides: Sides) -> (f64, Sides) {
-    let [left, right, bottom, top] = sides;
-    let [across, up] = [FIRST_STEP * (right - left), FIRST_STEP * (top - bottom)];
-    let steps = [FRAC_PI_3 / (WALLS - 1) as f64, across, across, up, up];
     let levels = rim(removed, azimuth, sides, OUTER).map(|[inside, outside]| inside.max(outside).max(1e-30));
     let levels: Vec<f64> = levels.collect();
     // The luminance is divided by a constant for each point: a logarithm would move the side outwards.
-    let change = |&[azimuth, left, right, bottom, top]: &[f64; 5]| -> f64 {
-        let rim = rim(removed, azimuth, [left, right, bottom, top], INNER);
+    let change = |numbers: &[f64; 5]| -> f64 {
+        let (azimuth, sides) = on_wall(numbers);
+        let rim = rim(removed, azimuth, sides, INNER);
         rim.zip(&levels).map(|([inside, outside], level)| ((inside - outside) / level).clamp(-1.0, 1.0)).sum()
     };
-    let mut best = [azimuth, left, right, bottom, top];
+    let pixel = FIRST_STEP * removed.pixels.step();
+    let steps = [FIRST_STEP * FRAC_PI_3 / (WALLS - 1) as f64, pixel, pixel, pixel, pixel];
+    let mut best = from_wall(azimuth, sides);
     let mut most = change(&best);
-    for halving in 0..HALVINGS {
-        for _ in 0..SWEEPS {
-            for (n, step) in steps.iter().enumerate() {
-                for sign in [-1.0, 1.0] {
-                    let mut moved = best;
-                    moved[n] += sign * step * 0.5_f64.powi(halving);
-                    let value = change(&moved);
-                    if value > most {
-                        (best, most) = (moved, value);
-                    }
+    for sweep in 0..HALVINGS * SWEEPS {
+        let scale = 0.5_f64.powi(sweep / SWEEPS);
+        for (n, step) in steps.iter().enumerate() {
+            for sign in [-1.0, 1.0] {
+                let mut moved = best;
+                moved[n] += sign * step * scale;
+                let value = change(&moved);
+                if value > most {
+                    (best, most) = (moved, value);
                 }
             }
         }
     }
-    let [azimuth, sides @ ..] = best;
-    (azimuth, sides)
+    on_wall(&best)
+}
+
+/// Azimuths of the wall and of the left and right side, and tangents of elevation of bottom and top between them.
+///
+/// The wall may turn while these stay, so the sides barely move.
+fn from_wall(azimuth: f64, [left, right, bottom, top]: Sides) -> [f64; 5] {
+    let turns = [left.atan(), right.atan()];
+    let middle = (0.5 * (turns[0] + turns[1])).cos();
+    [azimuth, azimuth + turns[0], azimuth + turns[1], bottom * middle, top * middle]
+}
+
+/// Inverse of [`from_wall`].
+fn on_wall(&[azimuth, left, right, bottom, top]: &[f64; 5]) -> (f64, Sides) {
+    let turns = [left - azimuth, right - azimuth];
+    let middle = (0.5 * (turns[0] + turns[1])).cos();
+    (azimuth, [turns[0].tan(), turns[1].tan(), bottom / middle, top / middle])
 }
 
 /// Luminance inside and outside of the points on the sides of a rectangle, at a distance in pixels.
@@ -228,6 +242,21 @@ mod tests {
     fn the_contrast_of_a_rectangle_is_low_if_one_side_has_none() {
         assert!((contrast([1.0; 4]) - 1.0).abs() < 1e-12);
         assert!(contrast([1.0, 1.0, 1.0, 0.0]) < LEAST_CONTRAST);
+    }
+
+    #[test]
+    fn a_wall_may_turn_while_its_sides_stay() {
+        let sides = [-0.2, 0.9, -0.4, 0.3];
+        let (azimuth, again) = on_wall(&from_wall(2.0, sides));
+        assert!((azimuth - 2.0).abs() < 1e-12 && again.iter().zip(sides).all(|(a, b)| (a - b).abs() < 1e-12));
+        let mut turned = from_wall(2.0, sides);
+        turned[0] += 0.1;
+        let (azimuth, sides) = on_wall(&turned);
+        assert!(
+            corners(&matrix(azimuth, sides))[0]
+                .angle_between(corners(&matrix(2.0, [-0.2, 0.9, -0.4, 0.3]))[0])
+                < 0.03
+        );
     }
 
     #[test]
