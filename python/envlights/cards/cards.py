@@ -63,7 +63,8 @@ class Cards(Result):
         Linear radiance as the map has it, not mirrored: row 0 is at b = 0, column 0 at a = 0.
         Texels outside the ellipse of a disc are 0. Default: one texel of uniform radiance.
     overlap : array_like, shape (n,), optional
-        Intersection over union of the light and its shape, from 0 to 1. Default: 1.
+        Intersection over union of the light and its shape, from 0 to 1. Of a window with a view
+        (see `notes`), the contrast of its sides: 1 where the inside is twice as bright. Default: 1.
     angular_radius : array_like, shape (n,), optional
         Radius of each light as a disc, in radians. Default: that of the solid angle of the card.
     units : {"the map's own scale", "cd/m2"}

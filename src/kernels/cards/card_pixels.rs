@@ -115,6 +115,24 @@ impl CardPixels {
             .flat_map(move |row| columns.into_iter().map(move |column| sphere::direction_of(row, column)))
     }
 
+    /// Column of the pixel at an azimuth.
+    pub fn column(&self, azimuth: f64) -> usize {
+        let turns = azimuth.rem_euclid(TAU) / TAU;
+        match self.registration {
+            Registration::CellCentred => (turns * self.width as f64) as usize % self.width,
+            Registration::BorderSampled => (turns * (self.width - 1) as f64 + 0.5) as usize % self.width,
+        }
+    }
+
+    /// Row of the pixel at a polar angle.
+    pub fn row(&self, theta: f64) -> usize {
+        let rows = match self.registration {
+            Registration::CellCentred => theta / PI * self.height as f64,
+            Registration::BorderSampled => theta / PI * (self.height - 1) as f64 + 0.5,
+        };
+        (rows as usize).min(self.height - 1)
+    }
+
     /// The four pixels around a direction with their bilinear weights; across the seam and the poles.
     pub fn around(&self, direction: DVec3) -> [(usize, f64); 4] {
         let (theta, phi) = sphere::angles(direction);
@@ -163,6 +181,20 @@ mod tests {
                 let sum: f64 = parts.iter().map(|(pixel, part, ())| part * pixels.solid_angle(*pixel)).sum();
                 // Six samples place an edge along pixels within 1/12 of one, and the card is 24 pixels wide.
                 assert!((sum / exact - 1.0).abs() < 1.4e-2, "{towards} {sum} {exact}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_row_and_column_of_the_middle_of_a_pixel_are_its_own() {
+        for registration in [Registration::CellCentred, Registration::BorderSampled] {
+            let pixels = CardPixels::new(16, 32, registration);
+            for pixel in 33..16 * 32 - 33 {
+                let (theta, phi) = sphere::angles(pixels.direction(pixel));
+                // A border column lies on the seam, and its middle beside it.
+                let is_border =
+                    registration == Registration::BorderSampled && [0, 31].contains(&(pixel % 32));
+                assert!(is_border || pixels.row(theta) * 32 + pixels.column(phi) == pixel, "{pixel}");
             }
         }
     }

@@ -34,6 +34,17 @@ impl RemovedRadiance<'_> {
         DVec3::new(channel(0), channel(1), channel(2)).max(DVec3::ZERO)
     }
 
+    /// Removed luminance of a pixel times its solid angle.
+    pub fn luminous_flux(&self, pixel: usize) -> f64 {
+        self.radiance(pixel).dot(LUMINANCE.into()) * self.pixels.solid_angle(pixel)
+    }
+
+    /// Luminance of the map in a pixel; 0 if it is negative.
+    pub fn luminance(&self, pixel: usize) -> f64 {
+        let [red, green, blue] = self.map[pixel];
+        DVec3::new(red.into(), green.into(), blue.into()).dot(LUMINANCE.into()).max(0.0)
+    }
+
     /// Number of the light of a pixel from 1, or 0.
     pub fn label(&self, pixel: usize) -> u32 {
         let (row, column) = (pixel / self.pixels.width, pixel % self.pixels.width);

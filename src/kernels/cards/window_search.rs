@@ -14,21 +14,28 @@ use super::footprint::RemovedRadiance;
 use super::panes::Group;
 use super::shape_fit::{FittedShape, Shape};
 use super::wall_plane::{LightSamples, Sides, WallPlane, luminance, wall_frame};
-use crate::kernels::image::LUMINANCE;
 use crate::kernels::sphere;
 
 /// Walls that are tried, up to 60 degrees on each side of the light.
-const WALLS: usize = 41;
+const WALLS: usize = 31;
+/// Cells along a light on each of these walls, on the best of them, and number of the best.
+const COARSE_CELLS: f64 = 40.0;
+const FINE_CELLS: f64 = 128.0;
+const FINE_WALLS: usize = 5;
 /// Lines that are tried for each side.
-const LINES: usize = 14;
+const LINES: usize = 10;
 /// Least share of the flux of a light in its window.
 const LEAST_SHARE: f64 = 0.9;
 /// Least contrast of a window: half the mean of its sides and half the least of them.
 const LEAST_CONTRAST: f64 = 0.65;
 /// Overlap above which a shape is sure, and no window is searched. True shapes reach 0.87 to 0.99.
 const SURE_OVERLAP: f64 = 0.9;
-/// Least thickness of a window in pixels.
-const LEAST_PIXELS: f64 = 8.0;
+/// Least area of a window relative to the shape that it replaces: the shape of a light without a view is more exact.
+const LEAST_GAIN: f64 = 1.2;
+/// Least thickness of a window in radians: 5 degrees.
+const LEAST_SIZE: f64 = 0.087;
+/// Least flux of a light relative to that of all, below which its view is not worth the search.
+const LEAST_FLUX: f64 = 0.01;
 /// Directions of a light at most.
 const MOST_SAMPLES: usize = 2000;
 /// Points on each side of a rectangle whose sides are refined.
@@ -48,9 +55,17 @@ pub fn find(
     fits: Vec<Option<FittedShape>>,
 ) -> Vec<Group> {
     let is_other = |fit: &Option<FittedShape>| fit.as_ref().is_some_and(|fit| fit.shape == Shape::Other);
+    let flux = |members: &Vec<u32>| -> f64 {
+        members.iter().map(|&pixel| removed.luminous_flux(pixel as usize)).sum()
+    };
+    let fluxes: Vec<f64> = members.iter().map(flux).collect();
+    let least = LEAST_FLUX * fluxes.iter().sum::<f64>();
     let window = |(light, fit): (usize, &Option<FittedShape>)| {
         let fit = fit.as_ref().filter(|fit| fit.shape != Shape::Point && fit.overlap < SURE_OVERLAP)?;
-        window_of(removed, &members[light]).filter(|window| window.overlap > fit.overlap)
+        if fluxes[light] < least {
+            return None;
+        }
+        window_of(removed, &members[light]).filter(|window| is_better(window, fit))
     };
     let windows: Vec<Option<FittedShape>> = fits.par_iter().enumerate().map(window).collect();
     let mut groups: Vec<Group> = Vec::new();
@@ -70,22 +85,33 @@ pub fn find(
     groups
 }
 
+/// True for a window that is surer than a shape, and shows more than the shape holds.
+fn is_better(window: &FittedShape, shape: &FittedShape) -> bool {
+    let area = |fit: &FittedShape| sizes(&fit.matrix).into_iter().product::<f64>();
+    let is_larger = shape.shape == Shape::Other || area(window) > LEAST_GAIN * area(shape);
+    is_larger && window.overlap > shape.overlap
+}
+
 /// Window around a light, if its edges show one.
 fn window_of(removed: &RemovedRadiance<'_>, members: &[u32]) -> Option<FittedShape> {
     let light = samples(removed, members)?;
     let sum: glam::DVec3 = light.samples.iter().map(|(direction, flux)| *flux * *direction).sum();
     let (_, azimuth) = sphere::angles(sum);
-    let wall = |i: usize| {
+    let rectangle = |azimuth: f64, cells: f64| {
         crate::interrupt::check();
-        let turn = FRAC_PI_3 * (2.0 * i as f64 / (WALLS - 1) as f64 - 1.0);
-        let (contrast, sides) = best_rectangle(&WallPlane::new(removed, &light, azimuth + turn)?)?;
-        Some((contrast, azimuth + turn, sides))
+        let (contrast, sides) = best_rectangle(&WallPlane::new(removed, &light, azimuth, cells)?)?;
+        Some((contrast, azimuth, sides))
     };
-    let best = (0..WALLS).filter_map(wall).max_by(|a, b| a.0.total_cmp(&b.0));
+    let turn = |wall: usize| FRAC_PI_3 * (2.0 * wall as f64 / (WALLS - 1) as f64 - 1.0);
+    let walls = (0..WALLS).filter_map(|wall| rectangle(azimuth + turn(wall), COARSE_CELLS));
+    let mut walls: Vec<(f64, f64, Sides)> = walls.collect();
+    walls.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let fine = walls.iter().take(FINE_WALLS).filter_map(|(_, azimuth, _)| rectangle(*azimuth, FINE_CELLS));
+    let best = fine.max_by(|a, b| a.0.total_cmp(&b.0));
     let (contrast, azimuth, sides) = best.filter(|(contrast, ..)| *contrast >= LEAST_CONTRAST)?;
     let (azimuth, sides) = refine(removed, azimuth, sides);
     let matrix = matrix(azimuth, sides);
-    let is_thick = sizes(&matrix).into_iter().all(|size| size >= LEAST_PIXELS * removed.pixels.step());
+    let is_thick = sizes(&matrix).into_iter().all(|size| size >= LEAST_SIZE);
     is_thick.then_some(FittedShape {
         shape: Shape::Rectangle,
         matrix,
@@ -97,15 +123,14 @@ fn window_of(removed: &RemovedRadiance<'_>, members: &[u32]) -> Option<FittedSha
 
 /// Directions and flux of some of the pixels of a light, and the mean luminance of all.
 fn samples(removed: &RemovedRadiance<'_>, members: &[u32]) -> Option<LightSamples> {
-    let value = |pixel: u32| removed.radiance(pixel as usize).dot(LUMINANCE.into());
-    let sample = |&pixel: &u32| {
-        let flux = value(pixel) * removed.pixels.solid_angle(pixel as usize);
-        (removed.pixels.direction(pixel as usize), flux)
-    };
-    let samples: Vec<_> =
-        members.iter().step_by(members.len().div_ceil(MOST_SAMPLES).max(1)).map(sample).collect();
-    let mean = members.iter().map(|&pixel| value(pixel)).sum::<f64>() / members.len().max(1) as f64;
-    (mean > 0.0).then_some(LightSamples { samples, luminance: mean })
+    let sample =
+        |&pixel: &u32| (removed.pixels.direction(pixel as usize), removed.luminous_flux(pixel as usize));
+    let stride = members.len().div_ceil(MOST_SAMPLES).max(1);
+    let samples: Vec<_> = members.iter().step_by(stride).map(sample).collect();
+    let area: f64 =
+        members.iter().step_by(stride).map(|&pixel| removed.pixels.solid_angle(pixel as usize)).sum();
+    let luminance = samples.iter().map(|(_, flux)| flux).sum::<f64>() / area;
+    (luminance > 0.0).then_some(LightSamples { samples, luminance })
 }
 
 /// Contrast and sides of the best rectangle on a wall that holds the light.
