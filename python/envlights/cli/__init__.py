@@ -20,6 +20,7 @@ _COMMANDS = {
     "convert": "Write a map in another layout, turned or resized.",
     "demo": "Make example files, and draw the result.",
     "detect": "Find the lights of a map.",
+    "error-curve": "Fit a map with several numbers of lights, and compare the errors.",
     "export": "Write a rig or lights for other programs.",
     "fit": "Fit an ambient term and a few lights to a map.",
     "follow": "Fit a rig to each map of a sequence.",
@@ -45,7 +46,7 @@ class _Main(click.Group):
     def get_command(self, _: click.Context, name: str) -> click.Command | None:
         if name not in _COMMANDS:
             return None
-        command: click.Command = import_module(f"{__name__}.{name}").command
+        command: click.Command = import_module(f"{__name__}.{name.replace('-', '_')}").command
         with_quiet(command)
         with_examples(command)
         return command

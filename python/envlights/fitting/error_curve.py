@@ -25,6 +25,10 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
+#: Columns of a table of errors.
+_COLUMNS = ("lights", "used", "objective", "probe", "shadows", "gloss", "seconds")
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class ErrorCurve(Result):
     """Errors of a map's rigs with at most each of some numbers of lights."""
@@ -72,8 +76,13 @@ class ErrorCurve(Result):
 
     def to_frame(self) -> pd.DataFrame:
         """Data frame with a row for each number of lights; needs pandas."""
-        names = ("lights", "used", "objective", "probe", "shadows", "gloss", "seconds")
-        return frame_of({name: np.array(getattr(self, name)) for name in names})
+        return frame_of({name: np.array(getattr(self, name)) for name in _COLUMNS})
+
+    def to_csv(self) -> str:
+        """Lossless table with a row for each number of lights; errors are fractions."""
+        rows = zip(*(getattr(self, name) for name in _COLUMNS), strict=True)
+        lines = [_COLUMNS, *([repr(value) for value in row] for row in rows)]
+        return "".join(f"{','.join(line)}\n" for line in lines)
 
     def in_short(self) -> str:
         """Range of the numbers of lights, and all errors at its end."""
