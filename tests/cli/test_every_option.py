@@ -194,7 +194,12 @@ def test_options_of_the_file_reach_its_reader(hall, tmp_path):
     words += ["32,32,32", "--towards", "1,0,0", "--map-width", 64, "--channels", "R,G,B"]
     run("convert", square, wide, *words)
     env = el.EnvMap.open(
-        square, **of_file, circle=(32, 32, 32), towards=(1, 0, 0), width=64, channels="RGB"
+        square,
+        **of_file,
+        circle=(32, 32, 32),
+        towards=(1, 0, 0),
+        width=64,
+        channels=["R", "G", "B"],
     )
     assert el.EnvMap.open(wide).radiance == pytest.approx(env.radiance)
 

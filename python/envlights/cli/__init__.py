@@ -11,6 +11,7 @@ import click
 from envlights._native import EnvLightsError
 from envlights.cli.examples import with_examples
 from envlights.cli.quiet import with_quiet
+from envlights.cli.standard_streams import with_standard_streams
 from envlights.io.errors import FileError
 
 #: Subcommands with their help. The file of a subcommand is imported when it is called.
@@ -37,7 +38,8 @@ _COMMANDS = {
 class _Main(click.Group):
     """Group of all subcommands, which prints a refusal as one sentence.
 
-    Exit codes: 0 for success, 1 if a file or the work failed, 2 for a wrong use.
+    "-" is the standard input or output, whose format --format names: envlights fit - -o - --format
+    json < map.hdr. Exit codes: 0 for success, 1 if a file or the work failed, 2 for a wrong use.
     """
 
     def list_commands(self, _: click.Context) -> list[str]:
@@ -48,6 +50,7 @@ class _Main(click.Group):
             return None
         command: click.Command = import_module(f"{__name__}.{name.replace('-', '_')}").command
         with_quiet(command)
+        with_standard_streams(command)
         with_examples(command)
         return command
 

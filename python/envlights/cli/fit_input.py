@@ -10,10 +10,9 @@ import click
 
 from envlights.cli.numbers import numbers
 from envlights.cli.outputs import default_of
-from envlights.detection.lights_file import load_lights
+from envlights.detection.lights_file import SUFFIXES, load_lights
 from envlights.fitting.fit import fit
 from envlights.fitting.map_fit import OBJECTIVES
-from envlights.fitting.request import STARTS
 from envlights.lights import Lights
 from envlights.rig import Rig
 
@@ -77,7 +76,7 @@ def start_options(function: Callable[..., None]) -> Callable[..., None]:
 
 def start_of(text: str) -> str | Rig | Lights:
     """Value of ``--start``: a name, or the content of a file."""
-    return load_lights(text) if text not in STARTS and "." in text else text
+    return load_lights(text) if text.lower().endswith(SUFFIXES) else text
 
 
 def fixed_of(texts: Sequence[str]) -> list[list[float]] | None:
@@ -87,7 +86,7 @@ def fixed_of(texts: Sequence[str]) -> list[list[float]] | None:
 
 
 def _fixed(text: str) -> list[list[float]]:
-    if text.lower().endswith((".json", ".csv")):
+    if text.lower().endswith(SUFFIXES):
         held = load_lights(text)
         rows: list[list[float]] = (
             held.lights if isinstance(held, Rig) else held

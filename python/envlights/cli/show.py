@@ -14,7 +14,7 @@ from envlights.cli.map_input import (
     radiance_or_name,
     unseen_option,
 )
-from envlights.cli.outputs import check_output, say_written
+from envlights.cli.outputs import check_can_draw, check_output, say_written
 from envlights.fitting.ambient_terms import AMBIENTS, AUTO
 from envlights.fitting.error_curve import error_curve
 from envlights.fitting.request import LIGHTS
@@ -59,6 +59,7 @@ def command(
     The page is one file without scripts, which loads nothing from a network.
     """
     check_output(output, (".html",), {"the map": map_file.path})
+    check_can_draw(output)
     if lights < 0:
         raise click.BadParameter(f"{lights} is less than 0.", param_hint="'-n'")
     choice = radiance_or_name(unseen)
