@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 #: Examples of each subcommand, without its name.
-EXAMPLES = {
+EXAMPLES: dict[str, tuple[str, ...]] = {
     "batch": (
         "maps -o rigs --set lights=4 --table lights.parquet",
         "'*.hdr' -o found --what detect",
