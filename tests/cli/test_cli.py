@@ -238,6 +238,16 @@ def test_json_is_written_without_the_library_that_draws(hall, tmp_path, command)
     assert json.loads((tmp_path / "out.json").read_text())
 
 
+@pytest.mark.parametrize(
+    "words", ["fit none.exr -o rig.png", "show none.exr", "error-curve none.exr -o curve.pdf"]
+)
+def test_a_picture_without_the_library_that_draws_names_the_extra(words):
+    command = [sys.executable, "-c", WITHOUT_MATPLOTLIB, *words.split()]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "pip install 'envlights[plot]'" in done.stderr
+
+
 def test_the_help_lists_every_subcommand_and_imports_none():
     context = click.Context(main)
     names = {path.stem for path in Path(cli.__file__).parent.iterdir()}

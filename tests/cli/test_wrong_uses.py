@@ -93,6 +93,8 @@ WRONG = [
     ("fit hall.exr -n -1", GENERAL, 2, "lights must be a whole number, 0 or more; got -1"),
     ("fit hall.exr -n 3.5", USAGE, 2, "'3.5' is not a valid integer"),
     ("fit hall.exr --error 2", GENERAL, 2, "error must be a finite number, from 0 to 1"),
+    ("fit hall.exr --error 2 -o rig.png", GENERAL, 2, "error must be a finite number, from 0 to 1"),
+    ("fit hall.exr --error 2 --white 3", GENERAL, 2, "error must be a finite number, from 0 to 1"),
     ("fit hall.exr --roughness 0", GENERAL, 2, "roughness must be"),
     ("fit hall.exr --max-radius 100", GENERAL, 2, "max_radius must be"),
     ("fit hall.exr --max-radius 10 --points", GENERAL, 2, "Leave out one of them"),
