@@ -2,8 +2,8 @@
 Errors by number of lights, for a paper
 =======================================
 
-``error_curve`` fits each number of lights, and its table has the errors of shading and of shadows as
-fractions. The picture fits a column of 3.3 inches.
+``error_curve`` fits each number of lights. The printed table has errors in percent, the CSV has
+them as fractions. The picture fits a column of 3.3 inches.
 """
 
 import envlights as el

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -58,7 +59,7 @@ def command(
     for output in outputs:
         check_output(output, (*TABLE_FILES, *PICTURES), {"the map": map_file.path})
     numbers, choice = whole_numbers("--lights", lights), radiance_or_name(unseen)
-    options = {
+    options: dict[str, Any] = {
         "roughness": roughness,
         "sizes": sizes,
         "max_radius": radius_of(max_radius),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -111,7 +112,7 @@ def command(
     for output in outputs:
         check_output(output, (*SUFFIXES, *PICTURES), {"the map": map_file.path})
     choice = radiance_or_name(unseen)
-    options = {
+    options: dict[str, Any] = {
         "lights": lights,
         "error": error,
         "shadow_error": shadow_error,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -63,7 +64,7 @@ def command(
     if lights < 0:
         raise click.BadParameter(f"{lights} is less than 0.", param_hint="'-n'")
     choice = radiance_or_name(unseen)
-    options = {
+    options: dict[str, Any] = {
         "roughness": roughness,
         "sizes": sizes,
         "max_radius": radius_of(max_radius),
