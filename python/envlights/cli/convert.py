@@ -94,7 +94,7 @@ def command(
     """Write MAP in another layout to OUT (.exr, .hdr, .tif, .png; sky_{face}.exr for six files)."""
     check_picture_path(output)
     saving = {"half": half, "compression": compression}
-    shape = {
+    shape: dict[str, Any] = {
         "width": width,
         "faces": order,
         "registration": to_registration,

@@ -149,7 +149,8 @@ def _parts(
     if shapes:
         return split(env, lights, share=share, shapes=True, **options)
     if maximum is None:
-        return split(env, lights, share=share, **options)
+        parts: Split = split(env, lights, share=share, **options)
+        return parts
     if has_choice:
         raise EnvLightsError("--limit takes all radiance above it; leave out --lights and --share")
     return limit(env, maximum)

@@ -156,11 +156,12 @@ def error_curve(
     Each fit is a full search of its own, equal to ``fit(env, n)`` bit by bit; only the map is read
     and reduced once. A curve of 0 to 8 lights takes about 5 times as long as the fit with 8.
 
-    A row holds the rig with the least error that the fits minimise, among those of all rows with at most as many lights: so one more light never raises that error, which
-    `objective` holds. If `used` is less than `lights`, the row repeats a rig of fewer lights
-    because it was better than the fit. The other errors may rise a little, because no fit minimises
-    them alone. To get the fewest lights for an error, call `fit` with that error instead.
-    `FitReport.search_errors` is no such curve: it holds points that a search tried on its way.
+    A row holds the rig with the least error that the fits minimise, among those of all rows with at
+    most as many lights: so one more light never raises that error, which `objective` holds. If
+    `used` is less than `lights`, the row repeats a rig of fewer lights because it was better than
+    the fit. The other errors may rise a little, because no fit minimises them alone. To get the
+    fewest lights for an error, call `fit` with that error instead. `FitReport.search_errors` is no
+    such curve: it holds points that a search tried on its way.
 
     Parameters
     ----------

@@ -193,6 +193,7 @@ class OpenImageIOFile:
         is_applied = kind == "jpeg" and dtype.kind == "f"
         nits = _number(spec.getattribute(WHITE_LUMINANCE)) if kind == "openexr" else None
         description = _text(spec, "ImageDescription")
+        notes = (*_notes(kind, nits), *self._gain_map_notes(is_applied=is_applied))
         return Header(
             width=spec.width,
             height=spec.height,
@@ -213,11 +214,7 @@ class OpenImageIOFile:
             xmp=self._xmp or _text(spec, "xmp").encode(),
             layout=layout_of_description(description),
             has_gain_map=is_applied,
-            notes=(
-                *_notes(kind, nits),
-                *self._gain_map_notes(is_applied=is_applied),
-                *estimates_of_description(description),
-            ),
+            notes=(*notes, *estimates_of_description(description)),
         )
 
     def _gain_map_notes(self, *, is_applied: bool) -> list[str]:
