@@ -63,9 +63,9 @@ def _inputs(folder: Path, options: dict[str, Any]) -> dict[str, Any]:
         raise EnvLightsError("only one input can be the standard input; give paths of the others")
     if not names:
         return {}
-    if sys.stdin.isatty():
-        raise EnvLightsError("the standard input is a terminal; send a file to it with `<` or `|`")
-    content = click.get_binary_stream("stdin").read()
+    if sys.stdin is None or sys.stdin.isatty():
+        raise EnvLightsError("the standard input is closed or a terminal; send a file to it with `<` or `|`")
+    content = sys.stdin.buffer.read()
     folder.mkdir()
     path = folder / f"{STANDARD_INPUT}{_suffix_of(content)}"
     path.write_bytes(content)
@@ -102,7 +102,7 @@ def _to_standard_output(
     path = folder / f"standard_output{_suffix(form)}"
     replaced = tuple(str(path) if each == _STREAM else each for each in several)
     click.get_current_context().meta[_KEY] = str(path)
-    binary = click.get_binary_stream("stdout")
+    binary = sys.stdout.buffer
     try:
         with contextlib.redirect_stdout(sys.stderr), _without_path(path):
             yield {**options, name: replaced if isinstance(outputs, tuple) else replaced[0]}
