@@ -210,3 +210,12 @@ def test_readings_reach_the_calibration(hall, tmp_path):
     env = el.EnvMap.open(hall).calibrated(nits=500, at=(0, 0, 1), patch=5)
     assert el.EnvMap.open(out).radiance == pytest.approx(env.radiance)
     assert el.EnvMap.open(out).units == "cd/m2"
+
+
+def test_the_help_lists_the_options_of_the_file_on_their_own():
+    text = CliRunner().invoke(main, ["fit", "--help"]).stdout
+    first, second = text.split("Options on how MAP is read:")
+    assert "--start" in first
+    assert "--colour" not in first
+    assert "--colour" in second
+    assert not re.search(r"^  MAP\b", first, re.MULTILINE)

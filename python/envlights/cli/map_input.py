@@ -55,7 +55,8 @@ class MapCommand(click.Command):
             records = [
                 parameter.get_help_record(context)
                 for parameter in self.get_params(context)
-                if isinstance(parameter, _MapOption) is is_of_map
+                if isinstance(parameter, click.Option)
+                and isinstance(parameter, _MapOption) is is_of_map
             ]
             rows = [record for record in records if record is not None]
             if rows:

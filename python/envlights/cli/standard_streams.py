@@ -64,7 +64,7 @@ def _inputs(folder: Path, options: dict[str, Any]) -> dict[str, Any]:
     if not names:
         return {}
     if sys.stdin is None or sys.stdin.isatty():
-        raise EnvLightsError("the standard input is closed or a terminal; send a file to it with `<` or `|`")
+        raise EnvLightsError("the standard input has no file; send one to it with `<` or `|`")
     content = sys.stdin.buffer.read()
     folder.mkdir()
     path = folder / f"{STANDARD_INPUT}{_suffix_of(content)}"
