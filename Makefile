@@ -40,6 +40,10 @@ types:
 	$(PYTHON) -m mypy
 	$(PYTHON) -m mypy.stubtest envlights._native
 
+.PHONY: pyright  ## Completeness of the public types; needs `pip install 'pyright[nodejs]'`
+pyright:
+	PATH="$(abspath $(dir $(PYTHON))):$$PATH" $(PYTHON) -m pyright --verifytypes envlights --ignoreexternal
+
 .PHONY: docs  ## The site, docs/_build/html/index.html, without the network; needs the extra docs
 docs:
 	MPLBACKEND=agg $(PYTHON) -m sphinx --fail-on-warning --keep-going --quiet --jobs 2 -c docs . docs/_build/html

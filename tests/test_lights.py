@@ -312,3 +312,14 @@ def test_irradiance_beyond_single_precision_is_refused():
         el.Lights([[0, 1, 0]], [[1e308, 1, 1]])
     with pytest.raises(el.EnvLightsError, match="ambient"):
         el.Rig([1e308, 1, 1], el.Lights([[0, 1, 0]], [[1, 1, 1]]), error=0.0)
+
+
+def test_a_light_at_a_pole_has_no_azimuth_in_texts():
+    lights = el.Lights([[0, 1, 0], [1e-9, -1, 0], [0, 0.999, 0.0447]], [[3] * 3, [2] * 3, [1] * 3])
+    rows = [line.split()[1:3] for line in str(lights).splitlines()[1:]]
+    assert rows == [["zenith", "+90.0°"], ["nadir", "-90.0°"], ["180.0°", "+87.4°"]]
+    assert lights[0].in_short() == "at the zenith, 50 %"
+    script = el.export.blender(lights).splitlines()
+    places = [line.split("# ")[1] for line in script if line.startswith("    ([")]
+    assert places == ["zenith", "nadir", "azimuth 180.0 degrees, elevation +87.4 degrees"]
+    assert "\n".join(script).isascii()

@@ -181,3 +181,15 @@ def test_the_plateau_is_that_of_detection():
     columns = options["working_width"].default // 2  # clipped maps are searched in half of them
     assert columns == repair.PLATEAU_COLUMNS
     assert np.deg2rad(options["gap_deg"].default) == pytest.approx(repair.PLATEAU_GAP)
+
+
+@pytest.mark.parametrize("name", ["sky.exr", "sky.hdr"])
+def test_a_file_of_a_repaired_map_says_that_its_light_is_an_estimate(tmp_path, name):
+    sky = np.full((64, 128, 3), 0.1)
+    sky[12:14, 60:62] = 1.0
+    env = el.EnvMap(sky, white=1.0, notes="limited to friends").repaired(irradiance=2.0)
+    env.save(tmp_path / name)
+    note = env.notes[-1]
+    assert el.EnvMap.open(tmp_path / name).notes == (note,)
+    assert note in el.fit(tmp_path / name, 1).notes
+    assert note.code == "repaired"

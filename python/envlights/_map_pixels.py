@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Mapping
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -292,7 +292,7 @@ class MapPixels:
         is_equal = self.seen is None or np.array_equal(self.seen, other.seen)  # type: ignore[arg-type]
         return is_equal and np.array_equal(self.radiance, other.radiance)
 
-    __hash__ = None  # type: ignore[assignment]  # what is compared by its pixels
+    __hash__: ClassVar[None] = None  # type: ignore[assignment]  # what is compared by its pixels
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
         """Radiance as an array, for NumPy."""

@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable
 from dataclasses import fields
 from functools import partial
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -50,7 +50,7 @@ class Result(ABC):
         names = [each.name for each in fields(self) if each.compare]  # type: ignore[arg-type]
         return all(_is_same(getattr(self, name), getattr(other, name)) for name in names)
 
-    __hash__ = None  # type: ignore[assignment]  # as of a list: equality is that of the content
+    __hash__: ClassVar[None] = None  # type: ignore[assignment]  # as of a list: equality is that of the content
 
     def __reduce__(self) -> tuple[Any, ...]:
         arguments = [each for each in fields(self) if each.init]  # type: ignore[arg-type]

@@ -266,7 +266,8 @@ class EnvMap(MapCalibration, MapRepair, MapLayouts):
         Primaries are those of Rec.709. A border-sampled map gets the attribute ``envmap``, and one
         in cd/m2 the attribute ``whiteLuminance``, which `open` reads. A .hdr file cannot hold them,
         so such a map is converted to cells and loses its units; a sample above 1.7e38 is refused.
-        The notes of the map become comments of the file.
+        The notes of the map become comments of the file. `open` reads those on estimates, such as
+        that of `repaired`.
         """
         if map_suffix(path) == ".hdr":
             if half or compression != COMPRESSIONS[0]:

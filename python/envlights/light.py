@@ -11,6 +11,9 @@ from envlights._result import Result
 from envlights.kernels import sphere
 from envlights.kernels.image import LUMINANCE
 
+#: Directions without an azimuth, at elevations that are printed as 90 and -90 degrees.
+POLES = ("zenith", "nadir")
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Light(Result):
@@ -55,9 +58,10 @@ class Light(Result):
 
     def in_short(self) -> str:
         """Azimuth, elevation and share."""
-        place = (
-            f"azimuth {np.rad2deg(self.azimuth):.1f}°, elevation {np.rad2deg(self.elevation):+.1f}°"
-        )
+        azimuth, elevation = angle_cells(self.direction)
+        place = f"azimuth {azimuth}, elevation {elevation}"
+        if azimuth in POLES:
+            place = f"at the {azimuth}"
         return f"{place}, {100 * self.share:.3g} %"
 
     def __str__(self) -> str:
@@ -102,7 +106,18 @@ def remarks_of(light: DetectedLight) -> list[str]:
 def place_of(direction: NDArray[np.float64]) -> str:
     """Azimuth and elevation of a direction, in words."""
     (azimuth,), (elevation,) = azimuths(direction[None]), elevations(direction[None])
+    if round(abs(np.rad2deg(elevation))) == 90:
+        return f"the {POLES[int(elevation < 0)]}"
     return f"azimuth {np.rad2deg(azimuth):.0f}°, elevation {np.rad2deg(elevation):.0f}°"
+
+
+def angle_cells(direction: NDArray[np.float64]) -> tuple[str, str]:
+    """Azimuth and elevation in degrees; at a pole its name in place of the azimuth."""
+    (azimuth,), (elevation,) = azimuths(direction[None]), elevations(direction[None])
+    height = f"{np.rad2deg(elevation):+.1f}°"
+    if height in ("+90.0°", "-90.0°"):
+        return POLES[int(height[0] == "-")], height
+    return f"{np.rad2deg(azimuth):.1f}°", height
 
 
 def azimuths(direction: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -29,14 +29,14 @@ from envlights.io.own_json import read_json
 from envlights.kernels.image import LUMINANCE
 from envlights.kernels.probe import disc_map
 from envlights.kernels.sphere import FRAME
-from envlights.light import Light, azimuths, elevations
+from envlights.light import Light, angle_cells, azimuths, elevations
 
 if TYPE_CHECKING:
     import pandas as pd
 
 
 #: Header of a file of lights. `Lights.to_dict` holds only arrays, as a part of a rig.
-LIGHTS_HEADER = {
+LIGHTS_HEADER: dict[str, str | int] = {
     "format": "envlights lights",
     "version": 2,
     "frame": FRAME,
@@ -364,13 +364,8 @@ Sequence.register(Lights)
 
 def place_cells(lights: Lights, row: int) -> list[str]:
     """Number, azimuth, elevation and share of a light."""
-    azimuth, elevation = np.rad2deg(lights.azimuth[row]), np.rad2deg(lights.elevation[row])
-    return [
-        f"{row + 1}",
-        f"{azimuth:.1f}°",
-        f"{elevation:+.1f}°",
-        f"{100 * lights.share[row]:.1f} %",
-    ]
+    share = f"{100 * lights.share[row]:.1f} %"
+    return [f"{row + 1}", *angle_cells(lights.direction[row]), share]
 
 
 def rgb_heading(units: str) -> str:

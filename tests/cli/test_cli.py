@@ -238,18 +238,32 @@ def test_json_is_written_without_the_library_that_draws(hall, tmp_path, command)
     assert json.loads((tmp_path / "out.json").read_text())
 
 
+@pytest.mark.parametrize(
+    "words", ["fit none.exr -o rig.png", "show none.exr", "error-curve none.exr -o curve.pdf"]
+)
+def test_a_picture_without_the_library_that_draws_names_the_extra(words):
+    command = [sys.executable, "-c", WITHOUT_MATPLOTLIB, *words.split()]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "pip install 'envlights[plot]'" in done.stderr
+
+
 def test_the_help_lists_every_subcommand_and_imports_none():
     context = click.Context(main)
-    listed = {path.stem for path in Path(cli.__file__).parent.iterdir()}
-    listed -= {"examples", "map_input", "outputs", "quiet", "sun_input"}
-    assert set(main.list_commands(context)) == {name for name in listed if name[0] != "_"}
+    names = {path.stem for path in Path(cli.__file__).parent.iterdir()}
+    listed = {name.replace("_", "-") for name in names if name[0] != "_"}
+    listed -= {"examples", "map-input", "fit-input", "detection-input", "sun-input", "outputs"}
+    listed -= {"numbers", "settings", "quiet", "standard-streams"}
+    assert set(main.list_commands(context)) == listed
     for name in main.list_commands(context):
         assert main.get_command(context, name).name == name
     code = "import sys\nfrom envlights.cli import main\nmain(['--help'], standalone_mode=False)\n"
     code += "print([name for name in sys.modules if name.startswith('envlights.cli.')])"
     told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert all(name in told.stdout for name in main.list_commands(context))
-    assert told.stdout.endswith("['envlights.cli.examples', 'envlights.cli.quiet']\n")
+    assert told.stdout.endswith(
+        "['envlights.cli.examples', 'envlights.cli.quiet', 'envlights.cli.standard_streams']\n"
+    )
 
 
 def test_a_pipe_that_nobody_reads_ends_without_a_traceback(hall, tmp_path):

@@ -93,6 +93,8 @@ WRONG = [
     ("fit hall.exr -n -1", GENERAL, 2, "lights must be a whole number, 0 or more; got -1"),
     ("fit hall.exr -n 3.5", USAGE, 2, "'3.5' is not a valid integer"),
     ("fit hall.exr --error 2", GENERAL, 2, "error must be a finite number, from 0 to 1"),
+    ("fit hall.exr --error 2 -o rig.png", GENERAL, 2, "error must be a finite number, from 0 to 1"),
+    ("fit hall.exr --error 2 --white 3", GENERAL, 2, "error must be a finite number, from 0 to 1"),
     ("fit hall.exr --roughness 0", GENERAL, 2, "roughness must be"),
     ("fit hall.exr --max-radius 100", GENERAL, 2, "max_radius must be"),
     ("fit hall.exr --max-radius 10 --points", GENERAL, 2, "Leave out one of them"),
@@ -102,6 +104,27 @@ WRONG = [
     ("fit hall.exr -o rig.yaml", GENERAL, 2, "the suffix must be one of .json, .csv"),
     ("fit hall.exr -o none/rig.json", FILE, 1, "the folder"),
     ("fit hall.exr -o folder.json", FILE, 1, "it is a folder; give the name of a file"),
+    ("fit hall.exr --fixed 0,1", GENERAL, 2, "--fixed must be three numbers, such as 0.5,0.7,0.5"),
+    ("fit hall.exr --fixed 0,0,0", GENERAL, 2, "must be a unit vector"),
+    ("fit hall.exr --start nosuch", GENERAL, 2, "start must be 'greedy' or 'detect' or 'even'"),
+    ("fit hall.exr --start none.json", MISSING, 1, "there is no such file; check its path"),
+    ("fit hall.exr --objective nosuch", USAGE, 2, "'nosuch' is not one of 'mixed'"),
+    ("fit hall.exr --at 0,1", GENERAL, 2, "--at must be three numbers"),
+    ("error-curve hall.exr -n 4-", GENERAL, 2, "--lights must be whole numbers and ranges"),
+    ("error-curve hall.exr -n 8-4", GENERAL, 2, "lights must hold at least one number"),
+    ("error-curve hall.exr -n 0-99999", GENERAL, 2, "--lights must be less than 10000"),
+    ("error-curve hall.exr -o curve.yaml", GENERAL, 2, "the suffix must be one of .csv, .json"),
+    ("error-curve hall.exr --roughness 2", GENERAL, 2, "roughness must be"),
+    ("show hall.exr --max-radius 100", GENERAL, 2, "max_radius must be"),
+    ("detect hall.exr --set rise", GENERAL, 2, "--set must be NAME=VALUE of an option of the"),
+    ("detect hall.exr --set tolerance=1", GENERAL, 2, "method tree: min_flux_share, min_worth"),
+    ("detect hall.exr --set rise=0", GENERAL, 2, "rise must"),
+    ("split hall.exr --set rise=0", GENERAL, 2, "rise must"),
+    ("split hall.exr --set rise=4 --limit 3", GENERAL, 2, "leave out --sun and --limit, or --set"),
+    ("split hall.exr -n -1", GENERAL, 2, "lights must be"),
+    ("photograph hall.exr --set rise=-1", GENERAL, 2, "rise must"),
+    ("photograph hall.exr --fov 200", GENERAL, 2, "fov must"),
+    ("convert hall.exr out.exr --to-towards 1", GENERAL, 2, "--to-towards must be three numbers"),
     ("convert hall.exr out.exr --width 1", GENERAL, 2, "width"),
     ("convert hall.exr out.exr --to sphere", GENERAL, 2, "sphere"),
     ("detect hall.exr -n 0", GENERAL, 2, "max_lights must be a whole number, 1 or more; got 0"),
@@ -146,6 +169,29 @@ def test_a_wrong_use_is_refused_with_a_way_out(folder, monkeypatch, arguments, k
     assert len(result.stderr.splitlines()) == (1 if kind is not USAGE else 4), result.stderr
     assert sorted(folder.rglob("*")) == before
     assert _class_of(arguments.split()) is kind
+
+
+#: Uses that are wrong for the map in its file alone.
+OF_THE_FILE = ("square.png", "cross.png", "--faces", "--colour", "--width", "--to", "rig.json")
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        arguments
+        for arguments, kind, code, _ in WRONG
+        if code == 2
+        and kind is GENERAL
+        and not any(word in arguments.split() for word in OF_THE_FILE)
+        and "folder" not in arguments
+    ],
+)
+def test_wrong_options_are_refused_before_a_file_is_read(folder, monkeypatch, arguments):
+    monkeypatch.chdir(folder)
+    without_map = arguments.replace("hall.exr", "none.exr")
+    done = CliRunner().invoke(main, without_map.split())
+    assert done.exit_code == 2, done.output
+    assert "no such file" not in done.stderr
 
 
 def _class_of(arguments):

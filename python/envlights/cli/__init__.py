@@ -11,6 +11,7 @@ import click
 from envlights._native import EnvLightsError
 from envlights.cli.examples import with_examples
 from envlights.cli.quiet import with_quiet
+from envlights.cli.standard_streams import with_standard_streams
 from envlights.io.errors import FileError
 
 #: Subcommands with their help. The file of a subcommand is imported when it is called.
@@ -20,6 +21,7 @@ _COMMANDS = {
     "convert": "Write a map in another layout, turned or resized.",
     "demo": "Make example files, and draw the result.",
     "detect": "Find the lights of a map.",
+    "error-curve": "Fit a map with several numbers of lights, and compare the errors.",
     "export": "Write a rig or lights for other programs.",
     "fit": "Fit an ambient term and a few lights to a map.",
     "follow": "Fit a rig to each map of a sequence.",
@@ -36,7 +38,8 @@ _COMMANDS = {
 class _Main(click.Group):
     """Group of all subcommands, which prints a refusal as one sentence.
 
-    Exit codes: 0 for success, 1 if a file or the work failed, 2 for a wrong use.
+    "-" is the standard input or output, whose format --format names: envlights fit - -o - --format
+    json < map.hdr. Exit codes: 0 for success, 1 if a file or the work failed, 2 for a wrong use.
     """
 
     def list_commands(self, _: click.Context) -> list[str]:
@@ -45,8 +48,9 @@ class _Main(click.Group):
     def get_command(self, _: click.Context, name: str) -> click.Command | None:
         if name not in _COMMANDS:
             return None
-        command: click.Command = import_module(f"{__name__}.{name}").command
+        command: click.Command = import_module(f"{__name__}.{name.replace('-', '_')}").command
         with_quiet(command)
+        with_standard_streams(command)
         with_examples(command)
         return command
 

@@ -5,12 +5,11 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from inspect import signature
-from typing import Any
 
 import click
 
-from envlights._native import EnvLightsError
 from envlights.cli.outputs import default_of
+from envlights.cli.settings import settings_from, settings_option
 from envlights.many.batch import batch
 from envlights.many.columns import COLUMNS
 from envlights.many.executors import NAMES
@@ -36,13 +35,7 @@ from envlights.many.work import METHODS
     show_default=True,
     help="Work on each map.",
 )
-@click.option(
-    "--set",
-    "settings",
-    multiple=True,
-    metavar="NAME=VALUE",
-    help="Option of the work, as in Python: --set lights=4. Can be repeated.",
-)
+@settings_option("work")
 @click.option(
     "--suffix",
     default=default_of(batch, "suffix"),
@@ -83,21 +76,11 @@ def command(
     """
     if table is not None:
         check_table(table)
-    options = dict(map(_setting, settings))
+    own = signature(batch).parameters
+    options = settings_from(settings, "work", lambda name: name.isidentifier() and name not in own)
     result = batch(maps, out, what=what, suffix=suffix, executor=executor, jobs=jobs, **options)
     if table is not None:
         result.save(table, rows)
     click.echo(json.dumps(result.to_dict(), indent=2) if as_json else str(result))
     if result.failures:
         context.exit(1)
-
-
-def _setting(text: str) -> tuple[str, Any]:
-    """Name and value of an option; a value that is not JSON is text."""
-    name, equals, value = text.partition("=")
-    if not equals or not name.isidentifier() or name in signature(batch).parameters:
-        raise EnvLightsError(f"--set must be NAME=VALUE of an option of the work; got {text}")
-    try:
-        return name, json.loads(value)
-    except ValueError:
-        return name, value

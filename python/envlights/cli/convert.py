@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import click
 import numpy as np
 
 from envlights._map_pixels import PROJECTION
-from envlights.cli.map_input import MapFile, map_argument
-from envlights.cli.outputs import say_written
+from envlights.cli.map_input import MapCommand, MapFile, map_argument
+from envlights.cli.numbers import numbers
+from envlights.cli.outputs import default_of, say_written
 from envlights.envmap import EnvMap
-from envlights.io.image_output import MAP_SUFFIXES
+from envlights.io.image_output import COMPRESSIONS, MAP_SUFFIXES
 from envlights.layouts.picture import check_picture_path
+from envlights.layouts.records import REGISTRATIONS
 
 
 def layout_option(what: str) -> Callable[[Any], Any]:
@@ -30,7 +33,7 @@ def layout_option(what: str) -> Callable[[Any], Any]:
     )
 
 
-@click.command("convert")
+@click.command("convert", cls=MapCommand)
 @map_argument
 @click.argument("output", metavar="OUT")
 @layout_option("OUT")
@@ -43,6 +46,29 @@ def layout_option(what: str) -> Callable[[Any], Any]:
     help="Order of the faces of a cube: opengl, openexr, py360convert, pannellum, directxtex.",
 )
 @click.option("--view", type=float, metavar="DEGREES", help="Field of view of a photograph, ...")
+@click.option(
+    "--to-registration",
+    type=click.Choice(REGISTRATIONS),
+    help="Position of the pixels of OUT: in cells, or the outer ones on seam and poles.",
+)
+@click.option(
+    "--to-mapping",
+    metavar="NAME",
+    help="Mapping of a fisheye: equidistant, equisolid, stereographic or orthographic.",
+)
+@click.option(
+    "--to-towards",
+    metavar="X,Y,Z",
+    help="Direction of the centre of a photograph or a fisheye.",
+)
+@click.option("--half", is_flag=True, help="16 instead of 32 bits for each sample of an .exr.")
+@click.option(
+    "--compression",
+    type=click.Choice(COMPRESSIONS),
+    default=default_of(EnvMap.save, "compression"),
+    help="Compression of an .exr, without loss.",
+    show_default=True,
+)
 @click.option(
     "--limit",
     type=float,
@@ -58,26 +84,52 @@ def command(
     rotate: float | None,
     order: str,
     view: float | None,
+    to_registration: str | None,
+    to_mapping: str | None,
+    to_towards: str | None,
+    half: bool,
+    compression: str,
     limit: float | None,
 ) -> None:
     """Write MAP in another layout to OUT (.exr, .hdr, .tif, .png; sky_{face}.exr for six files)."""
     check_picture_path(output)
+    saving = {"half": half, "compression": compression}
+    shape: dict[str, Any] = {
+        "width": width,
+        "faces": order,
+        "registration": to_registration,
+        "mapping": to_mapping,
+        "fov": view,
+        "towards": None if to_towards is None else numbers("--to-towards", to_towards, "0,0,1"),
+    }
     env = map_file.open()
     if rotate is not None:
         env = _rotate(env, math.radians(rotate))
     if limit is not None:
         env = env.limited(limit)
-    say_written(write_map(env, output, layout, width=width, faces=order, fov=view))
+    say_written(write_map(env, output, layout, saving, **shape))
 
 
 def write_map(
-    env: EnvMap, output: str, layout: str, *, width: int | None = None, **options: Any
+    env: EnvMap,
+    output: str,
+    layout: str,
+    saving: Mapping[str, Any] = MappingProxyType({}),
+    *,
+    width: int | None = None,
+    registration: str | None = None,
+    **options: Any,
 ) -> list[str]:
-    """Write a map in a layout of `EnvMap.to`; return the names of the files."""
-    if layout == PROJECTION and Path(output).suffix.lower() in MAP_SUFFIXES:
-        (env if width is None else env.resized(width)).save(output)
+    """Write a map in a layout of `EnvMap.to`; return the names of the files.
+
+    `saving` holds options of `EnvMap.save`.
+    """
+    is_map = layout == PROJECTION and Path(output).suffix.lower() in MAP_SUFFIXES
+    if is_map and registration is None:
+        (env if width is None else env.resized(width)).save(output, **saving)
         return [output]
-    return [str(path) for path in env.to(layout, width=width, **options).save(output)]
+    picture = env.to(layout, width=width, registration=registration, **options)
+    return [str(path) for path in picture.save(output, **saving)]
 
 
 def _rotate(env: EnvMap, angle: float) -> EnvMap:

@@ -9,7 +9,8 @@ from pathlib import Path
 import click
 
 from envlights._native import EnvLightsError
-from envlights.cli.map_input import MapFile, map_argument
+from envlights.cli.detection_input import SETTINGS, detection_settings
+from envlights.cli.map_input import MapCommand, MapFile, map_argument
 from envlights.cli.outputs import (
     OUTPUTS,
     check_output,
@@ -19,15 +20,17 @@ from envlights.cli.outputs import (
     say_written,
     verbose_option,
 )
+from envlights.cli.settings import settings_option
 from envlights.detection.article_steps import SAMPLINGS
 from envlights.detection.detect import METHODS, detect
 from envlights.detection.lights import DetectedLights
 from envlights.envmap import EnvMap
 from envlights.export.targets import SUFFIXES
 from envlights.io.files import PICTURES
+from envlights.many.work import check_options
 
 
-@click.command("detect")
+@click.command("detect", cls=MapCommand)
 @map_argument
 @click.option(
     "-n",
@@ -47,6 +50,7 @@ from envlights.io.files import PICTURES
     type=click.Choice(list(SAMPLINGS)),
     help="Sequence of the samples of --method article; hammersley by default.",
 )
+@settings_option("method", SETTINGS)
 @output_option(OUTPUTS)
 @verbose_option()
 @click.option("--json", "as_json", is_flag=True, help="Print the lights as JSON.")
@@ -55,6 +59,7 @@ def command(
     max_lights: int | None,
     method: str,
     sampling: str | None,
+    settings: Sequence[str],
     outputs: Sequence[str],
     verbose: bool,
     as_json: bool,
@@ -64,9 +69,11 @@ def command(
         check_output(output, (*SUFFIXES, *PICTURES), {"the map": map_file.path})
     if sampling is not None and method != "article":
         raise EnvLightsError(f"--sampling is an option of --method article; got {method}")
+    options = {"max_lights": max_lights, **detection_settings(settings, method)}
+    options |= {} if sampling is None else {"sampling": sampling}
+    check_options("detect", {"method": method, **options})
     env = map_file.open()
-    options = {} if sampling is None else {"sampling": sampling}
-    lights = detect(env, method, max_lights=max_lights, **options)
+    lights = detect(env, method, **options)
     for output in outputs:
         _write(env, lights, output)
     text = lights.verbose() if verbose else str(lights)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 #: Examples of each subcommand, without its name.
-EXAMPLES = {
+EXAMPLES: dict[str, tuple[str, ...]] = {
     "batch": (
         "maps -o rigs --set lights=4 --table lights.parquet",
         "'*.hdr' -o found --what detect",
@@ -13,12 +13,14 @@ EXAMPLES = {
     "compare": ("hall.exr rig.json", "truth guess -o errors.csv --protocol exact"),
     "convert": ("hall.exr cube.exr --to cube --width 256", "sky.hdr turned.hdr --rotate 90"),
     "demo": ("-o folder", "transfer -o folder"),
-    "detect": ("hall.exr -n 3 -o lights.png", "sky.jpg --json"),
+    "detect": ("hall.exr -n 3 -o lights.png", "hall.exr --set rise=4", "sky.jpg --json"),
+    "error-curve": ("hall.exr -o curve.csv -o curve.png", "sky.hdr --lights 1,2,4,8 --floor"),
     "export": ("rig.json usd gltf", "rig.json hall.py --environment hall.exr"),
     "fit": (
         "hall.exr -n 4 -o rig.json -o rig.png",
         "sky.hdr --error 0.01 --floor",
         "face.exr --projection cube --faces opengl",
+        "frame2.hdr -n 4 --start rig1.json --fixed 0,0.6,0.8",
     ),
     "follow": ("frames -o rigs.jsonl -o rigs.usda --fps 24", "video.mp4 --error 0.01 -o rigs.csv"),
     "merge": ("dark.jpg light.jpg -o merged.exr",),

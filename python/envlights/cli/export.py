@@ -10,6 +10,7 @@ import click
 from envlights._native import EnvLightsError
 from envlights._targets import save
 from envlights.cli.outputs import check_output, print_losses, say_written, strict_option
+from envlights.cli.standard_streams import STANDARD_INPUT
 from envlights.detection.lights_file import load_lights
 from envlights.envmap import EnvMap
 from envlights.export.targets import SUFFIXES, TARGETS
@@ -55,6 +56,8 @@ def _place(rig_path: str, target: str) -> str:
             wanted = f"a target ({', '.join(suffixes)}) or a file with a suffix"
             raise EnvLightsError(f"cannot write {target}: it must be the name of {wanted}")
         return target
+    if Path(rig_path).stem == STANDARD_INPUT:
+        raise EnvLightsError(f"a rig from the standard input has no name for {target}; give a file")
     if not Path(rig_path).name:
         raise EnvLightsError(
             f"cannot write {target} beside '{rig_path}', which names no file; give a file of a rig"

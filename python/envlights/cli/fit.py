@@ -2,18 +2,31 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import click
 
 from envlights._targets import target_of
-from envlights.cli.map_input import MapFile, map_argument, radiance_or_name, unseen_option
+from envlights.cli.fit_input import (
+    fixed_of,
+    radius_of,
+    roughness_option,
+    shape_options,
+    start_of,
+    start_options,
+)
+from envlights.cli.map_input import (
+    MapCommand,
+    MapFile,
+    map_argument,
+    radiance_or_name,
+    unseen_option,
+)
 from envlights.cli.outputs import (
     OUTPUTS,
     check_output,
-    default_of,
     output_option,
     print_losses,
     print_rig,
@@ -27,11 +40,12 @@ from envlights.export.targets import SUFFIXES
 from envlights.fitting.ambient_terms import AMBIENTS, AUTO
 from envlights.fitting.fit import fit
 from envlights.io.files import PICTURES
+from envlights.many.work import check_options
 from envlights.rig import Rig
 from envlights.sun.choice import AnySun
 
 
-@click.command("fit")
+@click.command("fit", cls=MapCommand)
 @map_argument
 @click.option("-n", "--lights", type=int, help="Largest number of lights; 4 by default.")
 @click.option(
@@ -49,22 +63,8 @@ from envlights.sun.choice import AnySun
     type=float,
     help="Largest error on shiny metal, such as 0.1; the fewest lights that reach it are used.",
 )
-@click.option(
-    "--roughness",
-    type=float,
-    default=default_of(fit, "roughness"),
-    help="Roughness of that metal, from 0.3 to 1.",
-    show_default=True,
-)
-@click.option(
-    "--sizes/--points",
-    default=default_of(fit, "sizes"),
-    help="Lights with a size, for soft shadows, or points.",
-    show_default=True,
-)
-@click.option(
-    "--max-radius", type=float, help="Largest angular radius of a light in degrees, such as 20."
-)
+@roughness_option("that metal")
+@shape_options
 @click.option(
     "--ambient",
     type=click.Choice([*AMBIENTS, AUTO]),
@@ -79,9 +79,7 @@ from envlights.sun.choice import AnySun
     help="Program that will show the lights (list: envlights export -h). Can be repeated. Default:"
     " the programs of -o.",
 )
-@click.option(
-    "--floor", is_flag=True, help="The scene has a floor, which hides light from below the horizon."
-)
+@start_options
 @sun_options
 @unseen_option()
 @output_option(OUTPUTS)
@@ -97,9 +95,12 @@ def command(
     roughness: float,
     sizes: bool,
     max_radius: float | None,
+    objective: str,
     ambient: str | None,
     targets: Sequence[str],
     floor: bool,
+    start: str,
+    fixed: Sequence[str],
     unseen: str | None,
     outputs: Sequence[str],
     strict: bool,
@@ -110,24 +111,27 @@ def command(
     """Fit an ambient term and a few lights to MAP (.hdr, .exr, .png, .jpg, .tif)."""
     for output in outputs:
         check_output(output, (*SUFFIXES, *PICTURES), {"the map": map_file.path})
-    # A picture of the map needs all of its pixels.
-    env = map_file.open() if any(map(_is_picture, outputs)) else None
     choice = radiance_or_name(unseen)
-    rig = fit(
-        map_file.unread() if env is None else env,
-        lights,
-        error=error,
-        shadow_error=shadow_error,
-        gloss_error=gloss_error,
-        roughness=roughness,
-        sizes=sizes,
-        max_radius=None if max_radius is None else math.radians(max_radius),
-        ambient=ambient,
-        sun=sun,
-        floor=floor,
-        unseen=choice,
-        target=targets or _targets_of(outputs),
-    )
+    options: dict[str, Any] = {
+        "lights": lights,
+        "error": error,
+        "shadow_error": shadow_error,
+        "gloss_error": gloss_error,
+        "roughness": roughness,
+        "sizes": sizes,
+        "max_radius": radius_of(max_radius),
+        "objective": objective,
+        "ambient": ambient,
+        "start": start_of(start),
+        "fixed": fixed_of(fixed),
+        "floor": floor,
+        "unseen": choice,
+        "target": targets or _targets_of(outputs),
+    }
+    check_options("fit", options)
+    # A picture of the map needs all of its pixels.
+    env = map_file.open(choice) if any(map(_is_picture, outputs)) else None
+    rig = fit(map_file.unread(choice) if env is None else env, sun=sun, **options)
     for output in outputs:
         _write(env and env.filled(choice), rig, output, strict)
     print_rig(rig, as_json, verbose)

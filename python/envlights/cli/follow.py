@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Sequence
 from pathlib import Path
 
 import click
 
+from envlights.cli.fit_input import radius_of, shape_options
 from envlights.cli.map_input import radiance_or_name, unseen_option
 from envlights.cli.outputs import check_output, default_of, output_option, say_written
 from envlights.fitting.ambient_terms import AMBIENTS
@@ -35,24 +35,13 @@ from envlights.sequence.formats import SUFFIXES
     show_default=True,
 )
 @click.option("--fps", type=float, help="Frames in a second; that of a video by default.")
-@click.option(
-    "--sizes/--points",
-    default=default_of(follow, "sizes"),
-    help="Lights with a size, for soft shadows, or points.",
-    show_default=True,
-)
-@click.option(
-    "--max-radius", type=float, help="Largest angular radius of a light in degrees, such as 20."
-)
+@shape_options
 @click.option(
     "--ambient",
     type=click.Choice([*AMBIENTS]),
     default=default_of(follow, "ambient"),
     help="Light from all directions.",
     show_default=True,
-)
-@click.option(
-    "--floor", is_flag=True, help="The scene has a floor, which hides light from below the horizon."
 )
 @unseen_option()
 @output_option(f"File to write ({', '.join(SUFFIXES)}). Can be repeated.")
@@ -65,6 +54,7 @@ def command(
     fps: float | None,
     sizes: bool,
     max_radius: float | None,
+    objective: str,
     ambient: str,
     floor: bool,
     unseen: str | None,
@@ -86,7 +76,8 @@ def command(
         fps=fps,
         error=error,
         sizes=sizes,
-        max_radius=None if max_radius is None else math.radians(max_radius),
+        max_radius=radius_of(max_radius),
+        objective=objective,
         ambient=ambient,
         floor=floor,
         unseen=radiance_or_name(unseen),

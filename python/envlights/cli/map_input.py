@@ -3,12 +3,21 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import click
 
+from envlights.cli.numbers import numbers
 from envlights.envmap import EnvMap
+from envlights.layouts.records import REGISTRATIONS
+
+#: Heading of the options on how a file is read, in the help.
+_HEADING = "Options on how MAP is read"
+#: Options of `EnvMap.calibrated`; the others are of `EnvMap.open`.
+_READINGS = ("lux", "facing", "shaded", "nits", "at", "patch", "ev100")
+_DIRECTION = "0.5,0.7,0.5"
 
 
 class MapFile(NamedTuple):
@@ -17,93 +26,154 @@ class MapFile(NamedTuple):
     path: str
     """Path; "-" is the standard input."""
 
-    colour: str | None
-    """Colour space by hand."""
+    layout: Mapping[str, Any] = MappingProxyType({})
+    """Options of `EnvMap.open` by hand."""
 
-    part: str | None
-    """Part or layer by hand."""
+    readings: Mapping[str, Any] = MappingProxyType({})
+    """Options of `EnvMap.calibrated`."""
 
-    projection: str | None = None
-    """Layout by hand."""
-
-    faces: str | None = None
-    """Order of the faces of a cube by hand."""
-
-    fov: float | None = None
-    """Field of view in degrees."""
-
-    mapping: str | None = None
-    """Mapping of a fisheye by hand."""
-
-    lux: float | None = None
-    """Measured illuminance of a horizontal surface."""
-
-    shaded: float | None = None
-    """Second reading with the sun shaded."""
-
-    ev100: float | None = None
-    """Exposure value at ISO 100."""
-
-    def open(self) -> EnvMap:
+    def open(self, unseen: Any = None) -> EnvMap:
         """Map of the file, calibrated if there is a reading."""
-        options = self._asdict()
-        readings = {name: options.pop(name) for name in ("lux", "shaded", "ev100")}
-        env = EnvMap.open(options.pop("path"), **options)
-        is_measured = any(reading is not None for reading in readings.values())
-        return env.calibrated(**readings) if is_measured else env
+        env = EnvMap.open(self.path, **self.layout)
+        return env.calibrated(**self.readings, unseen=unseen) if self.readings else env
 
-    def unread(self) -> str | EnvMap:
+    def unread(self, unseen: Any = None) -> str | EnvMap:
         """Path, which is read by rows; the map itself if options say how to read it."""
-        return self.open() if any(option is not None for option in self[1:]) else self.path
+        return self.open(unseen) if self.layout or self.readings else self.path
+
+
+class _MapOption(click.Option):
+    """Option on how a map is read."""
+
+
+class MapCommand(click.Command):
+    """Subcommand with MAP: its help lists the options on how MAP is read after the others."""
+
+    def format_options(self, context: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the options as two lists."""
+        for heading, is_of_map in (("Options", False), (_HEADING, True)):
+            records = [
+                parameter.get_help_record(context)
+                for parameter in self.get_params(context)
+                if isinstance(parameter, click.Option)
+                and isinstance(parameter, _MapOption) is is_of_map
+            ]
+            rows = [record for record in records if record is not None]
+            if rows:
+                with formatter.section(heading):
+                    formatter.write_dl(rows)
 
 
 def map_argument(function: Callable[..., None]) -> Callable[..., None]:
     """Argument MAP and its options; `function` takes them as a `MapFile` first."""
 
-    @click.argument("map_path", metavar="MAP")
-    @click.option(
-        "--colour",
-        metavar="SPACE",
-        help="Colour space of MAP instead of what the file says: linear, srgb, p3, rec2020, ...,"
-        " or the path of an ICC profile.",
-    )
-    @click.option(
-        "--part", help="Part or layer of MAP, by name or number from 0; the finished picture else."
-    )
-    @click.option(
-        "--projection",
-        metavar="LAYOUT",
-        help="Layout of MAP if it cannot be recognised: equirectangular, cube, octahedral,"
-        " octahedral-equal-area, angular, mirror-ball, fisheye, cylinder or planar.",
-    )
-    @click.option("--faces", metavar="ORDER", help="Order of the faces of a cube: opengl, ...")
-    @click.option("--fov", type=float, metavar="DEGREES", help="Horizontal field of view of MAP.")
-    @click.option(
-        "--mapping",
-        metavar="NAME",
-        help="Mapping of a fisheye: equidistant, equisolid, stereographic or orthographic.",
-    )
-    @click.option(
-        "--lux",
-        type=float,
-        metavar="LUX",
-        help="Measured illuminance of a horizontal surface; lights are then in lux.",
-    )
-    @click.option(
-        "--shaded",
-        type=float,
-        metavar="LUX",
-        help="Second reading with the sun shaded, if the sun is clipped.",
-    )
-    @click.option(
-        "--ev100", type=float, metavar="EV", help="Exposure value of MAP at ISO 100, for lux."
-    )
     @functools.wraps(function)
     def command(map_path: str, **options: Any) -> None:
-        of_map = {name: options.pop(name) for name in MapFile._fields[1:]}
-        function(MapFile(map_path, **of_map), **options)
+        given = {name: options.pop(name) for name in _OPTIONS}
+        given = {name: value for name, value in given.items() if value not in (None, False)}
+        for name, example in _VECTORS.items():
+            if name in given:
+                given[name] = numbers(f"--{name}", given[name], example)
+        if "channels" in given:
+            given["channels"] = given["channels"].split(",")
+        readings = {name: given.pop(name) for name in _READINGS if name in given}
+        if "map_width" in given:
+            given["width"] = given.pop("map_width")
+        function(MapFile(map_path, given, readings), **options)
 
-    return command
+    wrapped: Any = command
+    for name, settings in reversed(_OPTIONS.items()):
+        flag = f"--{name.replace('_', '-')}"
+        wrapped = click.option(flag, name, cls=_MapOption, **settings)(wrapped)
+    return click.argument("map_path", metavar="MAP")(wrapped)  # type: ignore[no-any-return]
+
+
+#: Examples of the options that are numbers between commas.
+_VECTORS = {"circle": "512,512,500", "towards": _DIRECTION, "facing": _DIRECTION, "at": _DIRECTION}
+#: Options by the name of the parameter; `map_width` is `width` of `EnvMap.open`.
+_OPTIONS: dict[str, dict[str, Any]] = {
+    "colour": {
+        "metavar": "SPACE",
+        "help": "Colour space of MAP instead of what the file says: linear, srgb, p3, rec2020, ...,"
+        " or the path of an ICC profile.",
+    },
+    "part": {"help": "Part or layer of MAP, by name or number from 0; the finished picture else."},
+    "channels": {
+        "metavar": "NAMES",
+        "help": "Names of red, green and blue, or of one grey channel, then perhaps alpha, between"
+        " commas.",
+    },
+    "projection": {
+        "metavar": "LAYOUT",
+        "help": "Layout of MAP if it cannot be recognised: equirectangular, cube, octahedral,"
+        " octahedral-equal-area, angular, mirror-ball, fisheye, cylinder or planar.",
+    },
+    "faces": {"metavar": "ORDER", "help": "Order of the faces of a cube: opengl, ..."},
+    "registration": {
+        "type": click.Choice(REGISTRATIONS),
+        "help": "Position of the pixels: in cells, or the outer ones on the seam and the poles.",
+    },
+    "fov": {"type": float, "metavar": "DEGREES", "help": "Horizontal field of view of MAP."},
+    "mapping": {
+        "metavar": "NAME",
+        "help": "Mapping of a fisheye: equidistant, equisolid, stereographic or orthographic.",
+    },
+    "horizon": {
+        "type": float,
+        "metavar": "ROW",
+        "help": "Row of elevation 0 in a cylinder or a part of a panorama; the middle else.",
+    },
+    "circle": {
+        "metavar": "X,Y,RADIUS",
+        "help": "Circle of a fisheye or mirror ball, in pixels.",
+    },
+    "towards": {
+        "metavar": "X,Y,Z",
+        "help": "Direction of the centre of a circle or a photograph; +z else.",
+    },
+    "eye": {"type": click.Choice(["left", "right"]), "help": "Half of a stereo panorama."},
+    "map_width": {
+        "type": int,
+        "metavar": "COLUMNS",
+        "help": "Columns of the map that MAP becomes if it has another layout.",
+    },
+    "white": {
+        "type": float,
+        "metavar": "LEVEL",
+        "help": "Clip level of MAP; known for files of integers.",
+    },
+    "max_pixels": {"type": int, "metavar": "COUNT", "help": "Largest number of pixels to read."},
+    "any_format": {
+        "is_flag": True,
+        "help": "Try all formats of OpenImageIO; not for files of strangers.",
+    },
+    "lux": {
+        "type": float,
+        "metavar": "LUX",
+        "help": "Measured illuminance of a horizontal surface; lights are then in lux.",
+    },
+    "facing": {
+        "metavar": "X,Y,Z",
+        "help": "Normal of that surface, if it is not horizontal.",
+    },
+    "shaded": {
+        "type": float,
+        "metavar": "LUX",
+        "help": "Second reading with the sun shaded, if the sun is clipped.",
+    },
+    "nits": {
+        "type": float,
+        "metavar": "NITS",
+        "help": "Measured luminance of a patch of MAP, in cd/m2.",
+    },
+    "at": {"metavar": "X,Y,Z", "help": "Direction of that patch."},
+    "patch": {"type": float, "metavar": "DEGREES", "help": "Radius of that patch; 1 by default."},
+    "ev100": {
+        "type": float,
+        "metavar": "EV",
+        "help": "Exposure value of MAP at ISO 100, for lux.",
+    },
+}
 
 
 def unseen_option() -> Callable[[Any], Any]:

@@ -14,6 +14,7 @@ import click
 
 from envlights._native import EnvLightsError
 from envlights._printable import printable
+from envlights.cli.standard_streams import is_standard_output
 from envlights.io.errors import FileError
 from envlights.io.files import NO_MATPLOTLIB, PICTURES, can_draw, check_writable
 from envlights.rig import Rig
@@ -68,9 +69,15 @@ def check_output(output: str, suffixes: tuple[str, ...], inputs: Mapping[str, st
     if not Path(output).name[1:].lower().endswith(suffixes):
         wanted = f"one of {', '.join(suffixes)}" if suffixes[1:] else suffixes[0]
         raise EnvLightsError(f"cannot write {output}: the suffix must be {wanted}")
-    if Path(output).suffix.lower() in PICTURES and not can_draw():
-        raise EnvLightsError(f"cannot write {output}: a picture {NO_MATPLOTLIB}")
+    if Path(output).suffix.lower() in PICTURES:
+        check_can_draw(output)
     check_source(output, inputs)
+
+
+def check_can_draw(output: str) -> None:
+    """Refuse an output with pictures if Matplotlib is not installed."""
+    if not can_draw():
+        raise EnvLightsError(f"cannot write {output}: a picture {NO_MATPLOTLIB}")
 
 
 def check_source(output: str, inputs: Mapping[str, str]) -> None:
@@ -94,4 +101,5 @@ def print_rig(rig: Rig, as_json: bool, verbose: bool) -> None:
 def say_written(paths: Sequence[str]) -> None:
     """Name the written files at the end, so that a closed pipe does not prevent writing."""
     for path in paths:
-        click.echo(f"wrote {printable(path)}", err=True)
+        if not is_standard_output(path):
+            click.echo(f"wrote {printable(path)}", err=True)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import click
+import numpy as np
 
 from envlights.cli.outputs import (
     OUTPUTS,
@@ -17,11 +18,17 @@ from envlights.cli.outputs import (
     say_written,
     verbose_option,
 )
+from envlights.cli.settings import settings_from, settings_of, settings_option
 from envlights.detection.article_steps import SAMPLINGS
 from envlights.detection.photograph import detect_photograph
 from envlights.detection.photograph_lights import PhotographLights
 from envlights.export.targets import SUFFIXES
 from envlights.io.files import PICTURES
+
+#: Parameters without an option of their own.
+_SETTINGS = settings_of(
+    [detect_photograph], ("fov", "colour", "part", "max_lights", "relative", "sampling")
+)
 
 
 @click.command("photograph")
@@ -52,6 +59,7 @@ from envlights.io.files import PICTURES
     show_default=True,
     help="Sequence of the samples.",
 )
+@settings_option("detection", _SETTINGS)
 @output_option(OUTPUTS)
 @verbose_option()
 @click.option("--json", "as_json", is_flag=True, help="Print the lights as JSON.")
@@ -63,6 +71,7 @@ def command(
     max_lights: int | None,
     relative: bool,
     sampling: str,
+    settings: Sequence[str],
     outputs: Sequence[str],
     verbose: bool,
     as_json: bool,
@@ -70,8 +79,15 @@ def command(
     """Find the lights of PHOTO, a plane picture of any aspect (.jpg, .png, .tif, .exr, .hdr)."""
     for output in outputs:
         check_output(output, (*SUFFIXES, *PICTURES), {"the photograph": path})
-    options: dict[str, Any] = {"colour": colour, "part": part, "max_lights": max_lights}
-    lights = detect_photograph(path, fov, relative=relative, sampling=sampling, **options)
+    options: dict[str, Any] = {
+        "fov": fov,
+        "max_lights": max_lights,
+        "relative": relative,
+        "sampling": sampling,
+        **settings_from(settings, "detection", _SETTINGS.__contains__),
+    }
+    detect_photograph(np.ones((8, 16, 3), np.float32), **options)  # refuses impossible options
+    lights = detect_photograph(path, colour=colour, part=part, **options)
     for output in outputs:
         _write(lights, output)
     text = lights.verbose() if verbose else str(lights)

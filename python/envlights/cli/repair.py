@@ -4,7 +4,13 @@ from __future__ import annotations
 
 import click
 
-from envlights.cli.map_input import MapFile, map_argument, radiance_or_name, unseen_option
+from envlights.cli.map_input import (
+    MapCommand,
+    MapFile,
+    map_argument,
+    radiance_or_name,
+    unseen_option,
+)
 from envlights.cli.outputs import check_output, say_written
 from envlights.cli.sun_input import reading_options, sun_options
 from envlights.sun.choice import AnySun
@@ -13,7 +19,7 @@ from envlights.sun.choice import AnySun
 MAPS = (".exr", ".hdr")
 
 
-@click.command("repair")
+@click.command("repair", cls=MapCommand)
 @map_argument
 @click.option("-o", "--output", required=True, help="File to write (.exr, .hdr).")
 @reading_options
@@ -30,7 +36,7 @@ def command(
     """Estimate the clipped light of MAP, such as a JPEG or PNG."""
     check_output(output, MAPS, {"the map": map_file.path})
     choice = radiance_or_name(unseen)
-    env = map_file.open().repaired(sun=sun, irradiance=irradiance, ratio=ratio, unseen=choice)
+    env = map_file.open(choice).repaired(sun=sun, irradiance=irradiance, ratio=ratio, unseen=choice)
     env.save(output)
     click.echo(str(env))
     say_written([output])

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -15,7 +16,8 @@ from envlights._map_pixels import PROJECTION
 from envlights._native import EnvLightsError
 from envlights.cards.card_split import CardSplit, at_place
 from envlights.cli.convert import layout_option, write_map
-from envlights.cli.map_input import MapFile, map_argument
+from envlights.cli.detection_input import detection_settings
+from envlights.cli.map_input import MapCommand, MapFile, map_argument
 from envlights.cli.outputs import (
     check_output,
     check_source,
@@ -24,13 +26,16 @@ from envlights.cli.outputs import (
     say_written,
     verbose_option,
 )
+from envlights.cli.settings import settings_of, settings_option
 from envlights.cli.sun_input import reading_options, sun_options
+from envlights.detection.component_tree import detect_tree
 from envlights.detection.split import Split, split
 from envlights.envmap import EnvMap
 from envlights.excess import Limit, limit
 from envlights.export.targets import SUFFIXES
 from envlights.io.files import PICTURES
 from envlights.io.image_output import MAP_SUFFIXES
+from envlights.many.work import check_options
 from envlights.sun.choice import AnySun, sun_of
 from envlights.sun.result import Sun
 from envlights.sun.sun_split import SunSplit, with_sun
@@ -38,7 +43,7 @@ from envlights.sun.sun_split import SunSplit, with_sun
 _Parts = Split | CardSplit | Limit | SunSplit
 
 
-@click.command("split")
+@click.command("split", cls=MapCommand)
 @map_argument
 @click.option(
     "-n",
@@ -71,6 +76,7 @@ _Parts = Split | CardSplit | Limit | SunSplit
     help="Distance of the cards from the origin in scenes. Default: 1000 times --radius.",
 )
 @click.option("--radius", type=float, help="Radius of the scene that the cards light. Default: 1.")
+@settings_option("detection", settings_of([detect_tree], ("max_lights",)))
 @sun_options
 @reading_options
 @layout_option("the map without the lights")
@@ -89,6 +95,7 @@ def command(
     shapes: bool,
     distance: float | None,
     radius: float | None,
+    settings: Sequence[str],
     sun: AnySun | None,
     irradiance: float | None,
     ratio: float | None,
@@ -100,10 +107,14 @@ def command(
     """Remove the lights from MAP (.hdr, .exr, .png, .jpg, .tif)."""
     for output in outputs:
         check_output(output, (*SUFFIXES, *MAP_SUFFIXES, *PICTURES), {"the map": map_file.path})
+    options = detection_settings(settings, "tree")
+    if options and (sun is not None or maximum is not None):
+        raise EnvLightsError("--set is of detected lights; leave out --sun and --limit, or --set")
+    check_options("split", {"lights": lights, "share": share, "shapes": shapes, **options})
     env = map_file.open()
     found = None if sun is None else sun_of(env, sun)
     readings = {"irradiance": irradiance, "ratio": ratio}
-    parts = _parts(env, lights, share, maximum, found, readings, shapes)
+    parts = _parts(env, lights, share, maximum, found, readings, shapes, options)
     parts = _at_place(parts, distance, radius)
     draw = partial(_draw, env, parts, found)
     written = _write(parts, map_file.path, outputs, layout, draw)
@@ -121,6 +132,7 @@ def _parts(
     sun: Sun | None,
     readings: dict[str, float | None],
     shapes: bool,
+    options: dict[str, Any],
 ) -> _Parts:
     """Lights and rest, of detection, above a maximum, or of the sun."""
     has_choice = lights is not None or share is not None
@@ -135,9 +147,10 @@ def _parts(
     if any(reading is not None for reading in readings.values()):
         raise EnvLightsError("--irradiance and --ratio are readings of a sun; add --sun")
     if shapes:
-        return split(env, lights, share=share, shapes=True)
+        return split(env, lights, share=share, shapes=True, **options)
     if maximum is None:
-        return split(env, lights, share=share)
+        parts: Split = split(env, lights, share=share, **options)
+        return parts
     if has_choice:
         raise EnvLightsError("--limit takes all radiance above it; leave out --lights and --share")
     return limit(env, maximum)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import datetime
 import functools
 from collections.abc import Callable
@@ -11,6 +10,7 @@ from typing import Any
 import click
 
 from envlights._native import EnvLightsError
+from envlights.cli.numbers import numbers
 from envlights.sun.almanac import SunAt
 from envlights.sun.choice import AUTO, AnySun
 
@@ -49,7 +49,7 @@ def sun_options(function: Callable[..., None]) -> Callable[..., None]:
     ) -> None:
         sun: AnySun | None = AUTO if is_auto else None
         if sun_direction is not None:
-            sun = _numbers(sun_direction)
+            sun = numbers("--sun-direction", sun_direction, "0.5,0.7,0.5")
         if any(each is not None for each in (sun_time, latitude, longitude, north)):
             if sun_direction is not None:
                 raise EnvLightsError("give --sun-direction or --sun-time, not both")
@@ -70,15 +70,6 @@ def reading_options(function: Callable[..., None]) -> Callable[..., None]:
         help="Irradiance in full sun divided by irradiance with the sun blocked, both horizontal.",
     )
     return of_irradiance(of_ratio(function))
-
-
-def _numbers(text: str) -> list[float]:
-    """Three numbers between commas."""
-    with contextlib.suppress(ValueError):
-        values = [float(value) for value in text.split(",")]
-        if len(values) == 3:
-            return values
-    raise EnvLightsError(f"--sun-direction must be three numbers, such as 0.5,0.7,0.5; got {text}")
 
 
 def _sun_at(

@@ -6,14 +6,14 @@ from pathlib import Path
 
 import click
 
-from envlights.cli.map_input import MapFile, map_argument, radiance_or_name
+from envlights.cli.map_input import MapCommand, MapFile, map_argument, radiance_or_name
 from envlights.cli.outputs import check_output, say_written
 from envlights.rig import Rig
 from envlights.viewer.model import Model
 from envlights.viewer.page import SUFFIXES, view
 
 
-@click.command("view")
+@click.command("view", cls=MapCommand)
 @map_argument
 @click.option("--rig", metavar="RIG", help="Lights of the page: a rig that `envlights fit` wrote.")
 @click.option(
@@ -65,6 +65,8 @@ def command(
         page = view(Rig.load(map_file.path), lights, title=title, model=shown, truth=truth)
     else:
         filling = radiance_or_name(unseen)
-        page = view(map_file.open(), lights, title=title, unseen=filling, model=shown, truth=truth)
+        page = view(
+            map_file.open(filling), lights, title=title, unseen=filling, model=shown, truth=truth
+        )
     page.save(output)
     say_written([output])

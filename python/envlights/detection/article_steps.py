@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -12,7 +13,10 @@ from envlights._check import amount, check_choice
 from envlights.kernels import loghin, sampling
 
 #: Points of the unit square by the name of their sequence.
-SAMPLINGS = {"hammersley": sampling.hammersley, "halton": sampling.halton}
+SAMPLINGS: dict[str, Callable[[int], NDArray[np.float64]]] = {
+    "hammersley": sampling.hammersley,
+    "halton": sampling.halton,
+}
 
 
 @dataclass(frozen=True)

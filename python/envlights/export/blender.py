@@ -7,7 +7,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from envlights._native import EnvLightsError
 from envlights.cards import Cards
@@ -17,6 +17,7 @@ from envlights.export.axes import AXES
 from envlights.export.files import check_link, panorama, save_scene
 from envlights.export.scene import Scene, scene_of
 from envlights.io.files import as_path
+from envlights.light import POLES, angle_cells
 from envlights.lights import Lights
 from envlights.rig import Rig
 
@@ -32,6 +33,7 @@ from mathutils import Matrix, Vector
 
 # Units: @UNITS@.
 # Direction towards the light (z up), irradiance at normal incidence, full angle in radians.
+# Comments: azimuth in the map, from its left edge to the right, and elevation above the horizon.
 LIGHTS = [
 @LIGHTS@]
 # Radiance of the world, and an equirectangular map in its place.
@@ -137,7 +139,7 @@ def blender(
     >>> import envlights as el
     >>> script = el.export.blender(el.Lights([[0, 1, 0]], [[3, 2, 1]], [0.25]))
     >>> next(line for line in script.splitlines() if line.startswith("    ("))
-    '    ([0.0, 0.0, 1.0], [3.0, 2.0, 1.0], 0.5),'
+    '    ([0.0, 0.0, 1.0], [3.0, 2.0, 1.0], 0.5),  # zenith'
     """
     return _script(scene_of(rig, environment, target="blender"), texture, "")
 
@@ -187,14 +189,23 @@ def add_to_blender(
             ) from None
 
 
+def _place(direction: NDArray[np.float64]) -> str:
+    """Azimuth and elevation of a light in its map, as ASCII."""
+    azimuth, elevation = (cell.replace("°", " degrees") for cell in angle_cells(direction))
+    return azimuth if azimuth in POLES else f"azimuth {azimuth}, elevation {elevation}"
+
+
 def _script(scene: Scene, name: str, prefix: str) -> str:
     if scene.environment is not None:
         # Blender takes backslashes in paths for slashes on all systems.
         check_link(name, "Blender", "\\")
     lights = scene.lights
     towards = AXES["blender"].to_target(lights.direction).tolist()
-    rows = zip(towards, lights.irradiance.tolist(), lights.angular_radius.tolist(), strict=True)
-    written = "".join(f"    ({there}, {at}, {2 * radius}),\n" for there, at, radius in rows)
+    arrays = towards, lights.irradiance.tolist(), lights.angular_radius.tolist()
+    rows = zip(*arrays, map(_place, lights.direction), strict=True)
+    written = "".join(
+        f"    ({there}, {at}, {2 * radius}),  # {place}\n" for there, at, radius, place in rows
+    )
     ambient = np.zeros(3) if scene.ambient is None else scene.ambient
     parts = {
         "@UNITS@": scene.statement,

@@ -1,4 +1,4 @@
-"""Line of a file's description that states the layout of its picture.
+"""Lines of a file's description: the layout of its picture, and estimates in its pixels.
 
 | format   | description                                   |
 |----------|-----------------------------------------------|
@@ -12,8 +12,12 @@ from __future__ import annotations
 
 import re
 
+from envlights._notes import Note
+
 #: Start of the line.
 LAYOUT = "envlights:layout="
+#: Codes of notes that a reader of the file needs: part of the light is an estimate.
+_ESTIMATES = ("repaired", "sun-added")
 #: Bytes of a Radiance file that are searched for the end of the header.
 _LONGEST = 2**16
 #: Keyword of a PNG text for a description.
@@ -29,6 +33,12 @@ def layout_of_description(description: str) -> str:
     return ""
 
 
+def estimates_of_description(description: str) -> tuple[str, ...]:
+    """Notes on estimates that `EnvMap.save` wrote, such as that of a repair."""
+    lines = (line.lstrip("# \t") for line in description.splitlines())
+    return tuple(line for line in lines if Note(line).code in _ESTIMATES)
+
+
 def projection_of_layout(statement: str) -> str:
     """Value of `projection=` in a statement on the layout; empty if it names none."""
     found = re.search(r'"projection": *"([a-z-]{1,40})"', statement)
@@ -37,7 +47,7 @@ def projection_of_layout(statement: str) -> str:
 
 def description_of_radiance(data: bytes) -> str:
     """Header of a Radiance file."""
-    return data[:_LONGEST].partition(b"\n\n")[0].decode("latin-1")
+    return data[:_LONGEST].partition(b"\n\n")[0].decode("utf-8", "replace")
 
 
 def description_of_png(data: bytes) -> str:

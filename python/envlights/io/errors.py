@@ -26,7 +26,7 @@ class MissingFileError(FileError, FileNotFoundError):
 
     def __init__(self, *args: object) -> None:
         super().__init__(*args)
-        self.errno = errno.ENOENT
+        self.errno: int | None = errno.ENOENT
 
 
 class DamagedFileError(FileError):

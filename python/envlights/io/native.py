@@ -13,6 +13,7 @@ from envlights._native import EnvLightsError, PngFile, RadianceFile
 from envlights.io.description import (
     description_of_png,
     description_of_radiance,
+    estimates_of_description,
     layout_of_description,
 )
 from envlights.io.errors import DamagedFileError, FileError
@@ -35,7 +36,7 @@ class NativeFile:
         radiance: RadianceFile | None = None,
     ) -> None:
         self._name, self._header, self._rows, self._radiance = name, header, rows, radiance
-        self.parts = (Part("", header.channels),)
+        self.parts: tuple[Part, ...] = (Part("", header.channels),)
 
     def image(self, part: int, channels: Sequence[str]) -> RawImage:
         """Some `channels` of the only part, in this order."""
@@ -60,6 +61,7 @@ def open_radiance(source: Source, max_pixels: int) -> NativeFile:
     """Radiance picture, with its lines found."""
     data = source.content()
     picture = _refusals_named(source.name, lambda: RadianceFile(data, max_pixels))
+    description = description_of_radiance(data)
     header = Header(
         width=picture.width,
         height=picture.height,
@@ -69,7 +71,8 @@ def open_radiance(source: Source, max_pixels: int) -> NativeFile:
         colour=FileColour(chromaticities=picture.primaries, is_xyz=picture.is_xyz),
         orientation=picture.orientation,
         exposure=picture.exposure,
-        layout=layout_of_description(description_of_radiance(data)),
+        layout=layout_of_description(description),
+        notes=estimates_of_description(description),
     )
     return NativeFile(source.name, header, lambda: picture.rows, picture)
 
@@ -78,6 +81,7 @@ def open_png(source: Source, max_pixels: int) -> NativeFile:
     """PNG file, with its header read; the first request for rows unpacks all of them."""
     data = source.content()
     picture = _refusals_named(source.name, lambda: PngFile(data, max_pixels))
+    description = description_of_png(data)
     channels = _CHANNELS[picture.channels]
     header = Header(
         width=picture.width,
@@ -95,8 +99,8 @@ def open_png(source: Source, max_pixels: int) -> NativeFile:
         orientation=picture.orientation,
         alpha="straight" if "A" in channels else "none",
         xmp=picture.xmp,
-        layout=layout_of_description(description_of_png(data)),
-        notes=("only the first image of the animation was read",) if picture.is_animated else (),
+        layout=layout_of_description(description),
+        notes=(*_note_of_animation(picture), *estimates_of_description(description)),
     )
 
     def rows() -> Callable[[int, int], NDArray[Any]]:
@@ -120,3 +124,7 @@ def _refusals_named(name: str, work: Callable[[], Any]) -> Any:
             way_out = "if it is not damaged, give a higher max_pixels"
             raise FileError(f"cannot read {name}: {refusal}; {way_out}") from None
         raise DamagedFileError(f"cannot read {name}: {refusal}; {WANTED}") from None
+
+
+def _note_of_animation(picture: PngFile) -> tuple[str, ...]:
+    return ("only the first image of the animation was read",) if picture.is_animated else ()

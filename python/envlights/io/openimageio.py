@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights._printable import printable
-from envlights.io.description import layout_of_description
+from envlights.io.description import estimates_of_description, layout_of_description
 from envlights.io.errors import DamagedFileError, FileError
 from envlights.io.exif_exposure import ev100_of, exposure_tags
 from envlights.io.jpeg_segments import Segments, segments
@@ -137,7 +137,7 @@ class OpenImageIOFile:
         self._name, self._path, self._file, self._max_pixels = name, path, file, max_pixels
         self._xmp, self._jpeg = xmp, jpeg
         _check_spec(name, file.spec(), max_pixels)
-        self.parts = tuple(self._parts())
+        self.parts: tuple[Part, ...] = tuple(self._parts())
 
     def _parts(self) -> Iterator[Part]:
         place = 0
@@ -192,6 +192,8 @@ class OpenImageIOFile:
         has_windows = kind == "openexr" and data != display and environment != "cube"
         is_applied = kind == "jpeg" and dtype.kind == "f"
         nits = _number(spec.getattribute(WHITE_LUMINANCE)) if kind == "openexr" else None
+        description = _text(spec, "ImageDescription")
+        notes = (*_notes(kind, nits), *self._gain_map_notes(is_applied=is_applied))
         return Header(
             width=spec.width,
             height=spec.height,
@@ -210,9 +212,9 @@ class OpenImageIOFile:
             environment=environment,
             cube_sides=_text(spec, "dds:CubeMapSides"),
             xmp=self._xmp or _text(spec, "xmp").encode(),
-            layout=layout_of_description(_text(spec, "ImageDescription")),
+            layout=layout_of_description(description),
             has_gain_map=is_applied,
-            notes=(*_notes(kind, nits), *self._gain_map_notes(is_applied=is_applied)),
+            notes=(*notes, *estimates_of_description(description)),
         )
 
     def _gain_map_notes(self, *, is_applied: bool) -> list[str]:

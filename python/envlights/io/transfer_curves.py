@@ -105,7 +105,7 @@ class Interpolation:
     """Curve through equidistant values, which straight lines join."""
 
     def __init__(self, values: Reals) -> None:
-        self.values = np.asarray(values, np.float64)
+        self.values: Reals = np.asarray(values, np.float64)
         self._codes = np.linspace(0, 1, len(self.values))
         self._exponent = _exponent_at_end(self._codes, self.values)
 

@@ -74,9 +74,9 @@ class Model:
         #: Positions in metres, (n, 3).
         self.vertices = points
         #: Rows of `vertices`, (m, 3).
-        self.triangles = rows[keep]
+        self.triangles: NDArray[np.int64] = rows[keep]
         #: Linear albedo of each corner, (m, 3, 3).
-        self.albedo = colours[keep]
+        self.albedo: NDArray[np.float64] = colours[keep]
         #: Remarks on what was assumed or left out.
         self.notes: tuple[str, ...] = tuple(self._remarks(int((~keep).sum())))
 

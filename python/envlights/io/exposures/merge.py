@@ -64,8 +64,8 @@ class Exposure:
     def __post_init__(self) -> None:
         any_channel: NDArray[np.bool_] = np.asarray(self.clipped.any(axis=2))
         reach = distance(any_channel.shape[1]) if self.rings else _RIM
-        self.rim = dilate(any_channel, _RIM if self.rings else 0)
-        self.near = dilate(any_channel, reach)
+        self.rim: NDArray[np.bool_] = dilate(any_channel, _RIM if self.rings else 0)
+        self.near: NDArray[np.bool_] = dilate(any_channel, reach)
 
 
 def distance(width: int) -> int:

@@ -1,0 +1,21 @@
+"""Settings of detection, for the subcommands that detect."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+from envlights.cli.settings import settings_from, settings_of
+from envlights.detection.detect import METHODS
+
+#: Parameters with an option of their own.
+_OWN = ("max_lights", "sampling")
+#: Names of the settings of all methods.
+SETTINGS = settings_of(METHODS.values(), _OWN)
+
+
+def detection_settings(texts: Iterable[str], method: str) -> dict[str, Any]:
+    """Values of ``--set`` for a method, or a refusal that lists its settings."""
+    names = settings_of([METHODS[method]], _OWN)
+    of = f"method {method}: {', '.join(names)}"
+    return settings_from(texts, of, names.__contains__)

@@ -1,0 +1,103 @@
+"""Options of subcommands that fit lights to maps."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import click
+
+from envlights.cli.numbers import numbers
+from envlights.cli.outputs import default_of
+from envlights.detection.lights_file import SUFFIXES, load_lights
+from envlights.fitting.fit import fit
+from envlights.fitting.map_fit import OBJECTIVES
+from envlights.lights import Lights
+from envlights.rig import Rig
+
+
+def shape_options(function: Callable[..., None]) -> Callable[..., None]:
+    """Options ``--sizes``, ``--max-radius``, ``--objective`` and ``--floor``."""
+    of_sizes = click.option(
+        "--sizes/--points",
+        default=default_of(fit, "sizes"),
+        help="Lights with a size, for soft shadows, or points.",
+        show_default=True,
+    )
+    of_radius = click.option(
+        "--max-radius", type=float, help="Largest angular radius of a light in degrees, such as 20."
+    )
+    of_objective = click.option(
+        "--objective",
+        type=click.Choice(OBJECTIVES),
+        default=default_of(fit, "objective"),
+        help="Error that lights with a size minimise: with shadows, without (probe), or both.",
+        show_default=True,
+    )
+    of_floor = click.option(
+        "--floor",
+        is_flag=True,
+        help="The scene has a floor, which hides light from below the horizon.",
+    )
+    return of_sizes(of_radius(of_objective(of_floor(function))))
+
+
+def roughness_option(of: str) -> Callable[[Any], Any]:
+    """Option ``--roughness``."""
+    return click.option(
+        "--roughness",
+        type=float,
+        default=default_of(fit, "roughness"),
+        help=f"Roughness of {of}, from 0.3 to 1.",
+        show_default=True,
+    )
+
+
+def start_options(function: Callable[..., None]) -> Callable[..., None]:
+    """Options ``--start`` and ``--fixed``; their values are for `start_of` and `fixed_of`."""
+    of_start = click.option(
+        "--start",
+        default=default_of(fit, "start"),
+        metavar="START",
+        help="First directions: greedy (the full search), detect, even, or those of a file of a rig"
+        " or of lights (.json, .csv).",
+        show_default=True,
+    )
+    of_fixed = click.option(
+        "--fixed",
+        multiple=True,
+        metavar="X,Y,Z",
+        help="Direction towards a light that does not move, or a file of such lights. Can be"
+        " repeated.",
+    )
+    return of_start(of_fixed(function))
+
+
+def start_of(text: str) -> str | Rig | Lights:
+    """Value of ``--start``: a name, or the content of a file."""
+    return load_lights(text) if text.lower().endswith(SUFFIXES) else text
+
+
+def fixed_of(texts: Sequence[str]) -> list[list[float]] | None:
+    """Values of ``--fixed`` as unit vectors; None without any."""
+    rows = [row for text in texts for row in _fixed(text)]
+    return rows or None
+
+
+def _fixed(text: str) -> list[list[float]]:
+    if text.lower().endswith(SUFFIXES):
+        held = load_lights(text)
+        rows: list[list[float]] = (
+            held.lights if isinstance(held, Rig) else held
+        ).direction.tolist()
+        return rows
+    towards = numbers("--fixed", text, "0.5,0.7,0.5")
+    length = math.hypot(*towards)
+    # The length of typed digits is never exactly 1; the fit refuses a vector of length 0.
+    return [[value / (length or 1.0) for value in towards]]
+
+
+def radius_of(degrees: float | None) -> float | None:
+    """Value of ``--max-radius`` in radians."""
+    return None if degrees is None else math.radians(degrees)

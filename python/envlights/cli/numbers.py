@@ -1,0 +1,36 @@
+"""Numbers between commas, as values of options."""
+
+from __future__ import annotations
+
+import contextlib
+
+from envlights._native import EnvLightsError
+
+#: Limit of whole numbers, because a range is a list.
+_MOST = 10000
+
+
+def numbers(option: str, text: str, example: str) -> list[float]:
+    """Numbers between commas, as many as in the example."""
+    with contextlib.suppress(ValueError):
+        values = [float(value) for value in text.split(",")]
+        if len(values) == len(example.split(",")):
+            return values
+    count = {2: "two", 3: "three"}[len(example.split(","))]
+    raise EnvLightsError(f"{option} must be {count} numbers, such as {example}; got {text}")
+
+
+def whole_numbers(option: str, text: str) -> list[int]:
+    """Whole numbers and ranges between commas: "0-4,8" is 0, 1, 2, 3, 4, 8."""
+    found: list[int] = []
+    for part in text.split(","):
+        first, dash, last = part.strip().partition("-")
+        if not first.isdecimal() or (dash and not last.isdecimal()):
+            raise EnvLightsError(
+                f"{option} must be whole numbers and ranges, such as 0-8 or 1,2,4; got {text}"
+            )
+        end = int(last if dash else first)
+        if end >= _MOST:
+            raise EnvLightsError(f"{option} must be less than {_MOST}; got {end}")
+        found += range(int(first), end + 1)
+    return found

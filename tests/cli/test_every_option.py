@@ -1,0 +1,221 @@
+"""Each parameter of a public function is an option of its subcommand, or has a reason not to be."""
+
+import inspect
+import re
+
+import click
+import pytest
+from click.testing import CliRunner
+
+import envlights as el
+from envlights.cli import main
+
+OPEN = (el.EnvMap.open, el.EnvMap.calibrated)
+#: Functions of each subcommand.
+FUNCTIONS = {
+    "fit": (el.fit, *OPEN),
+    "detect": (el.detect, el.detect_tree, el.detect_article, *OPEN),
+    "split": (el.split, el.limit, el.with_sun, el.detect_tree, *OPEN),
+    "error-curve": (el.error_curve, *OPEN),
+    "follow": (el.follow,),
+    "batch": (el.batch,),
+    "convert": (el.EnvMap.to, el.EnvMap.resized, el.EnvMap.limited, el.EnvMap.save, *OPEN),
+    "merge": (el.EnvMap.from_exposures,),
+    "repair": (el.EnvMap.repaired, *OPEN),
+    "compare": (el.compare, el.compare_folders),
+    "show": (el.error_curve, *OPEN),
+    "view": (el.view, el.Model.open, *OPEN),
+    "photograph": (el.detect_photograph,),
+    "export": (el.export.save,),
+    "transfer fit": (el.TransferModel.fit,),
+    "transfer apply": (el.TransferModel.predict,),
+}
+#: Public functions without a subcommand.
+WITHOUT = {
+    "bake": "it takes a scene of Mitsuba, a Python object",
+    "compare_lights": "a part of `compare`, whose subcommand prints it",
+    "find_sun": "the answer behind --sun, which split and repair print",
+    "fit_paper": "a method for comparison in papers",
+    "fit_probe": "it takes arrays of normals and irradiance",
+    "image_errors": "it takes arrays of pixels",
+    "label_arrays": "it returns arrays for training",
+    "read_pairs": "the first step of transfer fit",
+    "rigs_to_frame": "it returns a data frame",
+    "shadow_overlay": "it takes Python objects: solids and a camera",
+    "threads": "the variable RAYON_NUM_THREADS",
+    "vector_angle": "a number that compare prints",
+}
+#: Names of parameters that a subcommand calls otherwise.
+OTHER_NAMES = {
+    ("*", "path"): "MAP",
+    ("*", "env"): "MAP",
+    ("*", "progress"): "--quiet",
+    ("*", "width"): "--map-width",
+    ("view", "unseen"): "--unseen",
+    ("batch", "maps"): "MAP",
+    ("batch", "out"): "--output",
+    ("batch", "options"): "--set",
+    ("split", "maximum"): "--limit",
+    ("split", "options"): "--set",
+    ("split", "max_lights"): "--lights",
+    ("convert", "path"): "OUT",
+    ("convert", "projection"): "--to",
+    ("convert", "maximum"): "--limit",
+    ("merge", "pictures"): "GLOB",
+    ("photograph", "image"): "PHOTO",
+    ("follow", "frames"): "FRAMES",
+    ("compare", "truth"): "TRUTH",
+    ("compare", "guess"): "GUESS",
+    ("view", "source"): "--model",
+    ("export", "rig"): "RIG",
+    ("export", "path"): "TARGET",
+    ("transfer fit", "direct"): "FOLDER",
+    ("transfer fit", "indirect"): "FOLDER",
+    ("transfer apply", "direct"): "DIRECT",
+}
+#: Parameters without an option.
+LEFT_OUT = {
+    ("convert", "unseen"): "a map in another layout keeps what is not seen",
+    ("detect", "unseen"): "lights are detected where the map is seen",
+    ("split", "unseen"): "lights are detected where the map is seen",
+    ("transfer fit", "virtual"): "an array of images",
+    ("transfer fit", "notebook"): "for the display of Jupyter",
+    ("transfer apply", "region"): "slices of an array",
+}
+
+
+def command_of(name):
+    command = main
+    for word in name.split():
+        command = command.get_command(click.Context(main), word)
+    return command
+
+
+def parameters_of(function):
+    return [name for name in inspect.signature(function).parameters if name not in ("cls", "self")]
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_each_parameter_is_an_option(name):
+    options = {each for parameter in command_of(name).params for each in parameter.opts}
+    text = CliRunner().invoke(main, [*name.split(), "--help"], terminal_width=100).stdout
+    settings = re.findall(r"as in Python \((.*?)\)\.", text, re.DOTALL)
+    by_set = {each.strip() for each in settings[0].split(",")} if settings else set()
+    for function in FUNCTIONS[name]:
+        for parameter in parameters_of(function):
+            if (name, parameter) in LEFT_OUT or parameter in by_set:
+                continue
+            known = [OTHER_NAMES.get((of, parameter), "") for of in (name, "*")]
+            wanted = [f"--{parameter.replace('_', '-')}", *filter(None, known)]
+            found = [
+                each for each in wanted if each in options or (each[0] != "-" and each in text)
+            ]
+            assert found, f"{name} has no option for {parameter} of {function.__qualname__}"
+
+
+def test_each_public_function_has_a_subcommand_or_a_reason():
+    functions = {name for name in el.__all__ if inspect.isfunction(getattr(el, name))}
+    assert WITHOUT.keys() <= functions
+    reached = {function.__name__ for each in FUNCTIONS.values() for function in each}
+    assert functions - WITHOUT.keys() <= reached
+    assert not reached & WITHOUT.keys()
+
+
+def test_no_reason_is_left_over():
+    for name, parameter in LEFT_OUT:
+        assert any(parameter in parameters_of(function) for function in FUNCTIONS[name])
+        assert f"--{parameter}" not in command_of(name).params
+
+
+@pytest.fixture(scope="module")
+def hall(tmp_path_factory):
+    path = tmp_path_factory.mktemp("maps") / "hall.exr"
+    el.EnvMap(el.synthetic.hall(64).radiance).save(path)
+    return str(path)
+
+
+def run(*arguments):
+    done = CliRunner().invoke(main, [*map(str, arguments)])
+    assert done.exit_code == 0, done.output
+    return done
+
+
+def test_fit_starts_from_a_file_and_holds_directions(hall, tmp_path):
+    first, rig = tmp_path / "first.json", tmp_path / "rig.json"
+    run("fit", hall, "-n", 2, "-o", first)
+    run("fit", hall, "--start", first, "--objective", "probe", "-o", rig)
+    assert el.Rig.load(rig) == el.fit(hall, start=el.Rig.load(first), objective="probe")
+    run("fit", hall, "-n", 2, "--fixed", "0,6,8", "--start", "even", "-o", rig)
+    assert el.Rig.load(rig) == el.fit(hall, 2, fixed=[[0, 0.6, 0.8]], start="even")
+    run("fit", hall, "-n", 3, "--fixed", first, "-o", rig)
+    assert el.Rig.load(rig) == el.fit(hall, 3, fixed=el.Rig.load(first).lights)
+
+
+def test_settings_reach_the_detection(hall, tmp_path):
+    found = tmp_path / "found.json"
+    run("detect", hall, "--set", "threshold=8", "--set", "gap_deg=3", "-o", found)
+    assert el.DetectedLights.load(found) == el.detect(hall, threshold=8, gap_deg=3)
+    parts = tmp_path / "parts.json"
+    run("split", hall, "--set", "threshold=8", "-o", parts)
+    expected = el.split(hall, threshold=8).lights
+    assert el.Lights.load(parts).direction == pytest.approx(expected.direction)
+
+
+def test_the_curve_of_the_command_line_is_that_of_python(hall, tmp_path):
+    names = [tmp_path / f"curve.{suffix}" for suffix in ("csv", "json", "png")]
+    outputs = [word for name in names for word in ("-o", name)]
+    printed = run("error-curve", hall, "-n", "0-1,3", "--points", *outputs).stdout
+    curve = el.error_curve(hall, (0, 1, 3), sizes=False)
+    without_times = re.compile(r" +\d+[.]\d\d$", re.MULTILINE)
+    assert without_times.sub("", printed.rstrip()) == without_times.sub("", str(curve))
+    rows = [line.split(",") for line in names[0].read_text().splitlines()]
+    assert [[float(cell) for cell in row[:6]] for row in rows[1:]] == [
+        list(row)
+        for row in zip(
+            curve.lights,
+            curve.used,
+            curve.objective,
+            curve.probe,
+            curve.shadows,
+            curve.gloss,
+            strict=True,
+        )
+    ]
+    assert rows[0] == list(curve.to_frame().columns)
+    assert names[2].stat().st_size > 1000
+
+
+def test_options_of_the_file_reach_its_reader(hall, tmp_path):
+    square = tmp_path / "square.exr"
+    el.EnvMap.open(hall).to("fisheye", width=64, fov=180, mapping="equisolid").save(square)
+    wide = tmp_path / "wide.exr"
+    of_file = {"projection": "fisheye", "mapping": "equisolid", "fov": 180.0, "eye": None}
+    words = ["--projection", "fisheye", "--mapping", "equisolid", "--fov", 180, "--circle"]
+    words += ["32,32,32", "--towards", "1,0,0", "--map-width", 64, "--channels", "R,G,B"]
+    run("convert", square, wide, *words)
+    env = el.EnvMap.open(
+        square,
+        **of_file,
+        circle=(32, 32, 32),
+        towards=(1, 0, 0),
+        width=64,
+        channels=["R", "G", "B"],
+    )
+    assert el.EnvMap.open(wide).radiance == pytest.approx(env.radiance)
+
+
+def test_readings_reach_the_calibration(hall, tmp_path):
+    out = tmp_path / "out.exr"
+    run("convert", hall, out, "--nits", 500, "--at", "0,0,1", "--patch", 5)
+    env = el.EnvMap.open(hall).calibrated(nits=500, at=(0, 0, 1), patch=5)
+    assert el.EnvMap.open(out).radiance == pytest.approx(env.radiance)
+    assert el.EnvMap.open(out).units == "cd/m2"
+
+
+def test_the_help_lists_the_options_of_the_file_on_their_own():
+    text = CliRunner().invoke(main, ["fit", "--help"]).stdout
+    first, second = text.split("Options on how MAP is read:")
+    assert "--start" in first
+    assert "--colour" not in first
+    assert "--colour" in second
+    assert not re.search(r"^  MAP\b", first, re.MULTILINE)
