@@ -31,7 +31,7 @@ from envlights.transfer.products import product
 from envlights.transfer.report import TransferReport
 from envlights.transfer.ridge import RIDGES, Regression, regression
 from envlights.transfer.training import Training
-from envlights.transfer.weighted import WeightedRegression, weighted_regression
+from envlights.transfer.weights import WeightedRegression, weighted_regression
 
 #: Largest rank that is chosen without a request, because the time of a frame grows with it.
 _MOST_DIRECTIONS = 256
@@ -230,15 +230,14 @@ def _report(
 ) -> TransferReport:
     inside, residual = np.sum(learnt.coefficients**2), np.trace(learnt.outside, axis1=1, axis2=2)
     trained = np.sum(rest.solver.residual(rest.ridge, left) ** 2, axis=(1, 2)) + residual
-    missed = np.zeros_like(every[0])
-    missed[: len(left)] = rest.solver.left_out(rest.ridge, left)
-    unseen = leave_one_out.squares(*every, missed)[: len(left)]
+    # Project each pair onto a basis without it: virtual lights take part in the basis.
+    beyond = leave_one_out.squares(*every, np.zeros_like(every[0]))[: len(left)]
     return TransferReport(
         pairs=len(learnt.energy),
         rank=learnt.coefficients.shape[2],
         energy=float(inside / (inside + residual.sum())),
         ridge=rest.ridge,
-        unseen_errors=tuple(_relative(unseen, learnt.energy).tolist()),
+        unseen_errors=tuple(np.hypot(rest.errors, _relative(beyond, learnt.energy)).tolist()),
         training_errors=tuple(_relative(trained, learnt.energy).tolist()),
         prior_errors=tuple(rest.prior_errors.tolist()),
         notes=notes,

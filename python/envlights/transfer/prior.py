@@ -117,7 +117,7 @@ class TransferPrior(Result):
         for first in range(0, len(self.hits), _BLOCK):
             some = slice(first, first + _BLOCK)
             squares += self.reflectance[some].T ** 2 @ self.factors(some) ** 2
-        return np.sqrt(np.einsum("cl,cls->cs", squares, self.leaving**2))
+        return np.asarray(np.sqrt(np.einsum("cl,cls->cs", squares, self.leaving**2)))
 
     @cached_property
     def reflectance(self) -> NDArray[np.float32]:
