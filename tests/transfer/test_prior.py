@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import envlights as el
-from envlights.transfer.around_prior import _in_basis
+from envlights.transfer.around_prior import _best, _in_basis
 from envlights.transfer.weights import weighted_regression
 from tests.helpers import pairs_of_room, relative_errors
 from tests.reference.rooms import room_prior
@@ -175,6 +175,18 @@ def test_the_strength_of_a_direct_texel_is_the_norm_of_its_indirect_image():
     np.testing.assert_allclose(
         np.linalg.norm(images, axis=(1, 2)), first.strength[:, some].T, rtol=1e-5
     )
+
+
+def test_weights_are_those_by_which_the_remainder_was_made():
+    """Random operators, with light from each direct texel equal or in proportion to weights."""
+    rng = np.random.default_rng(1)
+    direct, weights = rng.exponential(size=(24, 3, 64)) ** 3, np.ones((3, 64))
+    weights[:, ::4] = 20
+    solvers = [weighted_regression(direct, each) for each in (weights, np.ones_like(weights))]
+    for made_by, solver in zip((weights, np.ones_like(weights)), solvers, strict=True):
+        images = np.einsum("kcs,csp->kcp", direct * made_by, rng.normal(size=(3, 64, 200)))
+        energy = np.sum(images**2, axis=(1, 2))
+        assert _best(solvers, (0.01, 0.1), images, energy)[0] is solver
 
 
 def test_leave_one_out_errors_are_those_of_fits_without_each_image():

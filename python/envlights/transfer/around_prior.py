@@ -3,17 +3,20 @@
 The steps, with the prior T0 and direct images X and indirect images Y at norm 1 of the first:
 
 1. The remainder ``Y - X T0`` has its ridge by leave-one-out errors without a basis: T0 comes from
-   no pair, so these are exact.
+   no pair, so these are exact. They also choose the weights of the direct texels: by their
+   indirect light (see `weights.py`), or equal ones where the remainder does not follow the prior,
+   as with gloss.
 2. The basis comes from the pairs and from virtual lights. With the weights W that the ridge gives
    the pairs, the model predicts ``W Y + (V - W X) T0`` for their direct images V.
 3. T0 and the remainder are regressed in the basis. The error for new lights is that without a
-   basis, and in squares the part of virtual lights and pairs that the basis leaves out.
+   basis, and in squares the part of the pair beyond a basis that was made without it.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import ceil
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -43,6 +46,9 @@ _SHARE = 0.5
 _VIRTUAL_LIGHTS = 256
 #: A prior whose error exceeds this fraction does not belong to the pairs, or light is not diffuse.
 _DOUBTFUL = 0.5
+
+
+_Solver = TypeVar("_Solver", Regression, WeightedRegression)
 
 
 class Learning(NamedTuple):
@@ -139,8 +145,10 @@ def _remainder(
     identity = np.broadcast_to(np.eye(k), (3, k, k))
     missed = gram(mixtures(pairs, prior, identity, -pairs.direct), centred=False)
     coefficients = _coefficients(missed.products)
-    solver = weighted_regression(pairs.direct, prior.strength)
-    chosen = _best_ridge(solver, coefficients, energy) if isinstance(ridge, str) else ridge
+    weights = prior.strength, np.ones_like(prior.strength)
+    solvers = [weighted_regression(pairs.direct, each) for each in weights]
+    ridges = RIDGES if isinstance(ridge, str) else (ridge,)
+    solver, chosen = _best(solvers, ridges, coefficients, energy)
     errors = _left_out(solver, chosen, coefficients, energy)
     is_bright = energy > 0
     alone = np.sqrt(missed.energy[is_bright] / energy[is_bright])
@@ -153,17 +161,18 @@ def _coefficients(products: NDArray[np.float64]) -> NDArray[np.float64]:
     return directions(products, np.dtype(np.float64), energy).coefficients
 
 
-def _best_ridge(
-    solver: Regression | WeightedRegression,
+def _best(
+    solvers: Sequence[_Solver],
+    ridges: Sequence[float],
     coefficients: NDArray[np.float64],
     energy: NDArray[np.float64],
-) -> float:
-    """Ridge with the least mean leave-one-out error."""
+) -> tuple[_Solver, float]:
+    """Regression and ridge with the least mean leave-one-out error."""
 
-    def error(ridge: float) -> float:
-        return float(_left_out(solver, ridge, coefficients, energy).mean())
+    def error(choice: tuple[_Solver, float]) -> float:
+        return float(_left_out(*choice, coefficients, energy).mean())
 
-    return float(min(RIDGES, key=error))
+    return min(((solver, ridge) for solver in solvers for ridge in ridges), key=error)
 
 
 def _left_out(
@@ -262,8 +271,8 @@ def _notes(
         )
     coefficients = _coefficients(own.products)
     plain = regression(pairs.direct, channelwise=True)
-    ridge = _best_ridge(plain, coefficients, own.energy)
-    without = np.median(_left_out(plain, ridge, coefficients, own.energy))
+    best = _best([plain], RIDGES, coefficients, own.energy)
+    without = np.median(_left_out(*best, coefficients, own.energy))
     ours, alone = np.median(rest.errors), np.median(rest.prior_errors)
     if len(pairs.scale) > 1 and without < ours:
         notes.append(
