@@ -17,7 +17,8 @@ __all__ = [
     "BASIS_SHARE", "BASIS_TILE", "GLOSS_DEGREE", "LEAST_WHITE", "LUMINANCE",
     "ClippedDetection", "EnvLightsError", "FitAnswer", "MapCards", "MapSplit", "PngFile",
     "RadianceFile",
-    "ReducedMap", "RowReducer", "TreeDetection", "UnusableSamplesError", "apply_matrix",
+    "ReducedMap", "RowReducer", "TreeDetection", "TriangleTree",
+    "UnusableSamplesError", "apply_matrix",
     "are_clipped", "blur", "bounding_volume_hierarchy", "bresenham_line", "clipped_depth",
     "clipped_light_shares", "clipped_share", "code_histogram_8", "code_histogram_16", "cut_cards",
     "decode_8", "decode_16", "detect_tree", "direction_to_uv", "disc_map", "draw_cards",
@@ -111,6 +112,13 @@ class TreeDetection:
     dropped: int
     merged: int
     clipped: ClippedDetection | None
+
+@final
+class TriangleTree:
+    def __new__(cls, corners: _Reals) -> TriangleTree: ...
+    def nearest(
+        self, origins: _Reals, directions: _Reals
+    ) -> tuple[_Indices, _Reals, NDArray[np.bool_]]: ...
 
 @final
 class FitAnswer:

@@ -66,7 +66,7 @@ mod _native {
     #[pymodule_export]
     use super::harmonics::{harmonic_irradiance, harmonic_radiance};
     #[pymodule_export]
-    use super::hierarchy::bounding_volume_hierarchy;
+    use super::hierarchy::{TriangleTree, bounding_volume_hierarchy};
     #[pymodule_export]
     use super::image::{
         apply_matrix, code_histogram_8, code_histogram_16, decode_8, decode_16, unusable, white_code,

@@ -4,7 +4,11 @@ import numpy as np
 import pytest
 
 import envlights as el
+from envlights.scene.chart_rays import texel_hits
 from envlights.scene.gather import gather
+from envlights.scene.triangles import Triangles
+from envlights.synthetic.room import room_charts
+from tests.reference.rooms import room_prior, room_surface
 
 FLOOR = el.Surface(
     np.concatenate([np.mgrid[:16, :16] / 16 + 1 / 32, np.zeros((1, 16, 16))])[[0, 2, 1]]
@@ -42,6 +46,23 @@ def test_an_open_floor_receives_nothing():
     prior = gather(FLOOR, FLOOR, always(-1), rays=16)
     assert not prior.predict(np.ones((16, 16, 3))).any()
     np.testing.assert_array_equal(prior.visible, 1)
+
+
+def test_rays_to_triangles_of_the_room_count_the_hits_of_rays_to_rectangles():
+    """The room's rectangles as two triangles each, by the kernel; NumPy traces the others."""
+    corners, flipped = [], []
+    for chart in room_charts():
+        one, three = chart.origin + chart.columns, chart.origin + chart.rows
+        two = one + chart.rows
+        corners += [[chart.origin, one, two], [chart.origin, two, three]]
+        flipped += 2 * [np.cross(chart.columns, chart.rows) @ chart.normal < 0]
+    uv = np.array([[[0, 0], [1, 0], [1, 1]], [[0, 0], [1, 1], [0, 1]]], float)
+    shape = np.repeat(np.arange(16), 2)
+    room = Triangles(np.array(corners), np.tile(uv, (16, 1, 1)), shape, np.array(flipped))
+    lightmap, points = (el.Surface(*room_surface(width)) for width in (16, 128))
+    prior = gather(lightmap, points, texel_hits(room.hits, 16, 128, 16), irradiance=True)
+    np.testing.assert_array_equal(prior.hits, room_prior(16).hits)
+    np.testing.assert_array_equal(prior.between, room_prior(16).between)
 
 
 def test_points_that_see_only_backs_are_hidden():

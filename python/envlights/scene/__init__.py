@@ -13,6 +13,7 @@
 | pairs to learn from                               | `bake.py`          |
 | with Mitsuba: a scene under the light of rigs     | `mitsuba_scene.py` |
 | its shapes as charts in a lightmap                | `charts.py`        |
+| its triangles, and the first that each ray hits   | `triangles.py`     |
 | the texels of charts that rays hit                | `chart_rays.py`    |
 | a rig as its emitters                             | `emitters.py`      |
 | a sensor on each texel                            | `meters.py`        |

@@ -1,8 +1,8 @@
-"""Rays of Mitsuba, and the texel of a chart that each of them hits."""
+"""Rays in a scene of Mitsuba, and the texel of a chart that each of them hits."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from math import ceil, sqrt
 from typing import Any
 
@@ -10,40 +10,54 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights.scene.gather import BACK, SKY, TexelHit
+from envlights.scene.triangles import ShapeHits
 
-#: Shape, texture coordinates, and cosine between normal and ray, of a ray that hits nothing.
-_MISS = (0, 0.0, 0.0, 2.0)
+#: Origins (n, 3) and unit directions (n, 3) of rays -> their first hits.
+FirstHits = Callable[[NDArray[np.float64], NDArray[np.float64]], ShapeHits]
+
+#: Shape, texture coordinates, and side, of a ray that hits nothing.
+_MISS = (-1, 0.0, 0.0, False)
 
 
-def texel_hits(mi: Any, scene: Any, shapes: Sequence[Any], width: int, size: int) -> TexelHit:
-    """Ray tracer of a scene for `gather`.
+def texel_hits(first_hits: FirstHits, shapes: int, width: int, size: int) -> TexelHit:
+    """Ray tracer for `gather`.
 
     `width` is that of the points of the direct images, charts as in `charts.charts`, and `size` the
     number of texels along a side of these images.
     """
-    grid = ceil(sqrt(len(shapes)))
+    grid = ceil(sqrt(shapes))
     side = width // grid
+
+    def texel_hit(
+        origins: NDArray[np.float64], directions: NDArray[np.float64]
+    ) -> NDArray[np.int64]:
+        shape, uv, is_front = first_hits(origins, directions)
+        # Find the point in the chart, then the texel of the direct image around it.
+        chart_row, chart_column = np.divmod(shape, grid)
+        column, row = np.clip((uv * side).astype(np.int64), 0, side - 1).T
+        row, column = chart_row * side + row, chart_column * side + column
+        texel = row * size // width * size + column * size // width
+        return np.where(shape < 0, SKY, np.where(is_front, texel, BACK))
+
+    return texel_hit
+
+
+def mitsuba_hits(mi: Any, scene: Any, shapes: Sequence[Any]) -> FirstHits:
+    """Ray tracer of Mitsuba, for shapes without triangles; one call for each ray."""
     number = {shape: k for k, shape in enumerate(shapes)}
 
-    def hit(origin: list[float], direction: list[float]) -> tuple[int, float, float, float]:
+    def hit(origin: list[float], direction: list[float]) -> tuple[int, float, float, bool]:
         at = scene.ray_intersect(mi.Ray3f(origin, direction))
         if not at.is_valid():
             return _MISS
         (u, v), (x, y, z) = at.uv, at.n
         cosine = x * direction[0] + y * direction[1] + z * direction[2]
-        return number[at.shape], u, v, cosine
+        return number[at.shape], u, v, cosine < 0
 
-    def texel_hit(
-        origins: NDArray[np.float64], directions: NDArray[np.float64]
-    ) -> NDArray[np.int64]:
+    def first_hits(origins: NDArray[np.float64], directions: NDArray[np.float64]) -> ShapeHits:
         # Convert to lists: Mitsuba takes six times as long to read rows of arrays.
         rows = map(hit, origins.tolist(), directions.tolist())
-        shape, u, v, cosine = np.array(list(rows)).reshape(-1, 4).T
-        # Find the point in the chart, then the texel of the direct image around it.
-        chart_row, chart_column = np.divmod(shape.astype(np.int64), grid)
-        row = chart_row * side + np.clip((v * side).astype(np.int64), 0, side - 1)
-        column = chart_column * side + np.clip((u * side).astype(np.int64), 0, side - 1)
-        texel = row * size // width * size + column * size // width
-        return np.where(cosine > 1, SKY, np.where(cosine < 0, texel, BACK))
+        found = np.array(list(rows), np.float64).reshape(-1, 4)
+        return ShapeHits(found[:, 0].astype(np.int64), found[:, 1:3], found[:, 3] > 0)
 
-    return texel_hit
+    return first_hits

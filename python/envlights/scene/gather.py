@@ -118,8 +118,7 @@ def gather(
     of_point = -(-_MORE * rays * size * size // points.covered.size)
     seen, backs = tracer.trace(points, of_point)
     is_open = backs <= _INSIDE * of_point
-    between = np.zeros((size * size, size * size))
-    np.add.at(between, group[is_open], seen[is_open])
+    between = _sums(seen[is_open], group[is_open], size * size)
     number = np.maximum(np.bincount(group, minlength=size * size), 1)
     return TransferPrior(
         hits=hits,
@@ -181,6 +180,15 @@ def _counts(hit: NDArray[np.int64], texels: int) -> NDArray[np.int64]:
     row, _ = np.nonzero(hit >= 0)
     flat = np.bincount(row * texels + hit[hit >= 0], minlength=len(hit) * texels)
     return flat.reshape(len(hit), texels)
+
+
+def _sums(rows: NDArray[np.uint16], group: NDArray[np.int64], groups: int) -> NDArray[np.float64]:
+    """Sums of the rows of each group, (groups, columns)."""
+    sums = np.zeros((groups, rows.shape[1]))
+    order = np.argsort(group, kind="stable")
+    present, starts = np.unique(group[order], return_index=True)
+    sums[present] = np.add.reduceat(rows[order], starts, axis=0, dtype=np.float64)
+    return sums
 
 
 def check_blocks(points: Surface, size: int) -> None:

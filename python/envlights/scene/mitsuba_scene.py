@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from envlights._check import count
 from envlights._native import EnvLightsError
-from envlights.scene.chart_rays import texel_hits
+from envlights.scene.chart_rays import mitsuba_hits, texel_hits
 from envlights.scene.charts import charts
 from envlights.scene.direct import AnyLights, DirectLight, as_rig
 from envlights.scene.emitters import emitters
@@ -20,6 +20,7 @@ from envlights.scene.gather import DIRECT, RAYS, check_blocks, gather
 from envlights.scene.meters import Meters, meters, read
 from envlights.scene.renderer import in_one_line, mitsuba
 from envlights.scene.surface import Surface
+from envlights.scene.triangles import triangles
 from envlights.transfer.prior import TransferPrior
 
 #: Points along a side of each of the 16 by 16 texels of the direct image.
@@ -96,6 +97,7 @@ class MitsubaScene:
                 self.lightmap = charts(mi, self._shapes, count("lightmap", lightmap, least=1))
                 self.points = charts(mi, self._shapes, DIRECT * _POINTS)
             self._scene = self._under(mi, {})
+            self._triangles = triangles(mi, self._shapes)
 
     def blocked(
         self, origins: NDArray[np.float64], directions: NDArray[np.float64]
@@ -114,6 +116,8 @@ class MitsubaScene:
         ndarray of bool, shape (n,)
             True for each ray that hits one.
         """
+        if self._triangles is not None:
+            return self._triangles.hits(origins, directions).shape >= 0
         with mitsuba() as mi:
             # Convert to lists: Mitsuba takes six times as long to read rows of arrays.
             ends = zip(origins.tolist(), directions.tolist(), strict=True)
@@ -161,9 +165,14 @@ class MitsubaScene:
                 "gather needs the charts of the scene, and the lightmap is your own; call"
                 " envlights.scene.gather with a ray tracer that knows its texels"
             )
-        width = self.points.covered.shape[1]
+        size, width = count("size", size, least=1), self.points.covered.shape[1]
         with mitsuba() as mi:
-            hit = texel_hits(mi, self._scene, self._shapes, width, count("size", size, least=1))
+            first_hits = (
+                mitsuba_hits(mi, self._scene, self._shapes)
+                if self._triangles is None
+                else self._triangles.hits
+            )
+            hit = texel_hits(first_hits, len(self._shapes), width, size)
             return gather(self.lightmap, self.points, hit, rays, size=size, progress=progress)
 
     def direct(self, rig: AnyLights, size: int = DIRECT) -> NDArray[np.float32]:

@@ -19,6 +19,7 @@ A model is learnt from pairs of images of one scene under many lights. These are
 | indirect light from geometry, without pairs      | `prior.py`         |
 | one file for it                                  | `prior_file.py`    |
 | its sums with indirect images, part by part      | `mixtures.py`      |
+| regression that weighs direct texels by it       | `weights.py`       |
 | training around it                               | `around_prior.py`  |
 | size, times and errors                           | `report.py`        |
 | more pairs, without starting over                | `grow.py`          |

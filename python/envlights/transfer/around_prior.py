@@ -3,22 +3,26 @@
 The steps, with the prior T0 and direct images X and indirect images Y at norm 1 of the first:
 
 1. The remainder ``Y - X T0`` has its ridge by leave-one-out errors without a basis: T0 comes from
-   no pair, so these are exact.
+   no pair, so these are exact. They also choose the weights of the direct texels: by their
+   indirect light (see `weights.py`), or equal ones where the remainder does not follow the prior,
+   as with gloss.
 2. The basis comes from the pairs and from virtual lights. With the weights W that the ridge gives
    the pairs, the model predicts ``W Y + (V - W X) T0`` for their direct images V.
 3. T0 and the remainder are regressed in the basis. The error for new lights is that without a
-   basis, and in squares the part of virtual lights and pairs that the basis leaves out.
+   basis, and in squares the part of the pair beyond a basis that was made without it.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import ceil
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights._native import EnvLightsError
+from envlights.transfer import leave_one_out
 from envlights.transfer.basis import BasisSize, Directions, basis, directions, outside
 from envlights.transfer.familiarity import at_norm_1
 from envlights.transfer.gram import Gram, gram
@@ -27,10 +31,10 @@ from envlights.transfer.pair_summary import PairSummary
 from envlights.transfer.pairs import Pairs, image_stack, rgb_rows
 from envlights.transfer.prior import TransferPrior
 from envlights.transfer.products import product
-from envlights.transfer.remainder import Estimator
 from envlights.transfer.report import TransferReport
 from envlights.transfer.ridge import RIDGES, Regression, regression
 from envlights.transfer.training import Training
+from envlights.transfer.weights import WeightedRegression, weighted_regression
 
 #: Largest rank that is chosen without a request, because the time of a frame grows with it.
 _MOST_DIRECTIONS = 256
@@ -44,6 +48,9 @@ _VIRTUAL_LIGHTS = 256
 _DOUBTFUL = 0.5
 
 
+_Solver = TypeVar("_Solver", Regression, WeightedRegression)
+
+
 class Learning(NamedTuple):
     """Result of training around a prior."""
 
@@ -55,7 +62,7 @@ class Learning(NamedTuple):
 class _Remainder(NamedTuple):
     """Regression of the pairs around a prior, without a basis."""
 
-    solver: Regression
+    solver: WeightedRegression
     ridge: float
     errors: NDArray[np.float64]
     """Leave-one-out error of each pair that is not black."""
@@ -104,20 +111,16 @@ def train_around(
     # Keep the pairs, without the virtual lights.
     k = len(pairs.scale)
     coefficients = first.coefficients[:k]
-    learnt = PairSummary(
-        pairs.direct,
-        coefficients,
-        outside(found[1].products, first.coefficients)[:k],
-        own.energy,
-    )
+    outs = outside(found[1].products, first.coefficients)
+    learnt = PairSummary(pairs.direct, coefficients, outs[:k], own.energy)
     notes = _notes(rest, pairs, own, every, rank, is_chosen=size is None)
     notes = (*notes, *(limits.missed(every.values, rank) if size else ()))
     training = Training(columns, found[1].lit, mean, learnt, notes)
     prior_mean = _in_basis(prior, columns, found[1].lit)
-    left = coefficients - product(rest.solver.features, prior_mean).swapaxes(0, 1)
-    estimator = Estimator(rest.solver, prior_mean, left)
-    report = _report(estimator, rest, learnt, _truncation(every, rank), notes)
-    return Learning(training, estimator.transfer(rest.ridge), report)
+    seen = product(pairs.direct.swapaxes(0, 1), prior_mean).swapaxes(0, 1)
+    left = coefficients - seen
+    report = _report(rest, left, learnt, (first.coefficients, outs), notes)
+    return Learning(training, prior_mean + rest.solver.transfer(rest.ridge, left), report)
 
 
 def _blocks_alone(direct: NDArray[np.float64], size: tuple[int, int]) -> NDArray[np.float64]:
@@ -142,8 +145,10 @@ def _remainder(
     identity = np.broadcast_to(np.eye(k), (3, k, k))
     missed = gram(mixtures(pairs, prior, identity, -pairs.direct), centred=False)
     coefficients = _coefficients(missed.products)
-    solver = regression(pairs.direct, channelwise=True)
-    chosen = _best_ridge(solver, coefficients, energy) if isinstance(ridge, str) else ridge
+    weights = prior.strength, np.ones_like(prior.strength)
+    solvers = [weighted_regression(pairs.direct, each) for each in weights]
+    ridges = RIDGES if isinstance(ridge, str) else (ridge,)
+    solver, chosen = _best(solvers, ridges, coefficients, energy)
     errors = _left_out(solver, chosen, coefficients, energy)
     is_bright = energy > 0
     alone = np.sqrt(missed.energy[is_bright] / energy[is_bright])
@@ -156,19 +161,22 @@ def _coefficients(products: NDArray[np.float64]) -> NDArray[np.float64]:
     return directions(products, np.dtype(np.float64), energy).coefficients
 
 
-def _best_ridge(
-    solver: Regression, coefficients: NDArray[np.float64], energy: NDArray[np.float64]
-) -> float:
-    """Ridge with the least mean leave-one-out error."""
+def _best(
+    solvers: Sequence[_Solver],
+    ridges: Sequence[float],
+    coefficients: NDArray[np.float64],
+    energy: NDArray[np.float64],
+) -> tuple[_Solver, float]:
+    """Regression and ridge with the least mean leave-one-out error."""
 
-    def error(ridge: float) -> float:
-        return float(_left_out(solver, ridge, coefficients, energy).mean())
+    def error(choice: tuple[_Solver, float]) -> float:
+        return float(_left_out(*choice, coefficients, energy).mean())
 
-    return float(min(RIDGES, key=error))
+    return min(((solver, ridge) for solver in solvers for ridge in ridges), key=error)
 
 
 def _left_out(
-    solver: Regression,
+    solver: Regression | WeightedRegression,
     ridge: float,
     coefficients: NDArray[np.float64],
     energy: NDArray[np.float64],
@@ -187,8 +195,8 @@ def _directions(
     pairs: Pairs, prior: TransferPrior, virtual: NDArray[np.float64], rest: _Remainder
 ) -> tuple[Directions, tuple[Pairs, Gram]]:
     """Directions of the pairs together with virtual lights, and the images that they are of."""
-    weights = _weights(rest.solver, rest.ridge, virtual)
-    new = virtual - product(weights, rest.solver.features).swapaxes(0, 1)
+    weights = rest.solver.shares(rest.ridge, virtual)
+    new = virtual - product(weights, pairs.direct.swapaxes(0, 1)).swapaxes(0, 1)
     k = len(pairs.scale)
     identity = np.broadcast_to(np.eye(k), (3, k, k))
     both = mixtures(
@@ -202,13 +210,6 @@ def _directions(
     if not len(every.values):
         raise EnvLightsError("indirect is black in every image; there is nothing to learn")
     return every, (both, measured)
-
-
-def _weights(solver: Regression, ridge: float, direct: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Weights of the pairs in the regression at new direct images, (3, n, k)."""
-    seen = product(direct.swapaxes(0, 1), solver.features.swapaxes(1, 2))
-    turned = product(seen, solver.vectors) / solver.regularised_eigenvalues(ridge)[:, None]
-    return product(turned, solver.vectors.swapaxes(1, 2))
 
 
 def _in_basis(
@@ -230,20 +231,22 @@ def _in_basis(
 
 
 def _report(
-    estimator: Estimator,
     rest: _Remainder,
+    left: NDArray[np.float64],
     learnt: PairSummary,
-    truncation: float,
+    every: tuple[NDArray[np.float64], NDArray[np.float64]],
     notes: tuple[str, ...],
 ) -> TransferReport:
     inside, residual = np.sum(learnt.coefficients**2), np.trace(learnt.outside, axis1=1, axis2=2)
-    trained = np.sum(estimator.residual(rest.ridge) ** 2, axis=(1, 2)) + residual
+    trained = np.sum(rest.solver.residual(rest.ridge, left) ** 2, axis=(1, 2)) + residual
+    # Project each pair onto a basis without it: virtual lights take part in the basis.
+    beyond = leave_one_out.squares(*every, np.zeros_like(every[0]))[: len(left)]
     return TransferReport(
         pairs=len(learnt.energy),
         rank=learnt.coefficients.shape[2],
         energy=float(inside / (inside + residual.sum())),
         ridge=rest.ridge,
-        unseen_errors=tuple(np.hypot(rest.errors, truncation).tolist()),
+        unseen_errors=tuple(np.hypot(rest.errors, _relative(beyond, learnt.energy)).tolist()),
         training_errors=tuple(_relative(trained, learnt.energy).tolist()),
         prior_errors=tuple(rest.prior_errors.tolist()),
         notes=notes,
@@ -267,8 +270,9 @@ def _notes(
             f" without a basis is {100 * np.median(rest.errors):.2g} %"
         )
     coefficients = _coefficients(own.products)
-    ridge = _best_ridge(rest.solver, coefficients, own.energy)
-    without = np.median(_left_out(rest.solver, ridge, coefficients, own.energy))
+    plain = regression(pairs.direct, channelwise=True)
+    best = _best([plain], RIDGES, coefficients, own.energy)
+    without = np.median(_left_out(*best, coefficients, own.energy))
     ours, alone = np.median(rest.errors), np.median(rest.prior_errors)
     if len(pairs.scale) > 1 and without < ours:
         notes.append(

@@ -78,9 +78,10 @@ class TransferModel(Predictor):
             images that the basis holds. By default 64; with a `prior`, as many as let the basis
             leave out half of the error for new lights, and at most 256.
         ridge : float or "loo", optional
-            Ridge of the regression, for direct images of norm 1. "loo": the ridge with the least
-            leave-one-out errors, which is smaller for clean images than for noisy ones. By default
-            1e-3, or "loo" with ``nonnegative=True`` or a `prior`.
+            Ridge of the regression, for direct images of norm 1; with a `prior`, of norm 1 once
+            their texels are weighted. "loo": the ridge with the least leave-one-out errors, which
+            is smaller for clean images than for noisy ones. By default 1e-3, or "loo" with
+            ``nonnegative=True`` or a `prior`.
         error : float, optional
             Largest accepted relative RMS error of the images in the basis, which gets the fewest
             directions that reach it, and at most `rank`.

@@ -107,6 +107,19 @@ class TransferPrior(Result):
         return np.asarray(self.hits[texels] / np.float32(self.rays), np.float32)
 
     @cached_property
+    def strength(self) -> NDArray[np.float64]:
+        """Norm of the indirect image of each direct texel, in each channel, (3, h * w).
+
+        Light that leaves several direct texels adds up in squares, as if their images were at right
+        angles.
+        """
+        squares = np.zeros((3, len(self.visible)))
+        for first in range(0, len(self.hits), _BLOCK):
+            some = slice(first, first + _BLOCK)
+            squares += self.reflectance[some].T ** 2 @ self.factors(some) ** 2
+        return np.asarray(np.sqrt(np.einsum("cl,cls->cs", squares, self.leaving**2)))
+
+    @cached_property
     def reflectance(self) -> NDArray[np.float32]:
         """Factor from gathered light to the images in the covered texels, (texels, 3)."""
         albedo = self.albedo[self.covered].astype(np.float32)

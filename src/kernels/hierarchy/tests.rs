@@ -124,6 +124,31 @@ proptest! {
     }
 
     #[test]
+    fn nearest_hits_are_those_without_a_tree(vertices in vertices(), rays in rays(), scale in 1e-3..1e3_f64) {
+        let soup = Soup::new(vertices);
+        let place = |at: DVec3| scale * (at - DVec3::splat(20_000.0));
+        let rows = |points: Vec<DVec3>| Array2::from(points.iter().map(DVec3::to_array).collect::<Vec<_>>());
+        let corners = (0..soup.triangles.nrows()).flat_map(|k| soup.corners(k)).map(place).collect();
+        let tree = TriangleTree::new(rows(corners).view()).unwrap();
+        let origins = rows(rays.iter().map(|ray| place(ray.origin)).collect());
+        let directions = rows(rays.iter().map(|ray| ray.direction).collect());
+        let hits = tree.nearest_hits(origins.view(), directions.view()).unwrap();
+        for (ray, hit) in rays.into_iter().zip(hits) {
+            // Another scale rounds differently: an edge or a tie may change the row, but not the place.
+            let truth = soup.nearest_of_all(ray);
+            let point = hit.map(|hit| {
+                let [a, b, c] = soup.corners(hit.row as usize);
+                a + hit.weights.x * (b - a) + hit.weights.y * (c - a)
+            });
+            let expected = truth.map(|(_, length)| ray.origin + length * ray.direction);
+            match (point, expected) {
+                (Some(point), Some(expected)) => prop_assert!((point - expected).length() < 1e-3),
+                (point, expected) => prop_assert_eq!(point.is_some(), expected.is_some()),
+            }
+        }
+    }
+
+    #[test]
     fn each_triangle_is_in_one_leaf_and_each_link_points_ahead(vertices in vertices()) {
         let tree = Soup::new(vertices.clone()).hierarchy();
         let mut order = tree.order.clone();
@@ -222,4 +247,45 @@ fn what_is_no_model_is_refused() {
     assert!(matches!(of(Array2::zeros((0, 3))), Error::NoSuchSolid { .. }));
     assert!(matches!(of(Array2::zeros((1, 4))), Error::WrongColumns { .. }));
     assert!(matches!(of(Array2::from(vec![[0, 1, 3]])), Error::OutOfRange { .. }));
+}
+
+/// Square of two triangles with a side of 2 around the origin, at the height `z`, with its front towards +z.
+fn square(z: f64) -> Vec<[f64; 3]> {
+    let corners = [[-1.0, -1.0, z], [1.0, -1.0, z], [1.0, 1.0, z], [-1.0, 1.0, z]];
+    [0, 1, 2, 0, 2, 3].map(|k| corners[k]).to_vec()
+}
+
+#[test]
+fn a_ray_hits_the_nearer_of_two_squares_on_its_visible_side() {
+    let corners = Array2::from([square(0.0), square(-1.0)].concat());
+    let tree = TriangleTree::new(corners.view()).unwrap();
+    let origins = Array2::from(vec![[0.5, -0.5, 2.0], [0.5, -0.5, -3.0], [0.5, -0.5, -0.5], [1.5, 0.0, 2.0]]);
+    let down = [0.0, 0.0, -1.0];
+    let directions = Array2::from(vec![down, [0.0, 0.0, 1.0], down, down]);
+    let hits = tree.nearest_hits(origins.view(), directions.view()).unwrap();
+    let seen: Vec<_> = hits.iter().map(|hit| hit.map(|hit| (hit.row, hit.is_front))).collect();
+    assert_eq!(seen, [Some((0, true)), Some((2, false)), Some((2, true)), None]);
+    let weights = hits[0].unwrap().weights;
+    assert!((weights - glam::DVec2::new(0.5, 0.25)).length() < 1e-12, "{weights}");
+}
+
+#[test]
+fn rays_along_the_faces_of_boxes_are_no_error() {
+    let tree = TriangleTree::new(Array2::from(square(0.0)).view()).unwrap();
+    let origins = Array2::from(vec![[-1.0, 0.25, 5.0], [-9.0, 0.0, 0.0]]);
+    let directions = Array2::from(vec![[0.0, 0.0, -1.0], [1.0, 0.0, 0.0]]);
+    let hits = tree.nearest_hits(origins.view(), directions.view()).unwrap();
+    assert_eq!(hits.iter().map(Option::is_some).collect::<Vec<_>>(), [true, false]);
+}
+
+#[test]
+fn triangles_and_rays_with_wrong_shapes_are_refused() {
+    let of = |corners: Array2<f64>| TriangleTree::new(corners.view()).unwrap_err();
+    assert!(matches!(of(Array2::zeros((0, 3))), Error::NoSuchSolid { .. }));
+    assert!(matches!(of(Array2::zeros((4, 3))), Error::LengthMismatch { .. }));
+    assert!(matches!(of(Array2::zeros((3, 2))), Error::WrongColumns { .. }));
+    assert!(matches!(of(Array2::from_elem((3, 3), f64::NAN)), Error::NotFinite { .. }));
+    let tree = TriangleTree::new(Array2::from(square(0.0)).view()).unwrap();
+    let error = tree.nearest_hits(Array2::zeros((2, 3)).view(), Array2::zeros((1, 3)).view()).unwrap_err();
+    assert!(matches!(error, Error::LengthMismatch { .. }));
 }
