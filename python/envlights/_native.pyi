@@ -19,7 +19,8 @@ __all__ = [
     "RadianceFile",
     "ReducedMap", "RowReducer", "TreeDetection", "UnusableSamplesError", "apply_matrix",
     "are_clipped", "blur", "bounding_volume_hierarchy", "bresenham_line", "clipped_depth",
-    "clipped_light_shares", "clipped_share", "code_histogram_8", "code_histogram_16", "cut_cards",
+    "clipped_light_shares", "clipped_share", "code_histogram_8", "code_histogram_16",
+    "continue_reduced", "cut_cards",
     "decode_8", "decode_16", "detect_tree", "direction_to_uv", "disc_map", "draw_cards",
     "even_sphere",
     "face_radiance", "fill_unseen", "fit_reduced", "fit_samples", "form_factors",
@@ -217,6 +218,9 @@ def face_radiance(radiance: _Image, faces: int, border_sampled: bool) -> _Reals:
 def fill_unseen(
     radiance: _Image, seen: _Image, border_sampled: bool, columns: int, most: float
 ) -> _Image: ...
+def continue_reduced(
+    reduced: ReducedMap, options: FitOptions, radii: _Reals
+) -> tuple[_Reals, _Reals, _Reals, list[float], float, float, tuple[_Reals, _Reals, _Reals]]: ...
 def fit_reduced(reduced: ReducedMap, options: FitOptions) -> FitAnswer: ...
 def fit_samples(
     normals: _Reals, weights: _Reals, irradiance: _Reals, options: FitOptions

@@ -10,7 +10,7 @@ use super::reduction::ReducedMap;
 use super::sphere::registration;
 use crate::error::Result;
 use crate::kernels::disc::{self, Discs};
-use crate::kernels::fit::{self, Ambient, Comparison, FitOptions, FitResult, Rig, Samples, StopReason};
+use crate::kernels::fit::{self, Ambient, Comparison, ContinuedRig, FitOptions, FitResult, Rig, Samples, StopReason};
 use crate::kernels::image;
 use crate::kernels::sphere::unit_vectors;
 
@@ -118,8 +118,7 @@ impl FitAnswer {
     /// Normals of the errors, their weights, and the irradiance of the map there; absent for measured values.
     #[getter]
     fn map_samples<'py>(&self, py: Python<'py>) -> Option<MapSamples<'py>> {
-        let Samples { normals, weights, irradiance, .. } = self.result.map_samples.as_ref()?;
-        Some((rows(py, normals), PyArray1::from_slice(py, weights), rows(py, irradiance)))
+        Some(sample_rows(py, self.result.map_samples.as_ref()?))
     }
 
     #[getter]
@@ -169,6 +168,11 @@ impl FitAnswer {
             StopReason::OutOfSteps => "OUT_OF_STEPS",
         }
     }
+}
+
+fn sample_rows<'py>(py: Python<'py>, samples: &Samples) -> MapSamples<'py> {
+    let Samples { normals, weights, irradiance, .. } = samples;
+    (rows(py, normals), PyArray1::from_slice(py, weights), rows(py, irradiance))
 }
 
 fn rows<'py>(py: Python<'py>, vectors: &[DVec3]) -> Bound<'py, PyArray2<f64>> {
@@ -232,6 +236,40 @@ pub fn fit_reduced(py: Python<'_>, reduced: &ReducedMap, options: Options<'_>) -
     let options = FitOptions { has_floor: reduced.floor, ..options.for_kernel()? };
     let points = reduced.map.sources.dim().0;
     interruptible(py, || Ok(FitAnswer { result: fit::under_map(&reduced.map, &options)?, points }))
+}
+
+/// Ambient, directions, irradiance and radii of a rig, its error, the error that it minimises, and the map at its normals.
+type ContinuedAnswer<'py> = (
+    Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyArray2<f64>>,
+    Vec<f64>,
+    f64,
+    f64,
+    MapSamples<'py>,
+);
+
+/// See `envlights.follow`: the rig of the minimum near the starts of the options, which have these angular radii.
+#[pyfunction]
+pub fn continue_reduced<'py>(
+    py: Python<'py>,
+    reduced: &ReducedMap,
+    options: Options<'py>,
+    radii: PyReadonlyArray1<'py, f64>,
+) -> PyResult<ContinuedAnswer<'py>> {
+    let options = FitOptions { has_floor: reduced.floor, ..options.for_kernel()? };
+    let radii = radii.as_array().to_vec();
+    let ContinuedRig { lights, probe_error, samples } =
+        interruptible(py, || fit::continue_under_map(&reduced.map, &options, &radii))?;
+    Ok((
+        rows(py, &lights.rig.ambient),
+        rows(py, &lights.rig.directions),
+        rows(py, &lights.rig.irradiance),
+        lights.radii,
+        probe_error.error,
+        lights.objective_error,
+        sample_rows(py, &samples),
+    ))
 }
 
 /// The squared irradiance under a map, integrated over all normals and summed over channels: the field of the search

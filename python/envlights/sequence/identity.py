@@ -60,9 +60,11 @@ class Identities:
         self._count = 0
         self._present: list[_Light] = []
 
-    def next_directions(self) -> NDArray[np.float64]:
-        """Expected directions of the lights of the last frame, brightest first, (n, 3)."""
-        return np.reshape([light.next_direction for light in self._present], (-1, 3))
+    def next_lights(self) -> Lights:
+        """Lights of the last frame in their expected directions, brightest first, of one colour."""
+        direction = np.reshape([light.next_direction for light in self._present], (-1, 3))
+        flux = np.repeat([light.flux for light in self._present], 3).reshape(-1, 3)
+        return Lights(direction, flux, [light.radius for light in self._present])
 
     def follow(self, lights: Lights) -> tuple[int, ...]:
         """Identity of each light of the next frame."""
