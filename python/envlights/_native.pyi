@@ -31,7 +31,7 @@ __all__ = [
     "probe_jacobian", "probe_model", "probe_residual", "projection_directions",
     "projection_places", "projection_solid_angles", "radiance_rows", "radical_inverse",
     "reduce_map", "reduce_radiance", "reduced_luminance", "reflected_irradiance",
-    "relative_rms", "resample", "resize_bilinear", "rig_irradiance", "rotate_map",
+    "relative_rms", "resample", "resize_bilinear", "rig_error", "rig_irradiance", "rotate_map",
     "rough_reflection", "split_map", "sum_over_sources", "suppress", "threads",
     "transfer_columns", "transfer_frames", "transfer_gram", "transport_plan", "uniform_sphere",
     "unpack_lights", "unusable", "uv_to_direction", "uv_to_pixel", "weighted_means",
@@ -272,6 +272,14 @@ def reduce_radiance(
 def reduced_luminance(radiance: _Image, columns: int, border_sampled: bool) -> _Image: ...
 def relative_rms(seen: _Reals, wanted: _Reals, weights: _Reals) -> float: ...
 def resize_bilinear(image: _Image, height: int, width: int, wrap: bool) -> _Image: ...
+def rig_error(
+    samples: tuple[_Reals, _Reals, _Reals],
+    ambient: _Reals,
+    directions: _Reals,
+    irradiance: _Reals,
+    radii: list[float],
+    floor: bool,
+) -> float: ...
 def rig_irradiance(
     normals: _Reals,
     ambient: _Reals,

@@ -12,7 +12,7 @@ use crate::error::Result;
 use crate::kernels::disc::{self, Discs};
 use crate::kernels::fit::{self, Ambient, Comparison, ContinuedRig, FitOptions, FitResult, Rig, Samples, StopReason};
 use crate::kernels::image;
-use crate::kernels::sphere::unit_vectors;
+use crate::kernels::sphere::{unit_vectors, vectors};
 
 /// Normals, weights and irradiance.
 type MapSamples<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>);
@@ -324,6 +324,30 @@ pub fn rig_irradiance<'py>(
         disc::irradiance(&Discs::new(directions, irradiance, radii)?, normals, |normal| sky.at(normal))
     })?;
     Ok(out.into_pyarray(py))
+}
+
+/// The relative RMS error of a rig with sizes under a map with this irradiance at normals; see `envlights.follow`.
+#[pyfunction]
+pub fn rig_error(
+    py: Python<'_>,
+    samples: (PyReadonlyArray2<'_, f64>, PyReadonlyArray1<'_, f64>, PyReadonlyArray2<'_, f64>),
+    ambient: PyReadonlyArray2<'_, f64>,
+    directions: PyReadonlyArray2<'_, f64>,
+    irradiance: PyReadonlyArray2<'_, f64>,
+    radii: Vec<f64>,
+    floor: bool,
+) -> PyResult<f64> {
+    let (normals, weights, wanted) = (samples.0.as_array(), samples.1.as_array(), samples.2.as_array());
+    let (ambient, irradiance) = (ambient.as_array(), irradiance.as_array());
+    let directions = directions.as_array();
+    interruptible(py, || {
+        let rig = Rig {
+            directions: unit_vectors("direction", directions)?,
+            irradiance: vectors("irradiance", irradiance)?,
+            ..Rig::of_ambient(ambient, floor)?
+        };
+        Ok(fit::evaluate(&Samples::new(normals, weights, wanted)?, &rig, &radii).error)
+    })
 }
 
 /// See `envlights.kernels.relative_rms`.

@@ -15,7 +15,9 @@ const NORMALS: usize = 720;
 /// A rig and its errors.
 #[derive(Clone, Debug)]
 pub struct ContinuedRig {
+    /// Ambient and lights.
     pub lights: ContinuedLights,
+    /// Error of the rig.
     pub probe_error: Judged,
     /// The irradiance under the map at the normals of the error.
     pub samples: Samples,

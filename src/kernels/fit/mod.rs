@@ -47,7 +47,7 @@ mod variable_projection;
 
 pub use ambient::Ambient;
 pub use continued_rig::{ContinuedRig, continue_under_map};
-pub use discs::{BAND_DEGREE, Bands, Comparison};
+pub use discs::{BAND_DEGREE, Bands, Comparison, evaluate};
 pub use objective::{Objective, PointObjective};
 pub use options::FitOptions;
 pub use problem::Problem;

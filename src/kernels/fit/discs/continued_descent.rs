@@ -9,8 +9,11 @@ use crate::kernels::fit::rig::Rig;
 /// Lights with angular radii, and the relative RMS error that they minimise.
 #[derive(Clone, Debug)]
 pub struct ContinuedLights {
+    /// Ambient and lights.
     pub rig: Rig,
+    /// Angular radius of each light, in radians.
     pub radii: Vec<f64>,
+    /// Relative RMS error that the lights minimise.
     pub objective_error: f64,
 }
 
