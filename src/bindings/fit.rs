@@ -326,6 +326,9 @@ pub fn rig_irradiance<'py>(
     Ok(out.into_pyarray(py))
 }
 
+/// Numbers that count for each normal, so that more than one part of them enters the pool of threads.
+const FEW_NUMBERS_A_NORMAL: usize = 64;
+
 /// The relative RMS error of a rig with sizes under a map with this irradiance at normals; see `envlights.follow`.
 #[pyfunction]
 pub fn rig_error(
@@ -340,7 +343,7 @@ pub fn rig_error(
     let (normals, weights, wanted) = (samples.0.as_array(), samples.1.as_array(), samples.2.as_array());
     let (ambient, irradiance) = (ambient.as_array(), irradiance.as_array());
     let directions = directions.as_array();
-    interruptible(py, || {
+    by_size(py, FEW_NUMBERS_A_NORMAL * normals.len(), || {
         let rig = Rig {
             directions: unit_vectors("direction", directions)?,
             irradiance: vectors("irradiance", irradiance)?,

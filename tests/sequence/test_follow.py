@@ -188,7 +188,7 @@ def test_a_search_runs_if_the_error_grows_and_counts_if_it_pays(monkeypatch):
 
 
 @pytest.mark.parametrize("objective", ["mixed", "shadows", "probe"])
-@pytest.mark.parametrize("options", [{}, {"floor": True}, {"ambient": "harmonics"}])
+@pytest.mark.parametrize("options", [{}, {"floor": True}, {"ambient": "sh2"}])
 def test_a_continued_frame_of_a_resting_map_is_its_fit(objective, options):
     """One descent from the lights of a search stays at its minimum."""
     env, options = el.EnvMap(el.synthetic.plain(3, 128).radiance), {"objective": objective, **options}
