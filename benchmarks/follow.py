@@ -9,8 +9,8 @@ The maps turn by 0.5 degrees in a frame, at 512 columns. The other sequences are
 - jump: largest motion above the true one from frame to frame, in degrees, of lights with at least a
   tenth of the flux, and of all lights.
 - error: mean error, and over that of a full fit to each frame; of the continued fits in brackets.
-- time: that of all rigs over that of full fits to each frame, the reading of maps not included; then
-  the median time of a rig over that of a full fit, which leaves out the frames with a search.
+- time: that of all rigs over that of full fits to each frame, without the reading of maps; then the
+  median time of a rig over that of a full fit, which leaves out the frames with a search.
 - searches: full searches whose lights were taken.
 """
 
@@ -92,7 +92,8 @@ def row(name, maps, fit, true_motion, steadiness):
         f"{largest(jump[is_strong]):>7.2f}, {largest(jump):>5.2f}"
         f"{100 * rigs.error.mean():>8.3f} %"
         f"{rigs.error.mean() / error:>8.3f} ({rigs.fit_error.mean() / error:.3f})"
-        f"{sum(seconds) / sum(full_seconds):>6.2f}, {np.median(seconds) / np.median(full_seconds):.2f}"
+        f"{sum(seconds) / sum(full_seconds):>6.2f},"
+        f"{np.median(seconds) / np.median(full_seconds):>5.2f}"
         f"  {sum(rig.is_search for rig in rigs)}",
         flush=True,
     )

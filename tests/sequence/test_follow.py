@@ -191,7 +191,10 @@ def test_a_search_runs_if_the_error_grows_and_counts_if_it_pays(monkeypatch):
 @pytest.mark.parametrize("options", [{}, {"floor": True}, {"ambient": "sh2"}])
 def test_a_continued_frame_of_a_resting_map_is_its_fit(objective, options):
     """One descent from the lights of a search stays at its minimum."""
-    env, options = el.EnvMap(el.synthetic.plain(3, 128).radiance), {"objective": objective, **options}
+    env, options = (
+        el.EnvMap(el.synthetic.plain(3, 128).radiance),
+        {"objective": objective, **options},
+    )
     fit = el.fit(env, lights=3, **options)
     rigs = el.follow([env, env], lights=3, steadiness=0, **options).sequence()
     assert not rigs[1].is_search

@@ -98,7 +98,7 @@ class Continuation:
         return Fit(rig, samples, False)
 
     def _refill(self, reduction: Reduction, start: Lights) -> tuple[Rig, MapSamples]:
-        """Descent from the expected directions, with others in place of lights that become black."""
+        """Descent from the expected directions, with others in place of black lights."""
         arguments = replace(self.arguments, lights=len(start), start=start, error=None)
         return fit_reduction(reduction, arguments)
 
