@@ -10,7 +10,9 @@ use super::reduction::ReducedMap;
 use super::sphere::registration;
 use crate::error::Result;
 use crate::kernels::disc::{self, Discs};
-use crate::kernels::fit::{self, Ambient, Comparison, ContinuedRig, FitOptions, FitResult, Rig, Samples, StopReason};
+use crate::kernels::fit::{
+    self, Ambient, Comparison, ContinuedRig, FitOptions, FitResult, Rig, Samples, StopReason,
+};
 use crate::kernels::image;
 use crate::kernels::sphere::{unit_vectors, vectors};
 

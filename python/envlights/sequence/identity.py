@@ -65,7 +65,7 @@ class Identities:
         """Lights of the last frame in their expected directions, brightest first, of one colour."""
         direction = np.reshape([light.next_direction for light in self._present], (-1, 3))
         flux = np.repeat([light.flux for light in self._present], 3).reshape(-1, 3)
-        return Lights(direction, flux, [light.radius for light in self._present])
+        return Lights(direction, flux, np.array([light.radius for light in self._present]))
 
     def follow(self, lights: Lights) -> tuple[int, ...]:
         """Identity of each light of the next frame."""

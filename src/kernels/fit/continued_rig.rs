@@ -1,10 +1,10 @@
 //! A rig that continues a known one under the next map of a sequence.
 
+use super::check_unknowns;
 use super::discs::{ContinuedLights, continued_descent, evaluate};
 use super::options::FitOptions;
 use super::samples::{Judged, Samples};
 use super::sphere::evaluation_probe;
-use super::check_unknowns;
 use crate::error::Result;
 use crate::kernels::expansion::Expansion;
 use crate::kernels::image::WorkingMap;
