@@ -203,11 +203,17 @@ def test_a_continued_frame_of_a_resting_map_is_its_fit(objective, options):
     np.testing.assert_allclose(rigs[1].lights.angular_radius, fit.lights.angular_radius, atol=1e-4)
 
 
-def test_lights_that_become_black_are_replaced():
-    """A lamp moves by 90 degrees at once, so that no light of the last frame is left of it."""
-    maps = [el.Lights([towards(0, k)], [[2, 2, 2]], [0.1]).to_map(64) for k in (0, 0, 90)]
-    rigs = el.follow(maps, lights=1, steadiness=0).sequence()
-    assert angle_deg(rigs[2].lights.direction[0], towards(0, 90)) < 0.5
+def test_a_light_that_becomes_black_is_replaced_without_a_search():
+    """A weak lamp goes out and one opposite to it goes on, without a step of the light."""
+    strong, weak, other = towards(0, 0), towards(90, 0), towards(-90, 0)
+    maps = [
+        el.Lights([strong, lamp], [[5, 5, 5], [0.5, 0.5, 0.5]], [0.1, 0.1]).to_map(64)
+        for lamp in (weak, other)
+    ]
+    rigs = el.follow(maps, lights=2, steadiness=0).sequence()
+    assert not rigs[1].is_step
+    assert not rigs[1].is_search
+    assert angle_deg(rigs[1].lights.direction[1], other) < 0.5
 
 
 def test_points_are_continued_too():
