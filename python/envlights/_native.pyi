@@ -20,7 +20,8 @@ __all__ = [
     "ReducedMap", "RowReducer", "TreeDetection", "TriangleTree",
     "UnusableSamplesError", "apply_matrix",
     "are_clipped", "blur", "bounding_volume_hierarchy", "bresenham_line", "clipped_depth",
-    "clipped_light_shares", "clipped_share", "code_histogram_8", "code_histogram_16", "cut_cards",
+    "clipped_light_shares", "clipped_share", "code_histogram_8", "code_histogram_16",
+    "continue_reduced", "cut_cards",
     "decode_8", "decode_16", "detect_tree", "direction_to_uv", "disc_map", "draw_cards",
     "even_sphere",
     "face_radiance", "fill_unseen", "fit_reduced", "fit_samples", "form_factors",
@@ -31,7 +32,7 @@ __all__ = [
     "probe_jacobian", "probe_model", "probe_residual", "projection_directions",
     "projection_places", "projection_solid_angles", "radiance_rows", "radical_inverse",
     "reduce_map", "reduce_radiance", "reduced_luminance", "reflected_irradiance",
-    "relative_rms", "resample", "resize_bilinear", "rig_irradiance", "rotate_map",
+    "relative_rms", "resample", "resize_bilinear", "rig_error", "rig_irradiance", "rotate_map",
     "rough_reflection", "split_map", "sum_over_sources", "suppress", "threads",
     "transfer_columns", "transfer_frames", "transfer_gram", "transport_plan", "uniform_sphere",
     "unpack_lights", "unusable", "uv_to_direction", "uv_to_pixel", "weighted_means",
@@ -226,6 +227,9 @@ def face_radiance(radiance: _Image, faces: int, border_sampled: bool) -> _Reals:
 def fill_unseen(
     radiance: _Image, seen: _Image, border_sampled: bool, columns: int, most: float
 ) -> _Image: ...
+def continue_reduced(
+    reduced: ReducedMap, options: FitOptions, radii: _Reals
+) -> tuple[_Reals, _Reals, _Reals, list[float], float, float, tuple[_Reals, _Reals, _Reals]]: ...
 def fit_reduced(reduced: ReducedMap, options: FitOptions) -> FitAnswer: ...
 def fit_samples(
     normals: _Reals, weights: _Reals, irradiance: _Reals, options: FitOptions
@@ -277,6 +281,14 @@ def reduce_radiance(
 def reduced_luminance(radiance: _Image, columns: int, border_sampled: bool) -> _Image: ...
 def relative_rms(seen: _Reals, wanted: _Reals, weights: _Reals) -> float: ...
 def resize_bilinear(image: _Image, height: int, width: int, wrap: bool) -> _Image: ...
+def rig_error(
+    samples: tuple[_Reals, _Reals, _Reals],
+    ambient: _Reals,
+    directions: _Reals,
+    irradiance: _Reals,
+    radii: list[float],
+    floor: bool,
+) -> float: ...
 def rig_irradiance(
     normals: _Reals,
     ambient: _Reals,

@@ -10,9 +10,11 @@ use super::reduction::ReducedMap;
 use super::sphere::registration;
 use crate::error::Result;
 use crate::kernels::disc::{self, Discs};
-use crate::kernels::fit::{self, Ambient, Comparison, FitOptions, FitResult, Rig, Samples, StopReason};
+use crate::kernels::fit::{
+    self, Ambient, Comparison, ContinuedRig, FitOptions, FitResult, Rig, Samples, StopReason,
+};
 use crate::kernels::image;
-use crate::kernels::sphere::unit_vectors;
+use crate::kernels::sphere::{unit_vectors, vectors};
 
 /// Normals, weights and irradiance.
 type MapSamples<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>);
@@ -118,8 +120,7 @@ impl FitAnswer {
     /// Normals of the errors, their weights, and the irradiance of the map there; absent for measured values.
     #[getter]
     fn map_samples<'py>(&self, py: Python<'py>) -> Option<MapSamples<'py>> {
-        let Samples { normals, weights, irradiance, .. } = self.result.map_samples.as_ref()?;
-        Some((rows(py, normals), PyArray1::from_slice(py, weights), rows(py, irradiance)))
+        Some(sample_rows(py, self.result.map_samples.as_ref()?))
     }
 
     #[getter]
@@ -169,6 +170,11 @@ impl FitAnswer {
             StopReason::OutOfSteps => "OUT_OF_STEPS",
         }
     }
+}
+
+fn sample_rows<'py>(py: Python<'py>, samples: &Samples) -> MapSamples<'py> {
+    let Samples { normals, weights, irradiance, .. } = samples;
+    (rows(py, normals), PyArray1::from_slice(py, weights), rows(py, irradiance))
 }
 
 fn rows<'py>(py: Python<'py>, vectors: &[DVec3]) -> Bound<'py, PyArray2<f64>> {
@@ -234,6 +240,40 @@ pub fn fit_reduced(py: Python<'_>, reduced: &ReducedMap, options: Options<'_>) -
     interruptible(py, || Ok(FitAnswer { result: fit::under_map(&reduced.map, &options)?, points }))
 }
 
+/// Ambient, directions, irradiance and radii of a rig, its error, the error that it minimises, and the map at its normals.
+type ContinuedAnswer<'py> = (
+    Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyArray2<f64>>,
+    Vec<f64>,
+    f64,
+    f64,
+    MapSamples<'py>,
+);
+
+/// See `envlights.follow`: the rig of the minimum near the starts of the options, which have these angular radii.
+#[pyfunction]
+pub fn continue_reduced<'py>(
+    py: Python<'py>,
+    reduced: &ReducedMap,
+    options: Options<'py>,
+    radii: PyReadonlyArray1<'py, f64>,
+) -> PyResult<ContinuedAnswer<'py>> {
+    let options = FitOptions { has_floor: reduced.floor, ..options.for_kernel()? };
+    let radii = radii.as_array().to_vec();
+    let ContinuedRig { lights, probe_error, samples } =
+        interruptible(py, || fit::continue_under_map(&reduced.map, &options, &radii))?;
+    Ok((
+        rows(py, &lights.rig.ambient),
+        rows(py, &lights.rig.directions),
+        rows(py, &lights.rig.irradiance),
+        lights.radii,
+        probe_error.error,
+        lights.objective_error,
+        sample_rows(py, &samples),
+    ))
+}
+
 /// The squared irradiance under a map, integrated over all normals and summed over channels: the field of the search
 /// alone, for benchmarks and tests.
 #[pyfunction]
@@ -286,6 +326,33 @@ pub fn rig_irradiance<'py>(
         disc::irradiance(&Discs::new(directions, irradiance, radii)?, normals, |normal| sky.at(normal))
     })?;
     Ok(out.into_pyarray(py))
+}
+
+/// Numbers that count for each normal, so that more than one part of them enters the pool of threads.
+const FEW_NUMBERS_A_NORMAL: usize = 64;
+
+/// The relative RMS error of a rig with sizes under a map with this irradiance at normals; see `envlights.follow`.
+#[pyfunction]
+pub fn rig_error(
+    py: Python<'_>,
+    samples: (PyReadonlyArray2<'_, f64>, PyReadonlyArray1<'_, f64>, PyReadonlyArray2<'_, f64>),
+    ambient: PyReadonlyArray2<'_, f64>,
+    directions: PyReadonlyArray2<'_, f64>,
+    irradiance: PyReadonlyArray2<'_, f64>,
+    radii: Vec<f64>,
+    floor: bool,
+) -> PyResult<f64> {
+    let (normals, weights, wanted) = (samples.0.as_array(), samples.1.as_array(), samples.2.as_array());
+    let (ambient, irradiance) = (ambient.as_array(), irradiance.as_array());
+    let directions = directions.as_array();
+    by_size(py, FEW_NUMBERS_A_NORMAL * normals.len(), || {
+        let rig = Rig {
+            directions: unit_vectors("direction", directions)?,
+            irradiance: vectors("irradiance", irradiance)?,
+            ..Rig::of_ambient(ambient, floor)?
+        };
+        Ok(fit::evaluate(&Samples::new(normals, weights, wanted)?, &rig, &radii).error)
+    })
 }
 
 /// See `envlights.kernels.relative_rms`.

@@ -58,7 +58,10 @@ mod _native {
     #[pymodule_export]
     use super::fill::fill_unseen;
     #[pymodule_export]
-    use super::fit::{FitAnswer, fit_reduced, fit_samples, map_energy, relative_rms, rig_irradiance};
+    use super::fit::{
+        FitAnswer, continue_reduced, fit_reduced, fit_samples, map_energy, relative_rms, rig_error,
+        rig_irradiance,
+    };
     #[pymodule_export]
     use super::formats::{PngFile, RadianceFile, radiance_rows};
     #[pymodule_export]

@@ -9,6 +9,7 @@
 | sentences of the report                                             | `wording.py` |
 | arguments of `fit`, as one object                                   | `arguments.py` |
 | the fit to a map: check, reduce, call the kernel, report            | `map_fit.py` |
+| a rig that continues a known one, for sequences                     | `continued_rig.py` |
 | `fit` and `fit_probe`                                               | `fit.py`     |
 | errors by number of lights                                          | `error_curve.py` |
 | the sun as one light, and the fit to the sky around it              | `sun_light.py` |

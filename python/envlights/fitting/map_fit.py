@@ -74,14 +74,21 @@ class MapSamples(NamedTuple):
     """Irradiance there, (n, 3)."""
 
 
-def fit_map(env: AnyMap, arguments: FitArguments) -> Rig:
-    """Rig for a map; see `fit`."""
-    return _fit(env, arguments)[0]
+def reduce_for_fits(env: AnyMap, arguments: FitArguments) -> Reduction:
+    """Reduction of a map, for fits with the same `floor` and `unseen`."""
+    plan = _plan(arguments)._replace(ambients=())  # fits nothing
+    return _answers(env, plan, Clock())[0]
 
 
-def fit_map_and_sample(env: AnyMap, arguments: FitArguments) -> tuple[Rig, MapSamples]:
-    """Rig for a map, and the irradiance under the map, which the fit computes anyway."""
-    rig, answers = _fit(env, arguments)
+def fit_reduction(reduction: Reduction, arguments: FitArguments) -> tuple[Rig, MapSamples]:
+    """Rig for a reduced map, and the irradiance under the map, which the fit computes anyway.
+
+    The start is "greedy" or lights; others need the whole map.
+    """
+    plan, clock = _plan(arguments), Clock()
+    start = plan.request.first_directions_under(None, arguments.floor)
+    answers = _under(reduction, plan, start)
+    rig = _clocked_rig(plan, reduction, answers, clock)
     # All answers are for the same map, and fits to a map have samples.
     samples = next(iter(answers.values())).map_samples
     return rig, MapSamples(*samples)  # type: ignore[misc]
@@ -92,14 +99,14 @@ def check_arguments(arguments: FitArguments) -> None:
     _plan(arguments)
 
 
-def _fit(env: AnyMap, arguments: FitArguments) -> tuple[Rig, Answers]:
-    """Rig for a map, and the results of the kernel."""
+def fit_map(env: AnyMap, arguments: FitArguments) -> Rig:
+    """Rig for a map; see `fit`."""
     plan, clock = _plan(arguments), Clock()
     reduction, answers = _answers(env, plan, clock)
     rig = _clocked_rig(plan, reduction, answers, clock)
     LOG.info("fit: %s in %.3g seconds", rig.in_short(), sum(rig.report.seconds.values()))
     log(rig.notes)
-    return rig, answers
+    return rig
 
 
 def fit_map_for(env: AnyMap, each: Sequence[FitArguments]) -> Iterator[Rig]:
@@ -107,9 +114,8 @@ def fit_map_for(env: AnyMap, each: Sequence[FitArguments]) -> Iterator[Rig]:
 
     All arguments have the same `floor` and `unseen`, and the start "greedy".
     """
-    plans, clock = [_plan(arguments) for arguments in each], Clock()
-    first = plans[0]._replace(ambients=())  # reduces the map, and fits nothing
-    reduction, _ = _answers(env, first, clock)
+    plans = [_plan(arguments) for arguments in each]
+    reduction = reduce_for_fits(env, each[0])
     for plan in plans:
         clock = Clock()
         start = plan.request.first_directions_under(None, plan.arguments.floor)

@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 
 from envlights.envmap import AnyMap
 from envlights.fitting.arguments import FitArguments
-from envlights.fitting.map_fit import MapSamples, fit_map_and_sample
+from envlights.fitting.continued_rig import continue_rig
+from envlights.fitting.map_fit import MapSamples, fit_reduction, reduce_for_fits
+from envlights.fitting.reduction import Reduction
 from envlights.lights import Lights
 from envlights.rig import Rig
 from envlights.sequence.steps import Steps
@@ -54,38 +56,51 @@ class Continuation:
     """Frames since the last search."""
     _steps: Steps = field(default_factory=Steps, init=False)
 
-    def fit(self, env: AnyMap, start: NDArray[np.float64] | None) -> Fit:
-        """Fit to the next frame, whose lights are expected in the directions `start`, (n, 3).
+    def fit(self, env: AnyMap, start: Lights | None) -> Fit:
+        """Fit to the next frame, whose lights are expected in the state `start`.
 
         None for the first frame.
         """
+        reduction = reduce_for_fits(env, self.arguments)
         if start is None:
-            first = self._search(env)
+            rig = self._search(reduction)
+            first = self._continue(reduction, rig.lights)._replace(rig=rig, is_search=True)
             self._steps.is_step(first.samples)
             return self._restart(first)
         self._frames += 1
-        near = self._continue(env, start)
+        near = self._continue(reduction, start)
         near = near._replace(is_step=self._steps.is_step(near.samples))
         if not (near.is_step or self._is_search_due(near.rig)):
             self._level = min(self._level, _error(near.rig))
             return near
-        far = self._search(env)._replace(is_step=near.is_step)
-        return self._restart(far if self._is_worth(far.rig, near.rig) else near)
+        far = self._search(reduction)
+        if self._is_worth(far, near.rig):
+            near = near._replace(rig=far, is_search=True)
+        return self._restart(near)
 
-    def _search(self, env: AnyMap) -> Fit:
+    def _search(self, reduction: Reduction) -> Rig:
         """Full search, with a margin to the requested error."""
         goal = self.arguments.error
         arguments = replace(self.arguments, error=None if goal is None else _MARGIN * goal)
-        rig, samples = fit_map_and_sample(env, arguments)
-        return Fit(rig, thin(samples), True)
+        return fit_reduction(reduction, arguments)[0]
 
-    def _continue(self, env: AnyMap, start: NDArray[np.float64]) -> Fit:
-        """Descent from the expected directions, with as many lights."""
-        directions = _above_horizon(start) if self.arguments.floor else start
-        lights = Lights(directions, np.ones((len(start), 3)))
-        arguments = replace(self.arguments, lights=len(start), start=lights, error=None)
-        rig, samples = fit_map_and_sample(env, arguments)
-        return Fit(rig, thin(samples), False)
+    def _continue(self, reduction: Reduction, start: Lights) -> Fit:
+        """Descent from the expected lights, with as many of them."""
+        if self.arguments.floor:
+            start = replace(start, direction=_above_horizon(start.direction))
+        if not self.arguments.sizes:
+            rig, samples = self._refill(reduction, start)
+            return Fit(rig, thin(samples), False)
+        ambient = str(self.arguments.ambient)
+        rig, samples = continue_rig(reduction, self.arguments, start, ambient)
+        if len(rig.lights) < len(start):
+            rig, _ = self._refill(reduction, start)
+        return Fit(rig, samples, False)
+
+    def _refill(self, reduction: Reduction, start: Lights) -> tuple[Rig, MapSamples]:
+        """Descent from the expected directions, with others in place of black lights."""
+        arguments = replace(self.arguments, lights=len(start), start=start, error=None)
+        return fit_reduction(reduction, arguments)
 
     def _restart(self, fit: Fit) -> Fit:
         """Take the error of a fit as the level that later ones are compared with."""

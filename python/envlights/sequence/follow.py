@@ -216,5 +216,5 @@ def _fits(maps: Iterable[AnyMap], arguments: FitArguments) -> Iterator[FrameFit]
                 f" before it {units!r}. Calibrate all of them"
             )
         ids = identities.follow(fit.rig.lights)
-        start = identities.next_directions()
+        start = identities.next_lights()
         yield FrameFit(number, fit.rig, ids, fit.samples, fit.is_search, fit.is_step)

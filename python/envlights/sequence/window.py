@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from envlights import _native
 from envlights.fitting.map_fit import MapSamples
-from envlights.kernels.probe import relative_rms
 from envlights.lights import Lights, brightest_first
 from envlights.report import FitReport
 from envlights.rig import Rig
@@ -69,7 +69,15 @@ def average(fits: Sequence[FrameFit]) -> FrameRig:
 
 def error_under(rig: Rig, samples: MapSamples) -> float:
     """Relative RMS error of a rig under a map; absolute if the map is black."""
-    return float(relative_rms(rig.probe(samples.normals), samples.irradiance, samples.weights))
+    lights = rig.lights
+    return _native.rig_error(
+        samples,
+        np.atleast_2d(rig.ambient),
+        lights.direction,
+        lights.irradiance,
+        lights.angular_radius.tolist(),
+        rig.floor,
+    )
 
 
 def _lights(

@@ -18,10 +18,12 @@
 //! | the best set of a number of lights                | `search.rs`, `multistart.rs` |
 //! | the number of lights                              | `light_count.rs`           |
 //! | errors and sizes of a set of lights               | `result.rs`, `relative_rms.rs` |
+//! | a rig that continues a known one                  | `continued_rig.rs`         |
 //! | direction tolerances and standard errors          | `uncertainty.rs`           |
 
 mod ambient;
 mod candidates;
+mod continued_rig;
 mod damped_newton;
 mod discs;
 mod factors;
@@ -44,7 +46,8 @@ mod uncertainty;
 mod variable_projection;
 
 pub use ambient::Ambient;
-pub use discs::{BAND_DEGREE, Bands, Comparison};
+pub use continued_rig::{ContinuedRig, continue_under_map};
+pub use discs::{BAND_DEGREE, Bands, Comparison, evaluate};
 pub use objective::{Objective, PointObjective};
 pub use options::FitOptions;
 pub use problem::Problem;

@@ -65,8 +65,12 @@ pub fn evaluate(samples: &Samples, rig: &Rig, radii: &[f64]) -> Judged {
     // Parts of one length, added in their order: the same sums for any number of threads.
     let count = samples.normals.len();
     let part = |first: usize| (first..count.min(first + NORMALS_OF_A_PART)).map(at).fold(zero, plus);
-    let parts: Vec<_> = (0..count).into_par_iter().step_by(NORMALS_OF_A_PART).map(part).collect();
-    let (difference, whole, largest) = parts.into_iter().fold(zero, plus);
+    let (difference, whole, largest) = if count <= NORMALS_OF_A_PART {
+        part(0) // without the pool of threads, whose entry takes as long
+    } else {
+        let parts: Vec<_> = (0..count).into_par_iter().step_by(NORMALS_OF_A_PART).map(part).collect();
+        parts.into_iter().fold(zero, plus)
+    };
     Judged::of(difference, whole, largest, samples.weights.iter().sum())
 }
 

@@ -15,11 +15,13 @@
 //! | the objective of a descent                            | `shadows.rs`    |
 //! | other lights, one at a time                           | `forward_selection.rs` |
 //! | escape from a local minimum                           | `exchange.rs`   |
+//! | lights that continue known ones                       | `continued_descent.rs` |
 //! | energy of the difference in each degree               | `bands.rs`      |
 //! | the error at normals                                  | `evaluate.rs`   |
 
 mod bands;
 mod chord;
+mod continued_descent;
 mod evaluate;
 mod exchange;
 mod far;
@@ -33,6 +35,7 @@ pub mod target;
 mod zonal;
 
 pub use bands::{BAND_DEGREE, Bands};
+pub use continued_descent::{ContinuedLights, continued_descent};
 pub use evaluate::evaluate;
 pub use zonal::Comparison;
 
@@ -61,6 +64,9 @@ use crate::kernels::image::WorkingMap;
 const ROUGH: f64 = 1e-2;
 /// Relative decrease that ends the last descent: a mirrored map then has mirrored lights.
 const FINE: f64 = 1e-9;
+
+/// Blur of small discs, in spreads of a pixel: without it, suns are up to a pixel too wide.
+const BLUR: f64 = 1.4;
 
 /// A rig whose lights have angular radii.
 #[derive(Clone, Debug)]
@@ -219,8 +225,6 @@ fn discs_of(rig: &Rig, radii: &[f64]) -> Vec<Disc> {
 /// Under the cone of the kernel, which weights the spatial frequency k by `k^-3`, the disc nearest to a blurred one is wider
 /// than the original by 1.25 spreads of a pixel if that is wide, 1.34 for a radius of two pixels and 1.46 for one pixel.
 fn rig_of(reference: &Reference, state: &State, map: &WorkingMap) -> (Rig, Vec<f64>) {
-    /// Blur of small discs, in spreads of a pixel: without it, suns are up to a pixel too wide.
-    const BLUR: f64 = 1.4;
     let ambient = reference.ambient.coefficients();
     let rgb = |row: usize| {
         DVec3::from_array(reference.like.map(|like| like.map_or(0.0, |channel| state.x[(row, channel)])))

@@ -13,7 +13,7 @@ use super::patches::{Patch, Patches, distances, patches};
 use super::zonal::{Comparison, Kernel};
 use crate::kernels::expansion::{Cap, DEGREE, DiscSum, Expansion, Harmonics};
 use crate::kernels::fit::ambient::Ambient;
-use crate::kernels::fit::objective::Reference;
+use crate::kernels::fit::objective::{Reference, distinct_channels};
 use crate::kernels::harmonics::{cosine_lobe, irradiance_of_moments, radiance};
 use crate::kernels::image::{MOST_PARTS, WorkingMap};
 
@@ -56,6 +56,18 @@ impl Picture {
     /// The harmonics of the other cells.
     pub fn rest(&self) -> &Harmonics {
         &self.rest
+    }
+
+    /// The channels of the map, and the ambient term beside its lights.
+    pub fn reference(&self, ambient: Ambient, has_floor: bool) -> Reference {
+        let parts = [&self.rest, &self.bright];
+        let is_black = |channel: usize| parts.iter().all(|part| part.moments(channel).0 == 0.0);
+        let are_same = |a: usize, b: usize| {
+            let same = |one: &[f64; 8], i: usize| one[i + a].to_bits() == one[i + b].to_bits();
+            parts.iter().all(|part| part.values.iter().all(|one| same(one, 0) && same(one, 4)))
+        };
+        let (channels, like) = distinct_channels(is_black, are_same);
+        Reference { channels, like, ..Reference::nothing(ambient, has_floor) }
     }
 
     /// Integral of the squared radiance that these harmonics leave out, by channel.
