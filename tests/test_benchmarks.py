@@ -86,7 +86,10 @@ def test_the_command_names_its_parts():
     command = [sys.executable, "-m", "benchmarks", "nonsense"]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 2
-    assert "unknown part nonsense; there are lights, probe, detection, transfer" in done.stderr
+    assert (
+        "unknown part nonsense; there are lights, refitted, probe, detection, transfer"
+        in done.stderr
+    )
 
 
 @pytest.mark.slow
