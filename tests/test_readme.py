@@ -39,8 +39,15 @@ def test_the_figures_are_those_of_the_benchmarks():
     page = (README.parent / "docs/benchmarks.md").read_text(encoding="utf-8")
     part = page.split("## Few lights for a map\n")[1]
     maps = re.search(r"^(\d+) cases\.$", part, re.M)[1]
-    seconds, _, shading, shadows = re.search(r"^\| fit \| 4 \| (.*) \|$", part, re.M)[1].split(" | ")
-    measured = int(maps), round(float(seconds.split()[0])), 100 * float(shading), 100 * float(shadows)
+    seconds, _, shading, shadows = re.search(r"^\| fit \| 4 \| (.*) \|$", part, re.M)[1].split(
+        " | "
+    )
+    measured = (
+        int(maps),
+        round(float(seconds.split()[0])),
+        100 * float(shading),
+        100 * float(shadows),
+    )
     words = {"nine": 9}
     stated = re.search(
         r"On (\w+) maps, four lights take (\S+) ms, with errors of (\S+) % of the shading"
