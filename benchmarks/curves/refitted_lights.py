@@ -4,9 +4,9 @@ Each peer has what `fit` has: an ambient term, radiances that are not negative, 
 reduced map, in 2 ms. k-means and median cut choose directions, and non-negative least squares
 (NNLS) the radiances. SciPy's `least_squares` fits discs and spherical Gaussians with numerical
 derivatives from the clusters of k-means, and points from even directions, with the derivatives of
-the paper. JAXopt has the same start, and squares instead of bounds; a light that gets no radiance keeps none,
-because squares have no gradient there. A peer is called better only if
-it has no more lights than ours; a spherical Gaussian counts as a light.
+the paper. JAXopt has the same start, and squares instead of bounds; a light without radiance keeps
+none, because squares have no gradient there. A peer is called better only if it has no more lights
+than ours; a spherical Gaussian counts as a light.
 """
 
 from functools import partial
