@@ -16,12 +16,12 @@ from pathlib import Path
 os.environ |= dict.fromkeys(("RAYON_NUM_THREADS", "OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"), "1")
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-import OpenImageIO as oiio  # noqa: E402, N813, its own name for itself
-from curves import peers_refitted as peers  # noqa: E402
-from curves.errors_of_rigs import Evaluation  # noqa: E402
-from stopwatch import all_seconds  # noqa: E402
+import OpenImageIO as oiio  # noqa: N813, its own name for itself
+from curves import peers_refitted as peers
+from curves.errors_of_rigs import Evaluation
+from stopwatch import all_seconds
 
-import envlights as el  # noqa: E402
+import envlights as el
 
 LIGHTS = 4
 #: Rounds, and seconds of rounds of each method.
