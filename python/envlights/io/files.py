@@ -9,7 +9,6 @@ import shutil
 import stat
 import zlib
 from collections.abc import Callable, Iterator
-from contextlib import suppress
 from pathlib import Path
 
 from envlights._native import EnvLightsError
@@ -71,8 +70,9 @@ def check_writable(path: str | os.PathLike[str]) -> Path:
 
 def _obstacle(target: Path) -> str:
     """Reason why no file can be written at `target`; empty if there is none."""
-    with suppress(FileNotFoundError, NotADirectoryError):
-        target.stat()  # raises for an impossible name, for which `exists` is False since Python 3.14
+    with contextlib.suppress(FileNotFoundError, NotADirectoryError):
+        # Raises for an impossible name, for which `exists` is False since Python 3.14.
+        target.stat()
     if not target.parent.is_dir():
         return f"the folder {target.parent} does not exist"
     if target.is_dir():
