@@ -1,7 +1,7 @@
 """Run time against error, ours and others', in one run: data, pictures and a page.
 
-Usage: python -m benchmarks [lights] [probe] [detection] [transfer] [pairs] [scale] [stress]
-           [skipping] [--quick] [--out FOLDER] [--threads N]
+Usage: python -m benchmarks [lights] [refitted] [probe] [detection] [transfer] [pairs] [scale]
+           [stress] [skipping] [--quick] [--out FOLDER] [--threads N]
        python -m benchmarks --against FOLDER [--out FOLDER]
 
 With `ENVLIGHTS_MAPS` set to a folder of maps, on those as well; `ENVLIGHTS_TRANSFER_DB` names a
@@ -25,6 +25,7 @@ _ROOT = Path(__file__).parents[1]
 #: By name, in the order of the page.
 _PARTS = {
     "lights": "curves.few_lights",
+    "refitted": "curves.refitted_lights",
     "probe": "curves.probe",
     "detection": "curves.detection",
     "transfer": "curves.transfer",

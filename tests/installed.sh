@@ -2,7 +2,7 @@
 # Tests of an installed package: bash tests/installed.sh WHEEL|SDIST|FOLDER [options of pip]
 #
 # Installs it into a clean environment with what the quick tests need, and runs those from a copy, so
-# that the sources of this folder cannot be imported. PYTHON names the interpreter.
+# that the sources of this folder cannot be imported. PYTHON names the interpreter, and TESTS other tests.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 package=$1
@@ -19,6 +19,7 @@ bin=$work/venv/bin
 cp -r tests pyproject.toml "$work"
 cd "$work"
 "$bin/envlights" demo --output .
-"$bin/python" -m pytest -q -p no:cacheprovider -m 'not slow and not mitsuba' \
-  tests/test_public_maps.py tests/fitting tests/detection tests/export tests/io tests/layouts \
-  tests/transfer tests/kernels
+quick="tests/test_public_maps.py tests/fitting tests/detection tests/export tests/io tests/layouts
+  tests/transfer tests/kernels"
+# shellcheck disable=SC2086 # names of files, without spaces
+"$bin/python" -m pytest -q -p no:cacheprovider -m 'not slow and not mitsuba' ${TESTS:-$quick}

@@ -23,13 +23,14 @@ def curves():
     sys.path.insert(0, str(ROOT / "benchmarks"))
     try:
         import stopwatch
-        from curves import errors_of_rigs, page, peers_of_lights, results, scale
+        from curves import errors_of_rigs, page, peers_of_lights, peers_refitted, results, scale
         from tables import second_run
 
         found = {
             "errors": errors_of_rigs,
             "page": page,
             "peers": peers_of_lights,
+            "refitted": peers_refitted,
             "stopwatch": stopwatch,
         }
         yield found | {"results": results, "scale": scale, "second_run": second_run}
@@ -75,6 +76,49 @@ def test_projected_harmonics_are_those_of_the_package(curves, env):
     np.testing.assert_allclose(ambient.irradiance(normals), wanted, rtol=1e-9)
 
 
+@pytest.mark.parametrize("sharpness", [0.5, 20.0, 500.0])
+def test_the_irradiance_of_a_spherical_gaussian_is_the_sum_over_its_pixels(curves, sharpness):
+    normals, _ = el.kernels.icosphere(80)
+    axis = np.array([[0.6, 0.8, 0.0]])
+    seen = curves["refitted"]._lobe_columns(normals, axis, np.array([sharpness]))[:, 1]
+    directions = el.kernels.pixel_directions(256, 512).reshape(-1, 3)
+    lobe = np.exp(sharpness * (directions @ axis[0] - 1))
+    flux = lobe * el.kernels.pixel_solid_angles(256, 512).ravel()
+    wanted = np.maximum(normals @ directions.T, 0) @ flux
+    np.testing.assert_allclose(seen, wanted, atol=1e-3 * wanted.max())
+
+
+@pytest.mark.parametrize("name", ["k_means", "median_cut"])
+def test_refitted_radiances_have_less_error(curves, env, name):
+    evaluation = curves["errors"].Evaluation(env)
+    as_found = getattr(curves["peers"], name)(env.radiance, 4)
+    refitted = getattr(curves["refitted"], f"{name}_refitted")(env.radiance, 4)
+    assert evaluation.probe_error(refitted) < evaluation.probe_error(as_found)
+    assert min(refitted.lights.irradiance.min(), refitted.ambient.min()) >= 0
+
+
+def test_discs_by_scipy_find_the_disc_of_a_map(curves):
+    direction = np.array([[0.48, 0.6, 0.64]])
+    radiance = el.kernels.pixel_directions(128, 256) @ direction[0] > np.cos(0.3)
+    radiance = (0.1 + 5.0 * radiance[..., None] * np.ones(3)).astype(np.float32)
+    rig = curves["refitted"].discs_by_scipy(radiance, 1)
+    assert angle_deg(rig.lights.direction[0], direction[0]) < 0.2
+    # The border of the disc is that of pixels, 0.012 radians wide.
+    assert rig.lights.angular_radius[0] == pytest.approx(0.3, abs=0.01)
+    np.testing.assert_allclose(rig.ambient, 0.1, rtol=0.02)
+
+
+def test_squares_instead_of_bounds_end_at_the_bounded_minimum(curves, env):
+    """For two lights; a single one stays at a radiance of zero, where squares have no gradient."""
+    pytest.importorskip("jaxopt")
+    evaluation = curves["errors"].Evaluation(env)
+    errors = [
+        evaluation.probe_error(getattr(curves["refitted"], name)(env.radiance, 2))
+        for name in ("points_by_scipy", "points_by_jaxopt")
+    ]
+    assert errors[0] == pytest.approx(errors[1], rel=1e-3)
+
+
 def test_results_come_back_from_their_file(curves, tmp_path):
     results = curves["results"]
     points = [results.point("probe", "hall", "exact", 0, {"probe": 1e-7}, call=[[0.01], [0.02]])]
@@ -86,7 +130,10 @@ def test_the_command_names_its_parts():
     command = [sys.executable, "-m", "benchmarks", "nonsense"]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 2
-    assert "unknown part nonsense; there are lights, probe, detection, transfer" in done.stderr
+    assert (
+        "unknown part nonsense; there are lights, refitted, probe, detection, transfer"
+        in done.stderr
+    )
 
 
 @pytest.mark.slow

@@ -57,10 +57,15 @@ def are_comparable(our, their):
 
 def points(maps, effort):
     """Yield a point for each map, method and number of lights."""
+    return points_of("lights", METHODS, maps, effort)
+
+
+def points_of(part, methods, maps, effort):
+    """Yield a point of a part for each map, method and number of lights."""
     for name, env in maps.items():
         work = {
             (method, setting): partial(find, env.radiance, setting)
-            for method, (settings, find) in METHODS.items()
+            for method, (settings, find) in methods.items()
             for setting in (settings[::2] if effort.is_quick else settings)
         }
         # The first call also compiles, where a method does.
@@ -70,7 +75,7 @@ def points(maps, effort):
             errors = warm_up(work, env.radiance.shape)
         seconds = run_times(work, effort)
         for key in work:
-            yield point("lights", name, *key, errors[key], call=[seconds[key]])
+            yield point(part, name, *key, errors[key], call=[seconds[key]])
 
 
 def errors_of(env, work, is_quick):

@@ -190,8 +190,8 @@ def _clamped_cosine(order):
 
 def by_scipy(radiance, lights):
     """SciPy's bounded least squares on the paper's equations, from an even start."""
-    return _solve(
-        radiance,
+    return solve(
+        el.EnvMap(radiance).probe(NORMALS),
         lights,
         lambda problem, start: peers.by_scipy(problem, start, has_bounds=True, tolerance=1e-8),
     )
@@ -199,16 +199,17 @@ def by_scipy(radiance, lights):
 
 def by_jaxopt(radiance, lights):
     """The Levenberg-Marquardt of JAXopt from the same start, compiled before it is timed."""
-    return _solve(radiance, lights, lambda problem, start: peers.by_jaxopt(problem, start, 1e-8))
-
-
-def _solve(radiance, lights, solve):
     probe = el.EnvMap(radiance).probe(NORMALS)
+    return solve(probe, lights, lambda problem, start: peers.by_jaxopt(problem, start, 1e-8))
+
+
+def solve(probe, lights, solver):
+    """Points and an ambient term of a solver for a probe, from an even start."""
     scale = probe.max()
     problem = peers.Problem(NORMALS, SOLID_ANGLES, probe / scale, lights)
     even = peers.even(lights)
     start = kernels.pack_lights(np.full(3, 0.1), even, np.full((lights, 3), 0.5))
-    ambient, direction, irradiance = kernels.unpack_lights(problem.whole(solve(problem, start)))
+    ambient, direction, irradiance = kernels.unpack_lights(problem.whole(solver(problem, start)))
     # Without bounds a radiance may end below zero, which no renderer takes.
     found = points(direction, scale * np.maximum(irradiance, 0))
     return SimpleNamespace(lights=found.lights, ambient=scale * np.maximum(ambient, 0))

@@ -48,3 +48,22 @@ def scikit(direct, indirect, rank):
         return length * np.moveaxis(pca.inverse_transform(found).reshape(3, height, width), 0, -1)
 
     return predict
+
+
+def scikit_linear(direct, indirect, rank):
+    """Truncated SVD and ridge without means, so that twice the light gives twice the image."""
+    from sklearn.decomposition import TruncatedSVD
+    from sklearn.linear_model import Ridge
+
+    pairs, height, width, _ = indirect.shape
+    norm = np.linalg.norm(direct.reshape(pairs, -1), axis=1, keepdims=True)
+    rows = np.moveaxis(indirect, -1, 1).reshape(3 * pairs, -1) / np.repeat(norm, 3, axis=0)
+    svd = TruncatedSVD(rank, random_state=0)
+    coefficients = svd.fit_transform(rows).reshape(pairs, -1)
+    ridge = Ridge(1e-3, fit_intercept=False).fit(direct.reshape(pairs, -1) / norm, coefficients)
+
+    def predict(image):
+        found = ridge.predict(image.reshape(1, -1)).reshape(3, rank)
+        return np.moveaxis(svd.inverse_transform(found).reshape(3, height, width), 0, -1)
+
+    return predict

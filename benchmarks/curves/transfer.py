@@ -11,7 +11,7 @@ import os
 from functools import partial
 
 import numpy as np
-from curves.peers_of_transfer import notebook, scikit
+from curves.peers_of_transfer import notebook, scikit, scikit_linear
 from curves.results import point, run_times, those_installed
 from tests.helpers import relative_errors
 
@@ -62,8 +62,10 @@ METHODS = {
     "smaller direct": ((2, 4, 8), of_smaller_direct),
     "notebook": (RANKS, notebook),
     "scikit-learn": (RANKS, scikit),
+    "scikit-learn, linear": (RANKS, scikit_linear),
 }
-METHODS = those_installed(METHODS, {"scikit-learn": "sklearn"})
+NEEDS = dict.fromkeys(("scikit-learn", "scikit-learn, linear"), "sklearn")
+METHODS = those_installed(METHODS, NEEDS)
 
 
 def are_comparable(our, their):

@@ -73,16 +73,23 @@ def by_scipy(problem, start, method="trf", has_bounds=False, tolerance=TIGHT):
     return least_squares(function, start, jacobian, method=method, **stop, **bounds).x
 
 
-def by_jaxopt(problem, start, tolerance=TIGHT):
+def by_jaxopt(problem, start, tolerance=TIGHT, has_bounds=False):
+    """The answer of jaxopt; its solver has no bounds, so those are squares of its unknowns."""
+    if not has_bounds:
+        with jax_in_float64():
+            return np.asarray(compiled_jaxopt(problem, start, tolerance)())
+    bounded = np.isfinite(problem.bounds()[0])
+    root = np.where(bounded, np.sqrt(np.maximum(start, 0)), start)
     with jax_in_float64():
-        return np.asarray(compiled_jaxopt(problem, start, tolerance)())
+        x = np.asarray(compiled_jaxopt(problem, root, tolerance, tuple(bounded))())
+    return np.where(bounded, x**2, x)
 
 
-def compiled_jaxopt(problem, start, tolerance):
+def compiled_jaxopt(problem, start, tolerance, squares=None):
     """Return the solver with its arguments; it compiles when it is first called."""
     import jax
 
-    solve = _compile_solver(problem.fixed, tolerance)
+    solve = _compile_solver(problem.fixed, tolerance, squares)
     given = jax.device_put((start, problem.normals, problem.root, problem.irradiance))
     return lambda: solve(*given).block_until_ready()
 
@@ -101,13 +108,14 @@ def jax_in_float64():
 
 
 @cache
-def _compile_solver(fixed, tolerance):
-    """The whole solver as one compiled function, once for each shape of its arguments."""
+def _compile_solver(fixed, tolerance, squares):
+    """The whole solver as one compiled function; `squares` names unknowns that are squared."""
     import jax
     import jax.numpy as jnp
     import jaxopt
 
     def residual(x, normals, root, irradiance):
+        x = x if squares is None else jnp.where(jnp.array(squares), x**2, x)
         x = jnp.concatenate([jnp.zeros(fixed), x])
         cosine = jnp.maximum(madsen.cosines(x, normals, jnp), 0)
         model = jnp.pi * x[:3] + cosine @ x[3:].reshape(-1, 5)[:, :3]

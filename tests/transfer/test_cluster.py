@@ -2,13 +2,14 @@
 
 from functools import partial
 
-import dask
-import dask.array as da
 import numpy as np
 import pytest
 
 import envlights as el
 from tests.helpers import oblong, pairs_of_room, relative_errors
+
+dask = pytest.importorskip("dask")
+da = pytest.importorskip("dask.array")
 
 room = partial(pairs_of_room, 40, 32)
 NEW = slice(32, None)

@@ -70,6 +70,9 @@ def check_writable(path: str | os.PathLike[str]) -> Path:
 
 def _obstacle(target: Path) -> str:
     """Reason why no file can be written at `target`; empty if there is none."""
+    with contextlib.suppress(FileNotFoundError, NotADirectoryError):
+        # Raises for an impossible name, for which `exists` is False since Python 3.14.
+        target.stat()
     if not target.parent.is_dir():
         return f"the folder {target.parent} does not exist"
     if target.is_dir():

@@ -167,7 +167,7 @@ def _of_path(text: str) -> Source:
     name = printable(text) or "an empty path"
     try:
         obstacle = _obstacle(text)
-    except FileNotFoundError:
+    except (FileNotFoundError, NotADirectoryError):
         raise MissingFileError(f"cannot read {name}: there is no such file; {WANTED}") from None
     except (OSError, ValueError) as error:  # a name that is too long, or no Unicode
         obstacle = printable(getattr(error, "strerror", None) or str(error))
@@ -180,8 +180,9 @@ def _obstacle(text: str) -> str:
     """Reason why no image can be read from a path; empty if there is none."""
     text.encode()
     path = Path(text)
-    if not text or not path.exists():
+    if not text:
         raise FileNotFoundError
+    path.stat()  # raises for an impossible name, for which `exists` is False since Python 3.14
     if path.is_dir():
         return "it is a folder; give a file in it"
     if not path.is_file():
