@@ -18,12 +18,10 @@
 //! | the best set of a number of lights                | `search.rs`, `multistart.rs` |
 //! | the number of lights                              | `light_count.rs`           |
 //! | errors and sizes of a set of lights               | `result.rs`, `relative_rms.rs` |
-//! | a rig that continues a known one                  | `continued_rig.rs`         |
 //! | direction tolerances and standard errors          | `uncertainty.rs`           |
 
 mod ambient;
 mod candidates;
-mod continued_rig;
 mod damped_newton;
 mod discs;
 mod factors;
@@ -46,7 +44,6 @@ mod uncertainty;
 mod variable_projection;
 
 pub use ambient::Ambient;
-pub use continued_rig::{ContinuedRig, continue_under_map};
 pub use discs::{BAND_DEGREE, Bands, Comparison, evaluate};
 pub use objective::{Objective, PointObjective};
 pub use options::FitOptions;
@@ -59,7 +56,7 @@ pub use sphere::Sphere;
 pub use state::StopReason;
 pub use uncertainty::Uncertainty;
 
-use self::discs::Sizes;
+use self::discs::{ContinuedLights, Sizes, continued_descent};
 use self::light_count::{Trial, search_path};
 use self::relative_rms::relative_error;
 use self::result::Evaluator;
@@ -139,6 +136,35 @@ pub fn to_samples(samples: Samples, options: &FitOptions) -> Result<FitResult> {
     let result = evaluator.best(&problem, path);
     let uncertainty = uncertainty::uncertainty(&probe, &result.rig, options.fixed);
     Ok(FitResult { uncertainty, ..result })
+}
+
+/// Least number of normals of the error of a continued rig: that of three real maps changes by 0.4 % of it against 5120 normals.
+const CONTINUED_NORMALS: usize = 720;
+
+/// A rig and its errors.
+#[derive(Clone, Debug)]
+pub struct ContinuedRig {
+    /// Ambient and lights.
+    pub lights: ContinuedLights,
+    /// Error of the rig.
+    pub probe_error: Judged,
+    /// The irradiance under the map at the normals of the error.
+    pub samples: Samples,
+}
+
+/// The rig of the minimum near the lights in `options.start`, which have these angular `radii`.
+///
+/// # Errors
+///
+/// [`Error::TooFewNormals`], [`Error::TooBright`].
+pub fn continue_under_map(map: &WorkingMap, options: &FitOptions, radii: &[f64]) -> Result<ContinuedRig> {
+    check_unknowns(options, CONTINUED_NORMALS)?;
+    let expansion = Expansion::new(map);
+    let descend = || continued_descent(map, &expansion, options, radii);
+    let (lights, samples) = rayon::join(descend, || evaluation_probe(map, &expansion, CONTINUED_NORMALS));
+    let samples = samples?;
+    let probe_error = evaluate(&samples, &lights.rig, &lights.radii);
+    Ok(ContinuedRig { lights, probe_error, samples })
 }
 
 /// Require three equations at each normal for the unknowns.
