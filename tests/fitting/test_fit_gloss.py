@@ -192,7 +192,7 @@ def test_an_error_curve_has_the_errors_of_the_fits(hall):
     assert curve.rigs == tuple(rigs)
     assert curve.to_dict()["gloss"] == list(curve.gloss)
     assert str(curve).splitlines()[0].split() == [
-        *("lights", "used", "objective", "probe", "shadows", "gloss", "seconds")
+        *("lights", "used", "objective", "shading", "shadows", "gloss", "seconds")
     ]
     assert "roughness 0.5" in curve._repr_html_()
     assert pickle.loads(pickle.dumps(curve)) == curve
