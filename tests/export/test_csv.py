@@ -33,7 +33,9 @@ def test_a_table_of_lights_alone(tmp_path):
 def test_numpy_reads_it_too(tmp_path):
     LIGHTS.save(tmp_path / "lights.csv")
     table = tmp_path / "lights.csv"
-    rows = np.genfromtxt(table, delimiter=",", names=True, dtype=None, skip_header=2)
+    rows = np.genfromtxt(
+        table, delimiter=",", names=True, dtype=None, skip_header=2, encoding="utf-8"
+    )
     np.testing.assert_array_equal(rows["green"], LIGHTS.irradiance[:, 1])
 
 

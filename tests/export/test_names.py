@@ -153,6 +153,8 @@ def check_whole(path):
 @pytest.mark.parametrize("suffix", SUFFIXES)
 @pytest.mark.parametrize("name", [*ORDINARY, *SPECIAL])
 def test_names_that_a_target_reads_are_written(folder, name, suffix):
+    if suffix == ".usdc":
+        pytest.importorskip("pxr.Usd", reason="needs usd-core")
     path = folder / f"{name}{suffix}"
     refused = SPECIAL.get(name, set())
     assert check_whole(path) == (target_of(path).name not in refused)
