@@ -91,8 +91,6 @@ def test_other_files_are_refused(model, tmp_path):
 
 
 @fills_a_disk
-# Old releases of NumPy and Python leave their archive open when the disk is full.
-@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 @pytest.mark.parametrize("notebook", [False, True])
 def test_a_model_that_does_not_fit_on_the_disk_is_not_saved(tmp_path, notebook):
     model = el.TransferModel.fit(room().direct[:8], room().indirect[:8], notebook=notebook)

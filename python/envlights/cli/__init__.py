@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+from collections.abc import Iterator
 from importlib import import_module
 from typing import Any
 
@@ -35,6 +36,15 @@ _COMMANDS = {
 }
 
 
+def _subcommands(command: click.Command) -> Iterator[click.Command]:
+    """Subcommands of a group, or the command itself."""
+    if isinstance(command, click.Group):
+        for each in command.commands.values():
+            yield from _subcommands(each)
+    else:
+        yield command
+
+
 class _Main(click.Group):
     """Group of all subcommands, which prints a refusal as one sentence.
 
@@ -49,8 +59,9 @@ class _Main(click.Group):
         if name not in _COMMANDS:
             return None
         command: click.Command = import_module(f"{__name__}.{name.replace('-', '_')}").command
-        with_quiet(command)
-        with_standard_streams(command)
+        for each in _subcommands(command):
+            with_quiet(each)
+            with_standard_streams(each)
         with_examples(command)
         return command
 

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import click
 
+from envlights.cli.map_input import radiance_or_name, unseen_option
 from envlights.cli.numbers import numbers
 from envlights.cli.outputs import default_of
 from envlights.detection.lights_file import SUFFIXES, load_lights
+from envlights.fitting.ambient_terms import AMBIENTS, AUTO
 from envlights.fitting.fit import fit
 from envlights.fitting.map_fit import OBJECTIVES
 from envlights.lights import Lights
+from envlights.many.work import check_options
 from envlights.rig import Rig
 
 
@@ -52,6 +55,27 @@ def roughness_option(of: str) -> Callable[[Any], Any]:
         help=f"Roughness of {of}, from 0.3 to 1.",
         show_default=True,
     )
+
+
+def curve_options(function: Callable[..., None]) -> Callable[..., None]:
+    """Options of `error_curve` but for the numbers; their values are for `curve_arguments`."""
+    of_ambient = click.option(
+        "--ambient", type=click.Choice([*AMBIENTS, AUTO]), help="Light from all directions."
+    )
+    of_roughness = roughness_option("the metal of the gloss error")
+    return shape_options(of_roughness(of_ambient(unseen_option()(function))))
+
+
+def curve_arguments(lights: Sequence[int], options: Mapping[str, Any]) -> dict[str, Any]:
+    """Arguments of `error_curve`, refused before a map is read if one is impossible."""
+    arguments = {
+        "lights": lights,
+        **options,
+        "max_radius": radius_of(options["max_radius"]),
+        "unseen": radiance_or_name(options["unseen"]),
+    }
+    check_options("error_curve", arguments)
+    return arguments
 
 
 def start_options(function: Callable[..., None]) -> Callable[..., None]:

@@ -14,11 +14,7 @@ _NAME = "quiet"
 
 
 def with_quiet(command: click.Command) -> None:
-    """Add ``--quiet`` to a subcommand, or to those of a group; a second call changes nothing."""
-    if isinstance(command, click.Group):
-        for each in command.commands.values():
-            with_quiet(each)
-        return
+    """Add ``--quiet`` to a subcommand; a second call changes nothing."""
     if any(parameter.name == _NAME for parameter in command.params):
         return
     work = command.callback

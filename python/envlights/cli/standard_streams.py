@@ -28,10 +28,6 @@ _KEY = "envlights.standard_output"
 
 def with_standard_streams(command: click.Command) -> None:
     """Let a subcommand read and write ``-``, and add ``--format``; a second call does nothing."""
-    if isinstance(command, click.Group):
-        for each in command.commands.values():
-            with_standard_streams(each)
-        return
     names = {parameter.name for parameter in command.params}
     if _FORMAT in names or not names.intersection((*_OUTPUTS, *_INPUTS)):
         return

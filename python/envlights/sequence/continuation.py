@@ -16,7 +16,7 @@ from envlights.fitting.reduction import Reduction
 from envlights.lights import Lights
 from envlights.rig import Rig
 from envlights.sequence.steps import Steps
-from envlights.sequence.window import thin
+from envlights.sequence.window import error_under, thin
 
 #: Growth of the error over its level at which a full search runs.
 _GROWTH = 1.1
@@ -64,7 +64,7 @@ class Continuation:
         reduction = reduce_for_fits(env, self.arguments)
         if start is None:
             rig = self._search(reduction)
-            first = self._continue(reduction, rig.lights)._replace(rig=rig, is_search=True)
+            first = _of_search(rig, self._continue(reduction, rig.lights))
             self._steps.is_step(first.samples)
             return self._restart(first)
         self._frames += 1
@@ -75,7 +75,7 @@ class Continuation:
             return near
         far = self._search(reduction)
         if self._is_worth(far, near.rig):
-            near = near._replace(rig=far, is_search=True)
+            near = _of_search(far, near)
         return self._restart(near)
 
     def _search(self, reduction: Reduction) -> Rig:
@@ -121,6 +121,17 @@ class Continuation:
         if goal is not None and near.error <= goal:
             return len(far.lights) < len(near.lights) and far.error <= goal
         return _error(far) < (1 - _WORTH) * _error(near)
+
+
+def _of_search(rig: Rig, continued: Fit) -> Fit:
+    """Rig of a search, with its error at the normals of continued rigs."""
+    measured_on = continued.rig.report.measured_on
+    found = replace(
+        rig,
+        error=error_under(rig, continued.samples),
+        report=replace(rig.report, measured_on=measured_on),
+    )
+    return continued._replace(rig=found, is_search=True)
 
 
 def _error(rig: Rig) -> float:

@@ -115,35 +115,37 @@ impl CardPixels {
             .flat_map(move |row| columns.into_iter().map(move |column| sphere::direction_of(row, column)))
     }
 
-    /// Column of the pixel at an azimuth.
-    pub fn column(&self, azimuth: f64) -> usize {
-        let turns = azimuth.rem_euclid(TAU) / TAU;
+    /// Distance of an azimuth from the middle of the first column, in columns.
+    fn columns(&self, azimuth: f64) -> f64 {
         match self.registration {
-            Registration::CellCentred => (turns * self.width as f64) as usize % self.width,
-            Registration::BorderSampled => (turns * (self.width - 1) as f64 + 0.5) as usize % self.width,
+            Registration::CellCentred => azimuth / TAU * self.width as f64 - 0.5,
+            Registration::BorderSampled => azimuth / TAU * (self.width - 1) as f64,
         }
     }
 
-    /// Row of the pixel at a polar angle.
+    /// Distance of a polar angle from the middle of the first row, in rows.
+    fn rows(&self, theta: f64) -> f64 {
+        match self.registration {
+            Registration::CellCentred => theta / PI * self.height as f64 - 0.5,
+            Registration::BorderSampled => theta / PI * (self.height - 1) as f64,
+        }
+    }
+
+    /// Column whose middle is nearest to an azimuth.
+    pub fn column(&self, azimuth: f64) -> usize {
+        let column = self.columns(azimuth.rem_euclid(TAU)).round();
+        (column as i64).rem_euclid(self.width as i64) as usize
+    }
+
+    /// Row whose middle is nearest to a polar angle.
     pub fn row(&self, theta: f64) -> usize {
-        let rows = match self.registration {
-            Registration::CellCentred => theta / PI * self.height as f64,
-            Registration::BorderSampled => theta / PI * (self.height - 1) as f64 + 0.5,
-        };
-        (rows as usize).min(self.height - 1)
+        (self.rows(theta).round() as usize).min(self.height - 1)
     }
 
     /// The four pixels around a direction with their bilinear weights; across the seam and the poles.
     pub fn around(&self, direction: DVec3) -> [(usize, f64); 4] {
         let (theta, phi) = sphere::angles(direction);
-        let (rows, columns) = match self.registration {
-            Registration::CellCentred => {
-                (theta / PI * self.height as f64 - 0.5, phi / TAU * self.width as f64 - 0.5)
-            }
-            Registration::BorderSampled => {
-                (theta / PI * (self.height - 1) as f64, phi / TAU * (self.width - 1) as f64)
-            }
-        };
+        let (rows, columns) = (self.rows(theta), self.columns(phi));
         let (row, column) = (rows.floor(), columns.floor());
         let (down, right) = (rows - row, columns - column);
         let pixel = |rows: i64, columns: i64| self.pixel(row as i64 + rows, column as i64 + columns);

@@ -14,6 +14,7 @@
 //! | shape of a light                             | `shape_fit.rs`     |
 //! | windows with a view, by their edges          | `window_search.rs` |
 //! | - the map in the plane of a wall             | `wall_plane.rs`    |
+//! | - sides at the largest change                | `window_sides.rs`  |
 //! | panes of a window                            | `panes.rs`         |
 //! | the rest of the map behind a window          | `window_fill.rs`   |
 //! | textures, and the map without the cards      | `card_cut.rs`      |
@@ -31,6 +32,7 @@ mod soft_shapes;
 mod wall_plane;
 mod window_fill;
 mod window_search;
+mod window_sides;
 
 use card_pixels::CardPixels;
 use footprint::RemovedRadiance;

@@ -54,18 +54,7 @@ impl WallPlane {
         azimuth: f64,
         cells: f64,
     ) -> Option<Self> {
-        let frame = wall_frame(azimuth);
-        let total: f64 = light.samples.iter().map(|(_, flux)| flux).sum();
-        let places: Vec<(DVec2, f64)> = light
-            .samples
-            .iter()
-            .map(|(direction, flux)| (frame.transpose() * *direction, *flux))
-            .filter(|(local, _)| local.z > LEAST_COSINE)
-            .map(|(local, flux)| (local.truncate() / local.z, flux))
-            .collect();
-        if places.iter().map(|(_, flux)| flux).sum::<f64>() < (1.0 - TAIL) * total {
-            return None;
-        }
+        let places = places(light, azimuth)?;
         let [left, right] = extent(&places, |place| place.x);
         let [bottom, top] = extent(&places, |place| place.y);
         let span = DVec2::new(right - left, top - bottom);
@@ -87,7 +76,7 @@ impl WallPlane {
             cell,
             size,
             contrasts: [left_sides, right_sides, bottoms, tops],
-            flux: flux_sums(&places, total, low, cell, size),
+            flux: flux_sums(&places, low, cell, size),
             extent: [line(left, low.x), line(right, low.x), line(bottom, low.y), line(top, low.y)],
         })
     }
@@ -133,6 +122,16 @@ impl WallPlane {
     pub fn sides(&self, lines: [usize; 4]) -> Sides {
         std::array::from_fn(|side| self.low[side / 2] + self.cell * lines[side] as f64)
     }
+}
+
+/// Places of a light in the plane, each with its share of the flux; none if too much is oblique or behind.
+fn places(light: &LightSamples, azimuth: f64) -> Option<Vec<(DVec2, f64)>> {
+    let to_plane = wall_frame(azimuth).transpose();
+    let total: f64 = light.samples.iter().map(|(_, flux)| flux).sum();
+    let local = light.samples.iter().map(|(direction, flux)| (to_plane * *direction, flux / total));
+    let places = local.filter(|(local, _)| local.z > LEAST_COSINE);
+    let places: Vec<_> = places.map(|(local, share)| (local.truncate() / local.z, share)).collect();
+    (places.iter().map(|(_, share)| share).sum::<f64>() >= 1.0 - TAIL).then_some(places)
 }
 
 /// Interval that leaves the tails of the flux out.
@@ -183,20 +182,14 @@ pub fn luminance(removed: &RemovedRadiance<'_>, towards: DVec3) -> f64 {
     around.into_iter().map(|(pixel, weight)| weight * removed.luminance(pixel)).sum()
 }
 
-/// Sums of the flux of a light over all cells left of and below each corner, relative to the total.
-fn flux_sums(
-    places: &[(DVec2, f64)],
-    total: f64,
-    low: DVec2,
-    cell: f64,
-    [columns, rows]: [usize; 2],
-) -> Vec<f64> {
+/// Sums of the shares of flux over all cells left of and below each corner.
+fn flux_sums(places: &[(DVec2, f64)], low: DVec2, cell: f64, [columns, rows]: [usize; 2]) -> Vec<f64> {
     let width = columns + 1;
     let mut sums = vec![0.0; width * (rows + 1)];
-    for &(place, flux) in places {
+    for &(place, share) in places {
         let at = (place - low) / cell;
         if at.min_element() >= 0.0 && at.x < columns as f64 && at.y < rows as f64 {
-            sums[(at.y as usize + 1) * width + at.x as usize + 1] += flux / total;
+            sums[(at.y as usize + 1) * width + at.x as usize + 1] += share;
         }
     }
     for row in 1..=rows {
@@ -275,8 +268,8 @@ mod tests {
 
     #[test]
     fn sums_of_flux_hold_what_lies_in_a_rectangle() {
-        let places = [(DVec2::new(0.5, 0.5), 1.0), (DVec2::new(2.5, 1.5), 3.0)];
-        let sums = flux_sums(&places, 4.0, DVec2::ZERO, 1.0, [4, 3]);
+        let places = [(DVec2::new(0.5, 0.5), 0.25), (DVec2::new(2.5, 1.5), 0.75)];
+        let sums = flux_sums(&places, DVec2::ZERO, 1.0, [4, 3]);
         let seen = [sums[6], sums[2 * 5 + 3], sums[3 * 5 + 4], sums[5 + 4]];
         assert!(seen.iter().zip([0.25, 1.0, 1.0, 0.25]).all(|(sum, wanted)| (sum - wanted).abs() < 1e-12));
     }
