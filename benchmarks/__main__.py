@@ -152,22 +152,30 @@ def compare(names, out, against):
 
 def write_page(out):
     """Write the page of all parts whose data are there, with the pictures of those with curves."""
-    from curves import page, pictures, results
+    from curves import page, pictures
 
     import envlights as el
 
-    found = []
-    for name, module in (_PARTS | _COMPARED).items():
-        path = out / "benchmarks" / f"{name}.jsonl"
-        if not path.exists():
-            continue
-        part, (machine, rows) = importlib.import_module(module), results.read(path)
-        found.append((name, part, machine, rows))
+    parts = parts_of(out)
+    for name, part, _, rows in parts:
         if not page.is_table(part):
-            el.plot.save(pictures.picture(part, rows), path.with_suffix(".png"))
-    text = page.page(found)
+            picture = out / "benchmarks" / f"{name}.png"
+            el.plot.save(pictures.picture(part, rows), picture)
+    text = page.page(parts)
     (out / "benchmarks.md").write_text(text, encoding="utf-8")
     print(text)
+
+
+def parts_of(out):
+    """Name, module, machine and rows of each part whose data are there."""
+    from curves import results
+
+    parts = []
+    for name, module in (_PARTS | _COMPARED).items():
+        path = out / "benchmarks" / f"{name}.jsonl"
+        if path.exists():
+            parts.append((name, importlib.import_module(module), *results.read(path)))
+    return parts
 
 
 def processor():

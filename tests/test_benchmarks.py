@@ -1,5 +1,6 @@
 """Errors and peers of the benchmarks."""
 
+import importlib
 import json
 import subprocess
 import sys
@@ -264,6 +265,13 @@ def two_runs(tmp_path, times, errors, processes=PROCESSES):
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     page = tmp_path / "first/benchmarks.md"
     return done, page.read_text() if page.exists() else ""
+
+
+def test_the_page_is_what_its_data_say(curves):
+    """A section written by hand would be lost when the page is measured again."""
+    parts = importlib.import_module("benchmarks.__main__").parts_of(ROOT / "docs")
+    page = (ROOT / "docs/benchmarks.md").read_text(encoding="utf-8")
+    assert page == curves["page"].page(parts)
 
 
 def test_a_second_run_agrees_where_the_intervals_overlap(tmp_path):
