@@ -41,14 +41,14 @@ fn encode_row(row: ArrayView2<'_, f32>, half: f64) -> Vec<u8> {
 /// Mantissas, rounded down after `half` is added, and the shared exponent of the largest channel.
 fn rgbe(rgb: ArrayView1<'_, f32>, half: f64) -> [u8; 4] {
     let largest = rgb.iter().copied().fold(0.0, f32::max);
-    // Numbers below 2^-126 have the smallest exponent, and fewer bits.
     let mut exponent = ((largest.to_bits() >> 23) & 0xff) as i32 - 126;
     let mantissa = |sample: f32, exponent: i32| (f64::from(sample) * 2_f64.powi(8 - exponent) + half).floor();
     if mantissa(largest, exponent) > 255.0 {
         exponent += 1;
     }
     let shared = exponent + 128;
-    if shared < 1 || mantissa(largest, exponent) < 1.0 {
+    // Numbers below 2^-127 have fewer bits. As in Radiance they are black: mantissas of 1, 1, 1 mean a run in narrow rows.
+    if shared < 1 || mantissa(largest, exponent) < 128.0 {
         return [0; 4];
     }
     let byte = |channel: usize| mantissa(rgb[channel], exponent) as u8;
@@ -98,6 +98,14 @@ mod tests {
         assert_eq!(rgbe(arr1(&[129.6 / 128.0, 0.0, 0.0]).view(), 0.5), [130, 0, 0, 129]);
         assert_eq!(rgbe(arr1(&[0.0; 3]).view(), 0.5), [0; 4]);
         assert_eq!(rgbe(arr1(&[1.6e38, 0.0, 0.0]).view(), 0.5)[3], 255);
+    }
+
+    #[test]
+    fn pixels_too_dark_for_all_bits_are_black_and_no_runs() {
+        for bits in [1, 0x8000, 0xc000, 0x0001_8000, 0x003f_8000] {
+            assert_eq!(rgbe(arr1(&[f32::from_bits(bits); 3]).view(), 0.5), [0; 4], "{bits:x}");
+        }
+        assert_eq!(rgbe(arr1(&[f32::from_bits(0x0040_0000); 3]).view(), 0.5), [128, 128, 128, 2]);
     }
 
     #[test]
