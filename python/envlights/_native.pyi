@@ -24,8 +24,8 @@ __all__ = [
     "continue_reduced", "cut_cards",
     "decode_8", "decode_16", "detect_tree", "direction_to_uv", "disc_map", "draw_cards",
     "even_sphere",
-    "face_radiance", "fill_unseen", "fit_reduced", "fit_samples", "form_factors",
-    "gloss_spectrum", "halton",
+    "face_radiance", "fill_unseen", "fit_reduced", "fit_reduced_by_count", "fit_samples",
+    "form_factors", "gloss_spectrum", "halton",
     "hammersley", "harmonic_irradiance", "harmonic_radiance", "hidden_shares", "icosphere",
     "irradiance", "luminance", "map_energy", "merge_along_lines", "neighbour_maximum",
     "pack_lights", "pixel_directions", "pixel_solid_angles", "plane_threshold",
@@ -231,6 +231,9 @@ def continue_reduced(
     reduced: ReducedMap, options: FitOptions, radii: _Reals
 ) -> tuple[_Reals, _Reals, _Reals, list[float], float, float, tuple[_Reals, _Reals, _Reals]]: ...
 def fit_reduced(reduced: ReducedMap, options: FitOptions) -> FitAnswer: ...
+def fit_reduced_by_count(
+    reduced: ReducedMap, options: FitOptions, counts: list[int]
+) -> list[FitAnswer]: ...
 def fit_samples(
     normals: _Reals, weights: _Reals, irradiance: _Reals, options: FitOptions
 ) -> FitAnswer: ...

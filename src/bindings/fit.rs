@@ -240,6 +240,22 @@ pub fn fit_reduced(py: Python<'_>, reduced: &ReducedMap, options: Options<'_>) -
     interruptible(py, || Ok(FitAnswer { result: fit::under_map(&reduced.map, &options)?, points }))
 }
 
+/// See `envlights.error_curve`: the best rig with at most each of `counts` lights, which are at most those of the options.
+#[pyfunction]
+pub fn fit_reduced_by_count(
+    py: Python<'_>,
+    reduced: &ReducedMap,
+    options: Options<'_>,
+    counts: Vec<usize>,
+) -> PyResult<Vec<FitAnswer>> {
+    let options = FitOptions { has_floor: reduced.floor, ..options.for_kernel()? };
+    let points = reduced.map.sources.dim().0;
+    interruptible(py, || {
+        let results = fit::under_map_by_count(&reduced.map, &options, &counts)?;
+        Ok(results.into_iter().map(|result| FitAnswer { result, points }).collect())
+    })
+}
+
 /// Ambient, directions, irradiance and radii of a rig, its error, the error that it minimises, and the map at its normals.
 type ContinuedAnswer<'py> = (
     Bound<'py, PyArray2<f64>>,

@@ -72,9 +72,8 @@ def test_a_row_holds_a_rig_of_fewer_lights_if_that_is_better(monkeypatch):
     rigs = {count: el.fit(discs(1), count) for count in range(5)}
     rigs[3] = el.fit(discs(1), 3, fixed=np.eye(3))
     assert rigs[3].report.objective_error > rigs[2].report.objective_error
-    monkeypatch.setattr(
-        curves, "fit_map_for", lambda _, each: [rigs[arguments.lights] for arguments in each]
-    )
+    by_count = lambda *given: [rigs[count] for count in given[-1]]  # noqa: E731
+    monkeypatch.setattr(curves, "fit_map_by_count", by_count)
     curve = el.error_curve(discs(1), [4, 3, 2, 0])
     assert curve.used == (4, 2, 2, 0)
     assert curve.objective[1] == curve.objective[2] == rigs[2].report.objective_error
@@ -101,11 +100,11 @@ def test_a_curve_says_where_more_lights_raise_the_error_of_shadows():
     """The rows are in the order of the request; a change that is not printed is no rise."""
     shadows = (0.02, 0.03, 0.01, 0.0100001)
     rest = (0.0,) * 4
-    curve = el.ErrorCurve((3, 4, 5, 6), (3, 4, 5, 6), rest, rest, shadows, rest, 0.33, rest)
+    curve = el.ErrorCurve((3, 4, 5, 6), (3, 4, 5, 6), rest, rest, shadows, rest, 0.33, 1.0)
     note = "note: more lights raise the error with shadows: 2 % with 3 to 3 % with 4"
-    assert str(curve).splitlines()[-1] == note
+    assert str(curve).splitlines()[-2] == note
     assert note in curve._repr_html_()
-    falling = el.ErrorCurve((1, 2), (1, 2), (0, 0), (0, 0), (0.2, 0.1), (0, 0), 0.33, (0, 0))
+    falling = el.ErrorCurve((1, 2), (1, 2), (0, 0), (0, 0), (0.2, 0.1), (0, 0), 0.33, 1.0)
     assert "raise" not in str(falling)
 
 

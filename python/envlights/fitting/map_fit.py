@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -109,23 +109,30 @@ def fit_map(env: AnyMap, arguments: FitArguments) -> Rig:
     return rig
 
 
-def fit_map_for(env: AnyMap, each: Sequence[FitArguments]) -> Iterator[Rig]:
-    """Rigs for one map, which is read and reduced once; equal to those of `fit_map`.
+def fit_map_by_count(env: AnyMap, arguments: FitArguments, counts: list[int]) -> list[Rig]:
+    """Rigs for one map with at most each of some numbers of lights; equal to those of `fit_map`.
 
-    All arguments have the same `floor` and `unseen`, and the start "greedy".
+    The arguments have the start "greedy", and no error or fixed lights. The rigs share all work on
+    the map and the forward selection.
     """
-    plans = [_plan(arguments) for arguments in each]
-    reduction = reduce_for_fits(env, each[0])
-    for plan in plans:
-        clock = Clock()
-        start = plan.request.first_directions_under(None, plan.arguments.floor)
-        yield _clocked_rig(plan, reduction, _under(reduction, plan, start), clock)
+    plans = [_plan(replace(arguments, lights=count)) for count in counts]
+    largest, clock = max(plans, key=lambda plan: plan.request.lights), Clock()
+    reduction = reduce_for_fits(env, largest.arguments)
+    first = largest.request.first_directions_under(None, arguments.floor)
+    options = {name: _options(reduction, largest, first, name) for name in largest.ambients}
+    fits = [_native.fit_reduced_by_count(reduction.cells, one, counts) for one in options.values()]
+    clock.lap("all fits")
+    by_count = [dict(zip(options, row, strict=True)) for row in zip(*fits, strict=True)]
+    return [
+        _rig(plan, reduction, answers, {**clock.laps})
+        for plan, answers in zip(plans, by_count, strict=True)
+    ]
 
 
 def _clocked_rig(plan: _Plan, reduction: Reduction, answers: Answers, clock: Clock) -> Rig:
     """Rig of the best result, with the times of fit and report."""
     clock.lap("fit")
-    rig = _rig(plan, reduction, answers, clock)
+    rig = _rig(plan, reduction, answers, clock.laps)
     clock.lap("report")
     return rig
 
@@ -166,15 +173,19 @@ def _answers(env: AnyMap, plan: _Plan, clock: Clock) -> tuple[Reduction, Answers
 
 
 def _under(reduction: Reduction, plan: _Plan, first: NDArray[np.float64]) -> Answers:
-    return {name: _answer(reduction, plan, first, name) for name in plan.ambients}
+    """Best rig with each kind of ambient term."""
+    return {
+        name: _native.fit_reduced(reduction.cells, _options(reduction, plan, first, name))
+        for name in plan.ambients
+    }
 
 
-def _answer(
+def _options(
     reduction: Reduction, plan: _Plan, first: NDArray[np.float64], ambient: str
-) -> FitAnswer:
-    """Best rig with one kind of `ambient` term."""
+) -> FitOptions:
+    """Options of the kernel, with one kind of `ambient` term."""
     request = plan.request
-    options = FitOptions(
+    return FitOptions(
         AMBIENTS[ambient],
         np.concatenate([request.fixed, first]),
         len(request.fixed),
@@ -188,10 +199,9 @@ def _answer(
         floor=reduction.cells.floor,
         error_floor=RENDERING_ERROR,
     )
-    return _native.fit_reduced(reduction.cells, options)
 
 
-def _rig(plan: _Plan, reduction: Reduction, answers: Answers, clock: Clock) -> Rig:
+def _rig(plan: _Plan, reduction: Reduction, answers: Answers, seconds: dict[str, float]) -> Rig:
     """Rig of the best result, with its report."""
     request, floor = plan.request, plan.arguments.floor
     chosen = request.best_of(answers, RENDERING_ERROR) if plan.is_auto else plan.ambients[0]
@@ -204,8 +214,8 @@ def _rig(plan: _Plan, reduction: Reduction, answers: Answers, clock: Clock) -> R
         units=reduction.units,
         floor=floor,
         sized_error=answer.error if plan.has_sized_error and answer.lights else None,
-        # The report shares this dictionary, which gets its last entry afterwards.
-        seconds=clock.laps,
+        # The report shares this dictionary, which may get its last entry afterwards.
+        seconds=seconds,
         measured_on=wording.measured_on(answer.evaluation_normals, floor),
         shadow_error=answer.shadow_error,
         target=plan.target,

@@ -1,5 +1,7 @@
 //! The number of lights: one more at a time, until an error is reached or more lights do not help.
 
+use rayon::prelude::*;
+
 use super::damped_newton::Descent;
 use super::options::FitOptions;
 use super::problem::Problem;
@@ -9,6 +11,9 @@ use crate::error::Result;
 
 /// Relative decrease of the error that is worth one more light.
 const WORTH_A_LIGHT: f64 = 1e-3;
+
+/// Evaluation of a set of lights.
+pub type Evaluate<'a> = &'a (dyn Fn(State) -> Trial + Sync);
 
 /// A set of lights and its errors.
 #[derive(Clone, Debug)]
@@ -49,26 +54,53 @@ impl FitOptions {
 pub fn search_path(
     problem: &Problem<'_>,
     options: &FitOptions,
-    evaluate: &dyn Fn(State) -> Trial,
+    evaluate: Evaluate<'_>,
 ) -> Result<Vec<Trial>> {
+    Ok(search_paths(problem, options, &[problem.lights], evaluate)?.remove(0))
+}
+
+/// [`search_path`] to each of these numbers of lights, which are at most `problem.lights`.
+///
+/// A path is that of a search for its number alone: forward selection finds the same sets on the way to each.
+pub fn search_paths(
+    problem: &Problem<'_>,
+    options: &FitOptions,
+    counts: &[usize],
+    evaluate: Evaluate<'_>,
+) -> Result<Vec<Vec<Trial>>> {
     let search = Search::new(problem);
+    let (path, beams) = selection_path(&search, options, evaluate)?;
+    let path_to = |&count: &usize| {
+        let end = beams.iter().rposition(|beam| beam[0].lights() <= count).unwrap_or(0);
+        let mut path = path[..=end].to_vec();
+        // Search for the final number of lights, unless that has happened.
+        let has_search = !options.has_goal() && problem.start.len() == problem.fixed;
+        if has_search && beams[end][0].lights() > problem.fixed {
+            let mut others = search.best(beams[end].clone())?;
+            let best = others.remove(0);
+            path[end] = Trial { others, ..evaluate(best) };
+        }
+        Ok(path)
+    };
+    counts.par_iter().map(path_to).collect()
+}
+
+/// The best set with each number of lights by forward selection, and the sets it was selected from.
+fn selection_path(
+    search: &Search<'_>,
+    options: &FitOptions,
+    evaluate: Evaluate<'_>,
+) -> Result<(Vec<Trial>, Vec<Vec<State>>)> {
+    let problem = search.problem;
     let mut beam = vec![near_start(problem, 0)];
-    let mut path = vec![evaluate(beam[0].clone())];
+    let (mut path, mut beams) = (vec![evaluate(beam[0].clone())], vec![beam.clone()]);
     while beam[0].lights() < problem.lights && !is_enough(problem, options, &path) {
-        let larger = larger_sets(&search, options, &beam)?;
-        let Some(best) = larger.first() else { break };
+        beam = larger_sets(search, options, &beam)?;
+        let Some(best) = beam.first() else { break };
         path.push(evaluate(best.clone()));
-        beam = larger;
+        beams.push(beam.clone());
     }
-    // Search for the final number of lights, unless that has happened.
-    let has_search = !options.has_goal() && problem.start.len() == problem.fixed;
-    if has_search && beam[0].lights() > problem.fixed {
-        let mut others = search.best(beam)?;
-        let best = others.remove(0);
-        path.pop();
-        path.push(Trial { others, ..evaluate(best) });
-    }
-    Ok(path)
+    Ok((path, beams))
 }
 
 /// The sets with more lights than those of `beam`, best first; empty if no light helps.

@@ -1,6 +1,6 @@
 //! Ambient and a few directional lights under which a white probe looks as it does under a map.
 //!
-//! [`under_map`] and [`to_samples`] are lists of these steps:
+//! [`under_map_by_count`] and [`to_samples`] are lists of these steps:
 //!
 //! | step                                              | file                       |
 //! |---------------------------------------------------|----------------------------|
@@ -56,8 +56,10 @@ pub use sphere::Sphere;
 pub use state::StopReason;
 pub use uncertainty::Uncertainty;
 
+use rayon::prelude::*;
+
 use self::discs::{ContinuedLights, Sizes, continued_descent};
-use self::light_count::{Trial, search_path};
+use self::light_count::{Trial, search_path, search_paths};
 use self::relative_rms::relative_error;
 use self::result::Evaluator;
 use self::sphere::evaluation_probe;
@@ -75,37 +77,70 @@ const EVALUATION_NORMALS: usize = 5120;
 ///
 /// [`Error::TooFewNormals`], [`Error::TooBright`].
 pub fn under_map(map: &WorkingMap, options: &FitOptions) -> Result<FitResult> {
+    if options.has_goal() {
+        return to_error_goal(map, options);
+    }
+    Ok(under_map_by_count(map, options, &[options.lights])?.remove(0))
+}
+
+/// The best rig that reaches the errors of the options: they count sizes and shadows, and end the search.
+fn to_error_goal(map: &WorkingMap, options: &FitOptions) -> Result<FitResult> {
     check_unknowns(options, EVALUATION_NORMALS)?;
     let expansion = Expansion::new(map);
-    let sizes = || Sizes::new(map, &expansion, options);
-    let references = || rayon::join(sizes, || evaluation_probe(map, &expansion, EVALUATION_NORMALS));
     let sphere = || Sphere::of(map, &expansion, options.ambient, options.has_floor);
-    if options.has_goal() {
-        // An error that counts sizes and shadows decides when the search ends.
-        let (sphere, (sizes, samples)) = rayon::join(sphere, references);
-        let (samples, problem) = (samples?, Problem::new(&sphere, options));
-        let evaluator = Evaluator { samples: &samples, sizes: Some(sizes), options };
-        let path = search_path(&problem, options, &|state| evaluator.trial(&problem, state))?;
-        let result = evaluator.best(&problem, path);
-        return Ok(FitResult { map_samples: Some(samples), ..result });
-    }
-    // The closed form knows the errors of points: the search need not wait for the references.
-    let search = || {
-        let sphere = sphere();
-        points_by_count(&sphere, options).map(|path| (sphere, path))
-    };
-    let (found, (sizes, samples)) = rayon::join(search, references);
-    let (samples, (sphere, path)) = (samples?, found?);
-    let problem = Problem::new(&sphere, options);
+    let (sphere, (sizes, samples)) = rayon::join(sphere, || references(map, &expansion, options));
+    let (samples, problem) = (samples?, Problem::new(&sphere, options));
     let evaluator = Evaluator { samples: &samples, sizes: Some(sizes), options };
-    let evaluate = |trial: Trial| Trial { others: trial.others, ..evaluator.trial(&problem, trial.state) };
-    let path = path.into_iter().map(evaluate).collect();
+    let path = search_path(&problem, options, &|state| evaluator.trial(&problem, state))?;
     let result = evaluator.best(&problem, path);
     Ok(FitResult { map_samples: Some(samples), ..result })
 }
 
-/// The best points of each number of lights, by the errors that the objective knows.
-fn points_by_count(sphere: &Sphere, options: &FitOptions) -> Result<Vec<Trial>> {
+/// The best rig with at most each of these numbers of lights, without a goal.
+///
+/// Each is that of [`under_map`] for its number; `options.lights` is the largest of them.
+///
+/// # Errors
+///
+/// [`Error::TooFewNormals`], [`Error::TooBright`].
+pub fn under_map_by_count(
+    map: &WorkingMap,
+    options: &FitOptions,
+    counts: &[usize],
+) -> Result<Vec<FitResult>> {
+    check_unknowns(options, EVALUATION_NORMALS)?;
+    let expansion = Expansion::new(map);
+    // The closed form knows the errors of points: the search need not wait for the references.
+    let search = || {
+        let sphere = Sphere::of(map, &expansion, options.ambient, options.has_floor);
+        point_paths(&sphere, options, counts).map(|paths| (sphere, paths))
+    };
+    let (found, (sizes, samples)) = rayon::join(search, || references(map, &expansion, options));
+    let (samples, (sphere, paths)) = (samples?, found?);
+    let problem = Problem::new(&sphere, options);
+    let evaluator = Evaluator { samples: &samples, sizes: Some(sizes), options };
+    let evaluate = |trial: Trial| Trial { others: trial.others, ..evaluator.trial(&problem, trial.state) };
+    let result = |path: Vec<Trial>| {
+        let result = evaluator.best(&problem, path.into_iter().map(evaluate).collect());
+        FitResult { map_samples: Some(samples.clone()), ..result }
+    };
+    Ok(paths.into_par_iter().map(result).collect())
+}
+
+/// The map with shadows, and its irradiance at the normals of the error.
+fn references<'a>(
+    map: &'a WorkingMap,
+    expansion: &Expansion,
+    options: &FitOptions,
+) -> (Sizes<'a>, Result<Samples>) {
+    rayon::join(
+        || Sizes::new(map, expansion, options),
+        || evaluation_probe(map, expansion, EVALUATION_NORMALS),
+    )
+}
+
+/// The best points on the way to each of these numbers of lights, by the errors that the objective knows.
+fn point_paths(sphere: &Sphere, options: &FitOptions, counts: &[usize]) -> Result<Vec<Vec<Trial>>> {
     let energy = sphere.reference().energy;
     if !energy.is_finite() {
         return Err(Error::TooBright);
@@ -114,7 +149,7 @@ fn points_by_count(sphere: &Sphere, options: &FitOptions) -> Result<Vec<Trial>> 
         let error = relative_error(state.cost, energy);
         Trial { state, others: Vec::new(), error, shadow_error: 0.0, gloss_error: 0.0 }
     };
-    search_path(&Problem::new(sphere, options), options, &trial)
+    search_paths(&Problem::new(sphere, options), options, counts, &trial)
 }
 
 /// `<E, E>` of the probe under a map, over all normals and channels, in closed form.
