@@ -192,7 +192,7 @@ def test_an_error_curve_has_the_errors_of_the_fits(hall):
     assert curve.rigs == tuple(rigs)
     assert curve.to_dict()["gloss"] == list(curve.gloss)
     assert str(curve).splitlines()[0].split() == [
-        *("lights", "used", "objective", "shading", "shadows", "gloss", "seconds")
+        *("lights", "used", "objective", "shading", "shadows", "gloss")
     ]
     assert "roughness 0.5" in curve._repr_html_()
     assert pickle.loads(pickle.dumps(curve)) == curve
@@ -200,9 +200,11 @@ def test_an_error_curve_has_the_errors_of_the_fits(hall):
 
 def test_an_error_curve_is_a_data_frame(hall):
     pytest.importorskip("pandas")
-    frame = el.error_curve(hall, [0, 1]).to_frame()
+    curve = el.error_curve(hall, [0, 1])
+    frame = curve.to_frame()
     assert list(frame["lights"]) == [0, 1]
-    assert (frame["seconds"] > 0).all()
+    assert tuple(frame["gloss"]) == curve.gloss
+    assert f"time of all fits: {curve.seconds:.2f} s" in str(curve)
 
 
 def test_an_error_curve_needs_a_number_of_lights(hall):
