@@ -12,6 +12,7 @@ import click
 from envlights._native import EnvLightsError
 from envlights.cli.examples import with_examples
 from envlights.cli.quiet import with_quiet
+from envlights.cli.refusal_words import with_options
 from envlights.cli.standard_streams import with_standard_streams
 from envlights.io.errors import FileError
 
@@ -73,7 +74,9 @@ class _Main(click.Group):
         try:
             return super().invoke(context)
         except EnvLightsError as refusal:
-            click.echo(f"envlights: {refusal}", err=True)
+            command = self.get_command(context, context.invoked_subcommand or "")
+            words = with_options(str(refusal), _subcommands(command or self))
+            click.echo(f"envlights: {words}", err=True)
             context.exit(1 if isinstance(refusal, FileError) else 2)
         except OSError as error:
             if error.errno == errno.EPIPE:

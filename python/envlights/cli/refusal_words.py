@@ -1,0 +1,26 @@
+"""Refusals in the words of the command line: options instead of Python arguments."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+
+import click
+
+#: An argument as Python writes it: its name, and a value in quotes, a plain one, or none.
+_ARGUMENT = re.compile(r"\b([a-z]\w*)=('[^']*'|\w*)(?=(\()?)")
+
+
+def with_options(text: str, commands: Iterable[click.Command]) -> str:
+    """Text in which arguments are options of the commands; other words stay."""
+    parameters = [each for command in commands for each in command.params]
+    options = {each.name: max(each.opts, key=len) for each in parameters if each.opts}
+
+    def option(found: re.Match[str]) -> str:
+        name, value, bracket = found.groups()
+        if name not in options or value == "False":
+            return found[0]
+        words = [options[name], *([] if value in ("", "True") else [value.strip("'")])]
+        return " ".join(words) + (" " if bracket else "")
+
+    return _ARGUMENT.sub(option, text)
