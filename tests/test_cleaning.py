@@ -69,7 +69,9 @@ def test_nan_takes_the_mean_of_its_neighbours(place):
 def test_all_eight_neighbours_count_once_also_across_the_seam(place):
     array = np.random.default_rng(5).uniform(0.1, 1, (64, 128, 3)).astype(np.float32)
     array[place] = np.nan
-    around = np.pad(np.pad(array, ((0, 0), (1, 1), (0, 0)), "wrap"), ((1, 1), (0, 0), (0, 0)), "edge")
+    around = np.pad(
+        np.pad(array, ((0, 0), (1, 1), (0, 0)), "wrap"), ((1, 1), (0, 0), (0, 0)), "edge"
+    )
     row, column = place
     square = around[row : row + 3, column : column + 3].reshape(9, 3)
     wanted = np.nanmean(square, axis=0, dtype=np.float64)
