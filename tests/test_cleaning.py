@@ -63,3 +63,16 @@ def test_nan_takes_the_mean_of_its_neighbours(place):
     np.testing.assert_allclose(env.radiance[place], 1000 if is_sun else 0.25)
     where = " in the brightest light" if is_sun else ""
     assert env.notes == (f"3 NaN samples{where} set to the mean of the neighbours",)
+
+
+@pytest.mark.parametrize("place", [(16, 22), (0, 5), (63, 90), (30, 0), (30, 127), (0, 0)])
+def test_all_eight_neighbours_count_once_also_across_the_seam(place):
+    array = np.random.default_rng(5).uniform(0.1, 1, (64, 128, 3)).astype(np.float32)
+    array[place] = np.nan
+    around = np.pad(
+        np.pad(array, ((0, 0), (1, 1), (0, 0)), "wrap"), ((1, 1), (0, 0), (0, 0)), "edge"
+    )
+    row, column = place
+    square = around[row : row + 3, column : column + 3].reshape(9, 3)
+    wanted = np.nanmean(square, axis=0, dtype=np.float64)
+    np.testing.assert_allclose(el.EnvMap(array).radiance[place], wanted, rtol=1e-6)

@@ -1,7 +1,9 @@
 """Text, tables and equality of results."""
 
 import copy
+import importlib
 import io
+import pkgutil
 import re
 import zlib
 from dataclasses import replace
@@ -13,6 +15,7 @@ import pytest
 
 import envlights as el
 from envlights import _html, _thumbnails
+from envlights._result import Result
 from envlights._tables import MOST_ROWS, Table
 from tests.helpers import pairs_of_room
 
@@ -315,3 +318,24 @@ def test_lights_are_taken_by_numbers_and_by_masks():
     assert len(members.pixel) + len(members.others) == len(detected_lights().members.pixel)
     with pytest.raises(IndexError):
         lights[[5]]
+
+
+def classes_of_results(base=Result):
+    for each in base.__subclasses__():
+        if each.__module__.startswith("envlights."):
+            yield each
+        yield from classes_of_results(each)
+
+
+def test_every_class_of_results_is_frozen_and_has_the_text_and_the_equality_of_results():
+    for each in pkgutil.walk_packages(el.__path__, "envlights."):
+        # Pictures need Matplotlib, an extra, and hold no results.
+        if not each.name.startswith(("envlights.plot.", "envlights.__main__")):
+            importlib.import_module(each.name)
+    found = set(classes_of_results())
+    assert {el.Lights, el.DetectedLights, el.Card, el.Rig, el.FitReport} <= found
+    for each in found:
+        assert each.__repr__ is Result.__repr__, each
+        assert each.__eq__ is Result.__eq__, each
+        assert each.__hash__ is None, each
+        assert each.__dataclass_params__.frozen, each

@@ -103,8 +103,8 @@ def _replace_infinite(radiance: NDArray[np.float32], level: float, wrap: bool) -
     for _ in range(_REACH):
         rows, columns = np.nonzero(is_open)
         near = _neighbours(radiance, rows, columns, wrap)
-        is_usable = np.isfinite(near).all(axis=2) & (near.max(axis=2, initial=0) > 0)
-        mean = np.where(is_usable[..., None], near, 0).sum(axis=1, dtype=np.float64)
+        is_finite = np.isfinite(near).all(axis=2, keepdims=True)
+        mean = np.where(is_finite, near, 0).sum(axis=1, dtype=np.float64)
         has_hue = mean.max(axis=1, initial=0) > 0
         if not has_hue.any():
             break

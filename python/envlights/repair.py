@@ -180,9 +180,9 @@ class _Light:
 
 
 def _true_factors(factor: float) -> tuple[float, float]:
-    """Interval that holds the true factor of two in three maps, for an estimated `factor`."""
+    """Interval that holds the true factor of two in three maps, for a `factor` of 1 or more."""
     low, high = _TWO_THIRDS
-    return max(1.0, low * factor), max(1.0, high * factor)
+    return max(1.0, low * factor), high * factor
 
 
 #: Quantiles 1/6 and 5/6 of the true factor over the estimate.

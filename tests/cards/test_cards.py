@@ -159,3 +159,16 @@ def test_no_card_is_a_black_map():
     cards = el.Cards([], [], [])
     assert not cards.to_map(64).radiance.any()
     assert str(cards) == "no card"
+
+
+@pytest.mark.parametrize(("number", "rest"), [(12, ""), (13, "1 more card"), (14, "2 more cards")])
+def test_a_table_counts_the_cards_that_it_does_not_show(number, rest):
+    card = one_card()
+    cards = el.Cards(
+        ["rectangle"] * number,
+        np.repeat(card.matrix, number, axis=0),
+        np.repeat(card.irradiance, number, axis=0),
+        list(card.textures) * number,
+    )
+    assert cards.table().rest == rest
+    assert len(cards.table().rows) == 12

@@ -349,6 +349,9 @@ class TestResult:
         assert repr(found).endswith("150x90 pixels, 60° wide>")
         assert "data:image/png" in found._repr_html_()
         assert "of 162 samples are dark" in found.verbose()
+        assert found.verbose().startswith(str(found.table()))
+        rows = found.table().rows
+        assert [row[0] for row in rows] == [str(j + 1) for j in range(len(rows))]
 
     def test_max_lights_drops_the_dimmest(self):
         image = np.random.default_rng(3).random((90, 150, 3), dtype=np.float32) ** 12

@@ -1,12 +1,15 @@
 """Cards in Blender, as Cycles renders them."""
 
+import ast
+import builtins
+
 import numpy as np
 import pytest
 
 import envlights as el
 from envlights.export import AXES
 from tests.export import cards
-from tests.export.rigs import relative
+from tests.export.rigs import DISCS, relative
 from tests.export.test_blender import needs_bpy, run_blender
 from tests.helpers import NORMALS
 
@@ -41,3 +44,14 @@ def test_far_cards_light_as_at_infinity(tmp_path):
 def test_scripts_compile():
     for card in cards.ALL.values():
         compile(el.export.blender(card, SKY), "script", "exec")
+
+
+@pytest.mark.parametrize("rig", [*cards.ALL.values(), DISCS])
+def test_a_script_calls_each_of_its_functions_and_defines_what_it_calls(rig):
+    script = ast.parse(el.export.blender(rig, SKY))
+    nodes = list(ast.walk(script))
+    defined = {node.name for node in nodes if isinstance(node, ast.FunctionDef)}
+    calls = [node.func for node in nodes if isinstance(node, ast.Call)]
+    called = {each.id for each in calls if isinstance(each, ast.Name)}
+    assert defined <= called
+    assert called <= defined | set(dir(builtins)) | {"Vector", "Matrix"}

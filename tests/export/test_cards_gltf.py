@@ -12,6 +12,7 @@ import envlights as el
 from envlights._srgb import decode_srgb
 from envlights.export import AXES
 from tests.export import cards, node
+from tests.export.rigs import POINTS
 
 QUARTERS = cards.CORNERS.reshape(-1, 3)
 
@@ -52,6 +53,45 @@ def gltf_mesh(asset):
     codes = np.asarray(Image.open(io.BytesIO(bytes_of(asset["images"][0]["uri"]))))
     strength = asset["materials"][0]["extensions"]["KHR_materials_emissive_strength"]
     return points, places, triangles, decode_srgb(codes / 255) * strength["emissiveStrength"]
+
+
+#: Lists that the indices of the glTF specification point into.
+INDICES = {"scene": "scenes", "mesh": "meshes", "material": "materials", "buffer": "buffers",
+           "bufferView": "bufferViews", "sampler": "samplers", "source": "images"}  # fmt: skip
+
+
+def indices_of(part):
+    """Pairs of a list and an index into it, in all parts of an asset."""
+    for key, value in part.items() if isinstance(part, dict) else enumerate(part):
+        if key in INDICES:
+            yield INDICES[key], value
+        elif isinstance(value, dict | list):
+            yield from indices_of(value)
+
+
+def test_each_index_of_gltf_points_at_an_entry():
+    asset = el.export.gltf(cards.ALL["window"])
+    found = list(indices_of(asset))
+    assert {key for key, _ in found} == set(INDICES.values())
+    assert all(0 <= index < len(asset[key]) for key, index in found)
+    assert el.export.gltf(POINTS)["scene"] == 0
+
+
+def test_buffers_and_samplers_of_gltf_have_the_constants_of_the_specification():
+    asset = el.export.gltf(cards.ALL["window"])
+    (primitive,) = asset["meshes"][0]["primitives"]
+
+    def target(accessor):
+        return asset["bufferViews"][asset["accessors"][accessor]["bufferView"]]["target"]
+
+    assert {target(index) for index in primitive["attributes"].values()} == {34962}
+    assert target(primitive["indices"]) == 34963
+    assert asset["samplers"] == [{"wrapS": 33071, "wrapT": 33071}]
+
+
+def test_textures_of_three_js_are_clamped_at_their_edges():
+    (texture,) = el.export.three(cards.ALL["window"])["textures"]
+    assert (texture["mapping"], texture["wrap"]) == (300, [1001, 1001])
 
 
 @pytest.mark.parametrize("name", ["window", "oblique"])

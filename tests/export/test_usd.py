@@ -86,6 +86,13 @@ def test_lights_on_the_axes_arrive_where_they_should(tmp_path):
         np.testing.assert_allclose(colour / 3, axis, atol=1e-12)
 
 
+def test_a_black_light_stays_black_beside_others(tmp_path):
+    lights = el.Lights([[0, 0, 1], [0, 1, 0]], [[0, 0, 0], [1, 2, 3]], [0.1, 0.2])
+    lights.save(tmp_path / "scene.usda")
+    found = lights_of(Usd.Stage.Open(str(tmp_path / "scene.usda"))).irradiance
+    np.testing.assert_allclose(sorted(found.tolist()), [[0, 0, 0], [1, 2, 3]], rtol=1e-6)
+
+
 def problems(path):
     """Problems that usdchecker reports."""
     if UsdValidation is None:

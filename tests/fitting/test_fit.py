@@ -340,3 +340,10 @@ def test_a_rig_of_a_map_that_ends_at_white_says_what_it_rests_on():
     for rig in (el.fit(codes, 1), el.fit_paper(codes, 1)):
         assert re.search(r"clipped pixels hold [1-9].* % of the map's flux.*", rig.notes[-1])
     assert not any("clipped" in note for note in el.fit(codes // 2, 1).notes)
+
+
+@pytest.mark.parametrize("ambient", ["none", "constant"])
+def test_a_rig_without_lights_is_no_black_map(ambient):
+    rig = el.fit(el.synthetic.hall(16).radiance, 0, ambient=ambient)
+    assert len(rig.lights) == 0
+    assert rig.report.stop_reason is el.StopReason.CONVERGED

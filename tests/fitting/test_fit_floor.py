@@ -177,6 +177,10 @@ BELOW = el.Lights([[0, 0.6, 0.8], [0.6, -0.8, 0]], [[2, 2, 2], [1, 1, 1]])
         ),
         ({"start": el.Rig([0] * 3, BELOW, 0)}, "start must have no light below the horizon"),
         ({"fixed": [[0, -1, 0]]}, "fixed must have no light below the .* direction 0 has y = -1"),
+        (
+            {"fixed": [[0, 0.6, 0.8], [0.6, -0.8, 0], [0, -1, 0]]},
+            "fixed must have no light below the .* direction 1 has y = -0.8",
+        ),
         ({"floor": "no"}, "floor must be True or False; got 'no'"),
     ],
 )

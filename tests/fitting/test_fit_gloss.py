@@ -221,3 +221,9 @@ def test_a_gloss_error_that_first_lights_raise_is_reached_by_more():
     rig = el.fit(world, gloss_error=0.5, max_radius=0.2)
     assert rig.report.gloss_error() <= 0.5
     assert len(rig.lights) > 3
+
+
+def test_a_row_of_a_table_holds_the_gloss_error_and_nan_where_none_was_measured():
+    report = el.fit(el.synthetic.hall(16).radiance, 1).report
+    assert report.row()["gloss_error"] == report.gloss_error()
+    assert np.isnan(el.FitReport().row()["gloss_error"])

@@ -11,6 +11,7 @@ from scipy.optimize import least_squares
 
 import envlights as el
 from envlights import kernels
+from envlights.fitting import madsen
 from tests.reference.peers import jax_in_float64
 
 NORMALS, SOLID_ANGLES = kernels.icosphere(80)
@@ -260,6 +261,19 @@ def test_a_step_that_changes_nothing_is_the_last(monkeypatch):
     for damped in (True, False):
         found = el.fit_paper(HALL.radiance, damped=damped)
         assert (found.stop_reason, found.steps) == (el.StopReason.CONVERGED, 1)
+
+
+@pytest.mark.parametrize("lights", [1, 4, 5, 7])
+@pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
+def test_a_step_is_small_relative_to_radiances_and_in_radians(lights, scale):
+    x = np.concatenate([[scale] * 3, np.tile([scale] * 3 + [1.0, 2.0], lights)])
+    assert madsen._is_small(np.zeros_like(x), x)
+    for number in range(len(x)):
+        step = np.zeros_like(x)
+        is_angle = number >= 3 and (number - 3) % 5 >= 3
+        step[number] = 1e-3 if is_angle else 1e-3 * scale
+        assert not madsen._is_small(step, x)
+        assert madsen._is_small(1e-9 * step, x)
 
 
 def test_steps_end_at_their_limit():

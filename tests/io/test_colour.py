@@ -333,3 +333,38 @@ def test_the_exposure_of_the_header_is_divided_out():
     head = replace(header("radiance", "f4"), exposure=(0.1, 0.2, 0.5))
     found = Linear(head, conversion(head, None))(np.ones((2, 4, 3), "f4"))
     np.testing.assert_allclose(found[1, 1], [10, 5, 2], rtol=1e-6)
+
+
+#: Red, green, blue and white of the codes of ITU-T H.273, table 2.
+H273 = {
+    1: (0.640, 0.330, 0.300, 0.600, 0.150, 0.060, 0.3127, 0.3290),
+    4: (0.670, 0.330, 0.210, 0.710, 0.140, 0.080, 0.310, 0.316),
+    5: (0.640, 0.330, 0.290, 0.600, 0.150, 0.060, 0.3127, 0.3290),
+    6: (0.630, 0.340, 0.310, 0.595, 0.155, 0.070, 0.3127, 0.3290),
+    7: (0.630, 0.340, 0.310, 0.595, 0.155, 0.070, 0.3127, 0.3290),
+    8: (0.681, 0.319, 0.243, 0.692, 0.145, 0.049, 0.310, 0.316),
+    9: (0.708, 0.292, 0.170, 0.797, 0.131, 0.046, 0.3127, 0.3290),
+    11: (0.680, 0.320, 0.265, 0.690, 0.150, 0.060, 0.314, 0.351),
+    12: (0.680, 0.320, 0.265, 0.690, 0.150, 0.060, 0.3127, 0.3290),
+    22: (0.630, 0.340, 0.295, 0.605, 0.155, 0.077, 0.3127, 0.3290),
+}
+
+
+@pytest.mark.parametrize("code", H273)
+def test_codes_of_primaries_have_the_chromaticities_of_h273(code):
+    found = colour_spaces.by_cicp((code, 8, 0, 1), 8).matrix
+    wanted = to_rec709(H273[code])
+    assert (found is None) == (wanted is None) == (code == 1)
+    if wanted is not None:
+        np.testing.assert_allclose(found, wanted, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("gamma", "is_used"), [(0.1, True), (10.0, True), (0.099, False), (10.1, False)]
+)
+def test_exponents_of_png_are_used_from_a_tenth_to_10(gamma, is_used):
+    found = conversion(header(gamma=gamma), None)
+    assert any("was ignored" in note for note in found.notes) != is_used
+    value = linear(np.array([200, 100, 50], "u1"), gamma=gamma)
+    wanted = (np.array([200, 100, 50]) / 255) ** (1 / gamma)
+    assert np.allclose(value, wanted, rtol=1e-3) == is_used

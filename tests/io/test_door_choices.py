@@ -62,6 +62,25 @@ def test_the_part_of_the_picture_is_found_by_its_name(tmp_path, parts, note):
     assert note in " ".join(env.notes)
 
 
+def test_stereo_views_are_known_by_the_attribute_of_a_part_or_by_words_of_its_layers(tmp_path):
+    by_part = [("ci", NORMALS, "right"), ("C", world(), "left")]
+    by_words = {"rgba.right": NORMALS, "left.rgba": world()}
+    for path in (
+        parts_file(tmp_path / "parts.exr", *by_part),
+        layers_file(tmp_path / "layers.exr", **by_words),
+    ):
+        np.testing.assert_allclose(el.EnvMap.open(path).radiance, world(), rtol=1e-6)
+
+
+def test_a_composite_comes_before_a_layer_of_blender_and_after_beauty(tmp_path):
+    composite, layer = "Composite.Combined", "ViewLayer.Combined"
+    for first, second in ((composite, layer), ("beauty", composite), ("beauty", layer)):
+        path = layers_file(tmp_path / "layers.exr", **{second: NORMALS, first: world()})
+        env = el.EnvMap.open(path)
+        np.testing.assert_allclose(env.radiance, world(), rtol=1e-6)
+        assert f"the layer {first} was read" in " ".join(env.notes)
+
+
 @pytest.mark.parametrize(
     "layers",
     [

@@ -167,3 +167,12 @@ def test_every_truncation_and_500_mutants_get_an_answer_or_a_reason():
         assert found.matrix is None or np.isfinite(found.matrix).all()
         if found.curve is not None:
             assert np.isfinite(found.curve(np.repeat(CODES[:, None], 3, axis=1))).all()
+
+
+@pytest.mark.parametrize("size", [0, 3, 4, 8, 11])
+def test_codes_that_are_cut_off_leave_the_curve_of_the_profile(size):
+    tag = b"cicp\0\0\0\0" + bytes((9, 16, 0, 1))
+    assert icc.parse(profiles.rgb(profiles.SRGB, cicp=tag)).cicp == (9, 16, 0, 1)
+    found = icc.parse(profiles.rgb(profiles.SRGB, cicp=tag[:size]))
+    assert found.cicp is None
+    assert found.curve is transfer_curves.srgb

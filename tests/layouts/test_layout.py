@@ -22,6 +22,12 @@ def test_defaults_are_those_of_the_kernels():
     assert layouts.cube(8, border_sampled=True)[:4] == ("cube", 48, 8, True)
 
 
+def test_the_smallest_panorama_has_2_rows():
+    layout = layouts.equirectangular(2)
+    assert (layout.height, layout.width) == (2, 4)
+    assert layouts.equirectangular(2, 2).width == 2
+
+
 def test_axes_are_orthonormal_and_handed_as_the_picture():
     for axes, handed in ((FRONT, -1), (MIRRORED, 1), (PBRT, 1)):
         rows = np.array(axes)
@@ -57,6 +63,8 @@ def test_a_crop_has_the_scale_of_its_panorama():
 @pytest.mark.parametrize(
     ("make", "words"),
     [
+        (lambda: layouts.equirectangular(1), "height must be a whole number, 2 or more"),
+        (lambda: layouts.equirectangular(2, 1), "width must be a whole number, 2 or more"),
         (lambda: layouts.octahedral(7), "an even number of columns; got 7"),
         (lambda: layouts.octahedral(0), "n must be a whole number, 2 or more"),
         (lambda: layouts.fisheye(8, "mercator", 1.0), "mapping must be 'equidistant' or"),

@@ -77,3 +77,16 @@ def test_rays_meet_a_polyhedron_where_they_meet_the_same_box():
     one, other = (blocked_by((each,))(origins, towards) for each in (box, solid))
     np.testing.assert_array_equal(one, other)
     assert 20 < one.sum() < 1000
+
+
+@pytest.mark.parametrize("size", [1e-3, 1.0, 1e3])
+@pytest.mark.parametrize("solid", [el.Ball, el.Box], ids=["ball", "box"])
+def test_points_lie_on_a_solid_by_a_tolerance_relative_to_its_size(solid, size):
+    centre = np.array([0.5, 0.25, -0.25]) * size
+    made = solid(centre, size if solid is el.Ball else [size] * 3)
+    steps = np.array([1 - 1e-4, 1 - 1e-8, 1.0, 1 + 1e-8, 1 + 1e-4])
+    points = centre + size * steps[:, None] * [1.0, 0, 0]
+    normals = made.normals_at(points)
+    is_on = np.isfinite(normals).all(axis=2).any(axis=1)
+    assert is_on.tolist() == [False, True, True, True, False]
+    np.testing.assert_allclose(np.nansum(normals[is_on], axis=1), [[1.0, 0, 0]] * 3, atol=1e-9)

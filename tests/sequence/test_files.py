@@ -32,6 +32,9 @@ def rig_of(frame):
 RIGS = el.RigSequence([rig_of(frame) for frame in range(5)], steadiness=2, fps=12.0)
 
 
+BLACK = el.Lights([[0, 1, 0]], [[0, 0, 0]])
+
+
 def difference(irradiance, frame):
     return relative_rms(irradiance, RIGS[frame].probe(NORMALS), SOLID_ANGLES)
 
@@ -313,3 +316,17 @@ def test_sequences_show_themselves():
     assert "2 to 3" in text
     assert "<table>" in RIGS._repr_html_()
     assert len(RIGS.columns()["id"]) == 7
+
+
+def test_the_table_of_a_sequence_holds_flux_and_motion_of_each_light():
+    # Luminances of light 5 in the frames 0 to 4, and of light 9 in two of them, by Rec. 709.
+    five = np.mean([0.2126 * (4 + frame) + 0.7152 * 2 + 0.0722 for frame in range(5)])
+    nine = 2 / 5 * (0.2126 * 0.2 + 0.7152 * 0.5 + 0.0722 * 0.9)
+    rows = RIGS.table().rows
+    assert [row[:2] for row in rows] == [["5", "0 to 4"], ["9", "2 to 3"]]
+    shares = [f"{100 * each / (five + nine):.1f} %" for each in (five, nine)]
+    assert [row[2] for row in rows] == shares
+    np.testing.assert_allclose([float(row[3]) for row in rows], [five, nine], rtol=1e-3)
+    assert rows[1][4] == "0.00° a frame"
+    black = [el.FrameRig(AMBIENT, BLACK, 0.01, frame=frame, ids=(1,)) for frame in range(2)]
+    assert el.RigSequence(black).table().rows[0][2] == "0.0 %"

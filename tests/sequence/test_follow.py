@@ -278,3 +278,10 @@ def test_one_rig_for_several_maps_is_that_of_their_mean():
 def test_refusals_say_what_is_wrong(frames, options, sentence):
     with pytest.raises(el.EnvLightsError, match=sentence):
         el.follow(frames, **options).sequence()
+
+
+def test_progress_of_a_stream_is_a_flag():
+    stream = el.follow([np.ones((8, 16, 3), np.float32)] * 2, lights=1)
+    with pytest.raises(el.EnvLightsError, match="progress must be True or False; got 3"):
+        stream.sequence(progress=3)
+    assert len(stream.sequence()) == 2

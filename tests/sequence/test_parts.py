@@ -106,6 +106,16 @@ def test_a_rig_is_the_weighted_mean_of_the_fits_around_it():
     np.testing.assert_allclose(rig.light(7).direction[0], expected, atol=1e-12)
 
 
+def test_a_light_whose_directions_cancel_is_left_out():
+    def fit(frame, direction, flux):
+        lights = el.Lights([direction], [[0, 0, flux]])
+        return FrameFit(frame, el.Rig([0, 0, 0], lights, 0.5), (7,), samples(1), False, False)
+
+    rows = [([1, 0, 0], 1.0), ([0, 1, 0], 0.0), ([-1, 0, 0], 1.0)]
+    rig = average([fit(frame, *row) for frame, row in enumerate(rows)])
+    assert len(rig.lights) == 0
+
+
 def samples(level):
     irradiance = np.full((20, 3), float(level))
     return MapSamples(np.tile([0.0, 1.0, 0.0], (20, 1)), np.ones(20), irradiance)

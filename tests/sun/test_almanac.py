@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from envlights import EnvLightsError
-from envlights.sun.almanac import SunAt
+from envlights.sun.almanac import SunAt, _equatorial
 
 UTC = datetime.timezone.utc
 #: Time, latitude, longitude, true elevation, apparent elevation and bearing in degrees, by the
@@ -42,6 +42,32 @@ def test_position_is_that_of_a_full_algorithm(row):
     assert math.degrees(sun.elevation) == pytest.approx(apparent, abs=TOLERANCE)
     off = (math.degrees(sun.from_north) - bearing + 180) % 360 - 180
     assert abs(off) * math.cos(sun.elevation) < TOLERANCE
+
+
+@pytest.mark.parametrize("days", np.linspace(-18000, 18000, 37))
+def test_the_place_among_the_stars_follows_from_the_equation_of_kepler(days):
+    # Mean elements of the Astronomical Almanac; eccentricity of the orbit in the year 2000.
+    mean, eccentricity = math.radians(357.528 + 0.9856003 * days), 0.016709
+    anomaly = mean
+    for _ in range(20):
+        anomaly = mean + eccentricity * math.sin(anomaly)
+    ratio = math.sqrt((1 + eccentricity) / (1 - eccentricity))
+    true = mean + 2 * math.atan(ratio * math.tan(anomaly / 2)) - 2 * math.atan(math.tan(mean / 2))
+    longitude = math.radians(280.460 + 0.9856474 * days) + true - mean
+    tilt = math.radians(23.439 - 0.0000004 * days)
+    wanted = [
+        math.cos(longitude),
+        math.cos(tilt) * math.sin(longitude),
+        math.sin(tilt) * math.sin(longitude),
+    ]
+    ascension, declination = _equatorial(days)
+    found = [
+        math.cos(declination) * math.cos(ascension),
+        math.cos(declination) * math.sin(ascension),
+        math.sin(declination),
+    ]
+    # The formula leaves out the third harmonic, 0.0003 degrees, and rounds the others to 0.001.
+    np.testing.assert_allclose(found, wanted, atol=math.radians(0.001))
 
 
 @given(times, latitudes, longitudes)

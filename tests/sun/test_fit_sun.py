@@ -102,6 +102,26 @@ def test_the_ratio_of_rms_irradiance_has_a_closed_form_for_an_even_sky(registrat
     assert ratios.shadows == pytest.approx(np.sqrt(alone.sum() / both.sum()), rel=1e-3)
 
 
+def test_errors_of_the_search_and_of_ambient_terms_are_against_sky_and_sun_too():
+    env, plateau = clipped(64)
+    rig = el.fit(env, 3, sun=sun_of(plateau), sizes=False)
+    assert rig.report.search_errors[len(rig.lights)] == pytest.approx(rig.error)
+    assert (
+        list(rig.report.search_errors.values()) == sorted(rig.report.search_errors.values())[::-1]
+    )
+    auto = el.fit(env, error=0.05, ambient="auto", sun=sun_of(plateau))
+    lights, error = auto.report.ambients["constant"]
+    assert lights == len(auto.lights)
+    assert error == pytest.approx(auto.error)
+
+
+def test_channels_that_neither_sky_nor_sun_has_hold_no_error():
+    env = el.EnvMap(np.full((32, 64, 3), [1.0, 0.5, 0.0], np.float32))
+    channels = ratios_of(pixels_of(env), el.Lights([[0, 1, 0]], [[3, 0, 0]])).channels
+    assert channels[0] < 1
+    assert channels[1:] == (1.0, 0.0)
+
+
 def test_the_error_with_shadows_agrees_with_a_fit_to_the_drawn_sun():
     env, plateau = clipped(512)
     sun = sun_of(plateau)
