@@ -125,4 +125,4 @@ def test_the_command_writes_lights_and_reads_with_a_colour_space(tmp_path):
     assert "photograph" in (tmp_path / "lights.csv").read_text().splitlines()[0]
     refused = CliRunner().invoke(main, ["photograph", str(tmp_path / "a.png"), "-o", "a.usda"])
     assert refused.exit_code == 2
-    assert "give fov=" in refused.output
+    assert "give --fov" in refused.output

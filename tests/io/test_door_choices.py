@@ -215,7 +215,7 @@ def test_the_command_line_takes_part_and_colour(tmp_path, command):
     run = [command, str(path), "-n", "1", "--json"]
     refused = CliRunner().invoke(main, run)
     assert refused.exit_code == 2
-    assert "choose one with part=" in refused.output
+    assert "choose one with --part" in refused.output
     done = CliRunner().invoke(main, [*run, "--part", "specular", "--colour", "linear"])
     assert done.exit_code == 0, done.output
     assert json.loads(done.stdout)
