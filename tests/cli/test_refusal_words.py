@@ -34,6 +34,15 @@ def test_arguments_are_options(python, words):
     assert with_options(python, [COMMAND]) == words
 
 
+def test_names_of_files_stay(tmp_path):
+    path = tmp_path / "lights=8.exr"
+    assert (
+        with_options(f"{path}: give lights=8", [COMMAND], [str(path)]) == f"{path}: give --lights 8"
+    )
+    done = CliRunner().invoke(main, ["fit", str(path), "-o", str(tmp_path / "rig.json")])
+    assert f"cannot read {path}: there is no such file" in done.stderr
+
+
 def test_a_refusal_of_a_file_names_the_options_that_help(tmp_path):
     (tmp_path / "text.exr").write_text("hello")
     io.write_hdr(tmp_path / "odd.hdr", np.ones((20, 26, 3), np.float32))

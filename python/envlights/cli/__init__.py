@@ -36,6 +36,9 @@ _COMMANDS = {
     "view": "Make a page that shows things in a map, lit by a few lights.",
 }
 
+#: Key of the words of the command line.
+_GIVEN = "envlights.given"
+
 
 def _subcommands(command: click.Command) -> Iterator[click.Command]:
     """Subcommands of a group, or the command itself."""
@@ -70,12 +73,17 @@ class _Main(click.Group):
         with formatter.section("Commands"):
             formatter.write_dl(list(_COMMANDS.items()))
 
+    def parse_args(self, context: click.Context, args: list[str]) -> list[str]:
+        context.meta[_GIVEN] = [*args]
+        return super().parse_args(context, args)
+
     def invoke(self, context: click.Context) -> Any:
         try:
             return super().invoke(context)
         except EnvLightsError as refusal:
             command = self.get_command(context, context.invoked_subcommand or "")
-            words = with_options(str(refusal), _subcommands(command or self))
+            named = _subcommands(command or self)
+            words = with_options(str(refusal), named, context.meta[_GIVEN])
             click.echo(f"envlights: {words}", err=True)
             context.exit(1 if isinstance(refusal, FileError) else 2)
         except OSError as error:

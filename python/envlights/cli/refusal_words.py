@@ -8,13 +8,15 @@ from collections.abc import Iterable
 import click
 
 #: An argument as Python writes it: its name, and a value in quotes, a plain one, or none.
-_ARGUMENT = re.compile(r"\b([a-z]\w*)=('[^']*'|\w*)(?=(\()?)")
+_ARGUMENT = r"\b([a-z]\w*)=('[^']*'|\w*)(?=(\()?)"
 
 
-def with_options(text: str, commands: Iterable[click.Command]) -> str:
-    """Text in which arguments are options of the commands; other words stay."""
+def with_options(text: str, commands: Iterable[click.Command], given: Iterable[str] = ()) -> str:
+    """Text in which arguments are options of the commands; words that were given stay."""
     parameters = [each for command in commands for each in command.params]
     options = {each.name: max(each.opts, key=len) for each in parameters if each.opts}
+    # A file may be named like an argument.
+    kept = "|".join(re.escape(word) for word in given if "=" in word)
 
     def option(found: re.Match[str]) -> str:
         name, value, bracket = found.groups()
@@ -23,4 +25,4 @@ def with_options(text: str, commands: Iterable[click.Command]) -> str:
         words = [options[name], *([] if value in ("", "True") else [value.strip("'")])]
         return " ".join(words) + (" " if bracket else "")
 
-    return _ARGUMENT.sub(option, text)
+    return re.sub(f"{kept}|{_ARGUMENT}" if kept else _ARGUMENT, option, text)
