@@ -204,7 +204,6 @@ def test_an_error_curve_is_a_data_frame(hall):
     frame = curve.to_frame()
     assert list(frame["lights"]) == [0, 1]
     assert tuple(frame["gloss"]) == curve.gloss
-    assert f"time of all fits: {curve.seconds:.2f} s" in str(curve)
 
 
 def test_an_error_curve_needs_a_number_of_lights(hall):

@@ -102,7 +102,7 @@ def test_a_curve_says_where_more_lights_raise_the_error_of_shadows():
     rest = (0.0,) * 4
     curve = el.ErrorCurve((3, 4, 5, 6), (3, 4, 5, 6), rest, rest, shadows, rest, 0.33, 1.0)
     note = "note: more lights raise the error with shadows: 2 % with 3 to 3 % with 4"
-    assert str(curve).splitlines()[-2] == note
+    assert str(curve).splitlines()[-1] == note
     assert note in curve._repr_html_()
     falling = el.ErrorCurve((1, 2), (1, 2), (0, 0), (0, 0), (0.2, 0.1), (0, 0), 0.33, 1.0)
     assert "raise" not in str(falling)

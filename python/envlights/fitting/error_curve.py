@@ -111,15 +111,14 @@ class ErrorCurve(Result):
         return self._table().html(), _html.lines("\n".join(self._lines()))
 
     def _lines(self) -> list[str]:
-        """Lines below the table: the metal, rising errors with shadows, and the time."""
+        """Lines below the table: the metal, and rising errors with shadows."""
         each = (
             f"{_percent(before)} with {fewer} to {_percent(after)} with {more}"
             for fewer, before, more, after in self._rises()
         )
         rises = "; ".join(each)
         note = [f"note: more lights raise the error with shadows: {rises}"] if rises else []
-        time = f"time of all fits: {self.seconds:.2f} s"
-        return [f"gloss: metal of roughness {self.roughness:g}", *note, time]
+        return [f"gloss: metal of roughness {self.roughness:g}", *note]
 
     def _rises(self) -> list[tuple[int, float, int, float]]:
         """Neighbouring numbers of lights between which the printed error with shadows rises."""
