@@ -12,8 +12,9 @@ from envlights import io
 from envlights.cli import main
 from tests.helpers import cases
 
+#: Without folders above the own one: `batch` would take all pictures of the machine.
 PATHS = [
-    *("", ".", "/", "..", "-", "~", "*", "dir", "dir.json", "dir/", "none.exr", ".json", "usd"),
+    *("", ".", "dir/..", "-", "~", "*", "dir", "dir.json", "dir/", "none.exr", ".json", "usd"),
     *("a\0b.exr", "a\nb.exr", "\x1b[31m.json", "\udcff.exr", "x" * 300 + ".json", "/dev/null"),
     *("bad.json", "deep.json", "loop.json", "bad.png", "bad.csv", "bad.npz", "map.exr/x.json"),
     *("map.exr", "rig.json", "rig.csv", "found.json", "out.exr", "out.usda", "out.png", "out.hdr"),
