@@ -12,14 +12,14 @@ from envlights import io
 from envlights.cli import main
 from tests.helpers import cases
 
-#: Without folders above the own one: `batch` would take all pictures of the machine.
 PATHS = [
-    *("", ".", "dir/..", "-", "~", "*", "dir", "dir.json", "dir/", "none.exr", ".json", "usd"),
+    *("", ".", "/", "..", "-", "~", "*", "dir", "dir.json", "dir/", "none.exr", ".json", "usd"),
     *("a\0b.exr", "a\nb.exr", "\x1b[31m.json", "\udcff.exr", "x" * 300 + ".json", "/dev/null"),
     *("bad.json", "deep.json", "loop.json", "bad.png", "bad.csv", "bad.npz", "map.exr/x.json"),
     *("map.exr", "rig.json", "rig.csv", "found.json", "out.exr", "out.usda", "out.png", "out.hdr"),
     *("sky_{face}.exr", "x://y", "out.unity.json", "out.npz", "$x.xml"),
 ]
+ABOVE = ("/", "..")
 NUMBERS = ["0", "1", "-1", "4", "60", "nan", "inf", "1e-300", "1e308", "0.5", "9" * 20, "x", ""]
 WORDS = ["srgb", "linear", "cube", "fisheye", "harmonic", "equidistant", "opengl", "1/50,2", "loo"]
 
@@ -69,7 +69,11 @@ def arguments(command, rng):
     for parameter in command.params:
         if isinstance(parameter, click.Argument):
             count = 1 if parameter.nargs == 1 else rng.integers(1, 4)
-            yield from (value_of(parameter, rng) for _ in range(count))
+            values = (value_of(parameter, rng) for _ in range(count))
+            # From a folder above the own one, `batch` would take all pictures of the machine.
+            yield from (
+                "." if command.name == "batch" and each in ABOVE else each for each in values
+            )
         elif parameter.required or rng.random() < 0.2:
             yield parameter.opts[0]
             if not parameter.is_flag:
