@@ -73,8 +73,8 @@ if __name__ == "__main__":
     folder = sys.argv[1] if sys.argv[1:] else None
     learnt, new = el.synthetic.rigs(PAIRS), el.synthetic.rigs(12, seed=1)
     print(f"courtyard, lightmap {WIDTH}x{WIDTH}, {PAIRS} rigs, {SAMPLES} paths a texel")
-    yard = print_time("scene", lambda: el.MitsubaScene(el.synthetic.courtyard(), WIDTH))
-    fine = el.MitsubaScene(el.synthetic.courtyard(), 256)
+    yard = print_time("scene", lambda: el.scene.MitsubaScene(el.synthetic.courtyard(), WIDTH))
+    fine = el.scene.MitsubaScene(el.synthetic.courtyard(), 256)
     print_time("first direct image, with the sky", lambda: yard.direct(new[0]))
     pairs = print_time("pairs", lambda: el.bake(yard, learnt, SAMPLES))
     model = el.TransferModel.fit(pairs.direct, pairs.indirect, RANK, ridge="loo")

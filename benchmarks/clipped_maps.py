@@ -33,7 +33,7 @@ from tests.helpers import paths_of_real_maps
 
 import envlights as el
 from envlights import synthetic
-from envlights._srgb import encode_srgb
+from envlights._common.srgb import encode_srgb
 from envlights.kernels.image import LUMINANCE
 
 #: HDR maps in the folder `ENVLIGHTS_MAPS`.

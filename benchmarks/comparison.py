@@ -14,7 +14,7 @@ from stopwatch import compare as compare_times
 import envlights as el
 from envlights.comparison import Camera, Material
 
-EXACT, PUBLISHED = (el.Protocol.named(name) for name in ("exact", "stylelight"))
+EXACT, PUBLISHED = (el.comparison.Protocol.named(name) for name in ("exact", "stylelight"))
 
 
 def choices():

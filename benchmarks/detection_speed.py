@@ -61,7 +61,7 @@ def methods(radiance):
     compare(
         "a usual map, 1024x512",
         {
-            'method="article"': lambda: el.detect(radiance, method="article"),
+            'method="article"': lambda: el.papers.loghin.detect(radiance),
             'method="tree"': lambda: el.detect(radiance),
         },
     )

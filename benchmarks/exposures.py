@@ -27,8 +27,8 @@ from tests.reference.camera_curves import filmic, rec709, shoulder
 
 import envlights as el
 from envlights import kernels
-from envlights._srgb import decode_srgb, encode_srgb
-from envlights.io.exposures import alignment
+from envlights._common.srgb import decode_srgb, encode_srgb
+from envlights.environment.exposures import alignment
 from envlights.kernels.image import LUMINANCE
 
 #: The median luminance in the longest exposure.

@@ -81,7 +81,7 @@ def row(name, maps, fit, true_motion, steadiness):
     full, full_seconds = seconds_of(el.fit(env, **fit) for env in maps)
     options = {"lights": None, "steadiness": steadiness, **fit}
     rigs, seconds = seconds_of(el.follow(maps, **options))
-    rigs = el.RigSequence(rigs)
+    rigs = el.sequence.RigSequence(rigs)
     error = np.mean([rig.error for rig in full])
     jump = rigs.motion_deg - true_motion(rigs.direction[:-1])
     flux = np.minimum(rigs.flux[1:], rigs.flux[:-1])
@@ -113,10 +113,12 @@ def flicker_alone(full):
     """Flicker of independent fits, whose lights are matched from frame to frame."""
     identities = Identities()
     rigs = [
-        el.FrameRig(rig.ambient, rig.lights, 0.0, frame=k, ids=identities.follow(rig.lights))
+        el.sequence.FrameRig(
+            rig.ambient, rig.lights, 0.0, frame=k, ids=identities.follow(rig.lights)
+        )
         for k, rig in enumerate(full)
     ]
-    return el.RigSequence(rigs).flicker
+    return el.sequence.RigSequence(rigs).flicker
 
 
 def largest(values):

@@ -21,7 +21,7 @@ GOALS = (0.2, 0.1, 0.05)
 def fewest_lights(env, goal):
     """Fewest lights for an error, or a remark."""
     rig = el.fit(env, gloss_error=goal)
-    missed = rig.report.stop_reason is el.StopReason.ERROR_NOT_REACHED
+    missed = rig.report.stop_reason is el.rigs.StopReason.ERROR_NOT_REACHED
     return f"> 32 ({100 * rig.report.gloss_error():.0f} %)" if missed else str(len(rig.lights))
 
 

@@ -41,11 +41,11 @@ def row_of(env):
     turn = Rotation.from_rotvec(np.deg2rad(20) * AXIS).as_matrix()
     vector = irradiance_vector(env)
     expected = angle_deg(vector, turn @ vector)
-    error = el.vector_angle(env, env.rotated(turn)) - expected
+    error = el.comparison.vector_angle(env, env.rotated(turn)) - expected
     lights, roll = el.detect(env), about_the_pole(11.25)
     moved = lights.rotated(roll)
     movement = angle_deg(lights.direction, moved.direction) @ lights.luminance
-    difference = el.compare_lights(lights, moved)
+    difference = el.comparison.compare_lights(lights, moved)
     return (
         f"{np.linalg.norm(sides[:3] - sides[3:]) / whole:.3f}",
         f"{error:+.4f}",

@@ -16,7 +16,10 @@ from tests.helpers import EQUIRECTANGULAR, paths_of_real_maps
 import envlights as el
 
 #: Solids of the scene of `plot.scene`.
-_SOLIDS = el.Ball((-0.65, 0.5, 0.1), 0.5), el.Box((0.65, 0.4, -0.1), (0.4, 0.4, 0.4), 0.5)
+_SOLIDS = (
+    el.scene.Ball((-0.65, 0.5, 0.1), 0.5),
+    el.scene.Box((0.65, 0.4, -0.1), (0.4, 0.4, 0.4), 0.5),
+)
 _COLUMNS = 256
 _RED = (1.0, 0.3, 0.2)
 _WHITE = (1.0, 1.0, 1.0)

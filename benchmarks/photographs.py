@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 
 import envlights as el
-from envlights._srgb import encode_srgb
+from envlights._common.srgb import encode_srgb
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from tests.helpers import angle_deg, paths_of_real_maps

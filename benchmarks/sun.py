@@ -52,7 +52,7 @@ class Row:
     kind: str
     name: str
     tone: tuple
-    sun: el.Sun
+    sun: el.sun.Sun
     error: float = np.nan
     """Degrees between the answer and the sun of the map."""
     stops: float = np.nan

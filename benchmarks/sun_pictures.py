@@ -8,7 +8,7 @@ from clipped_maps import quantile, reduce_width
 from PIL import Image
 
 import envlights as el
-from envlights._srgb import encode_srgb
+from envlights._common.srgb import encode_srgb
 from envlights.kernels.image import LUMINANCE, blur
 from envlights.kernels.sphere import pixel_directions, pixel_solid_angles
 

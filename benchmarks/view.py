@@ -18,10 +18,13 @@ import envlights as el
 from envlights.scene import closed_form as shadings
 from envlights.scene.camera import Camera
 from envlights.scene.closed_form import closed_form
+from envlights.scene.mitsuba.path_traced import SolidsOnFloor, Still, path_traced
 from envlights.scene.panorama_floor import floor_albedo, floor_texture
-from envlights.scene.path_traced import SolidsOnFloor, Still, path_traced
 
-SOLIDS = el.Ball((-0.65, 0.5, 0.1), 0.5), el.Box((0.65, 0.4, -0.1), (0.4, 0.4, 0.4), np.pi / 6)
+SOLIDS = (
+    el.scene.Ball((-0.65, 0.5, 0.1), 0.5),
+    el.scene.Box((0.65, 0.4, -0.1), (0.4, 0.4, 0.4), np.pi / 6),
+)
 ALBEDO = np.full((2, 3), 0.7)
 #: Paths through each pixel; four times as many are traced, because the light is a map.
 SAMPLES = 72

@@ -25,8 +25,8 @@ from tests.helpers import paths_of_real_maps
 from tests.reference.camera_curves import filmic, shoulder
 
 import envlights as el
-from envlights._srgb import encode_srgb
-from envlights._white import CodeHistogram
+from envlights._common.srgb import encode_srgb
+from envlights.environment.clip_level import CodeHistogram
 
 COLUMNS = 512
 #: Linear value of the median of the sphere in each exposure.

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 import envlights as el
 from envlights.scene.camera import Camera
 from envlights.scene.closed_form import closed_form
-from envlights.scene.path_traced import SolidsOnFloor
+from envlights.scene.mitsuba.path_traced import SolidsOnFloor
 
 HERE = Path(__file__).parent
 CAMERA = Camera((-2.4, 1.9, -3.2), (0, 0.4, 0), 34, 300, 225)
@@ -17,7 +17,10 @@ CAMERA = Camera((-2.4, 1.9, -3.2), (0, 0.4, 0), 34, 300, 225)
 
 def still_life() -> SolidsOnFloor:
     """A ball and a box, all of reflectance 0.7."""
-    solids = (el.Ball((-0.65, 0.5, 0.1), 0.5), el.Box((0.65, 0.4, -0.1), (0.4, 0.4, 0.4), 0.5))
+    solids = (
+        el.scene.Ball((-0.65, 0.5, 0.1), 0.5),
+        el.scene.Box((0.65, 0.4, -0.1), (0.4, 0.4, 0.4), 0.5),
+    )
     return SolidsOnFloor(solids, np.full((2, 3), 0.7), np.full(3, 0.7))
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 import envlights as el
 from envlights import kernels
-from envlights.io.image_output import write_png
+from envlights.environment.files.image_output import write_png
 
 HERE = Path(__file__).parent
 ROUGHNESS = 0.33

@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 
 import envlights as el
-from envlights.io.image_output import write_png
+from envlights.environment.files.image_output import write_png
 from envlights.scene.camera import Camera
 from envlights.scene.closed_form import shade, shade_with_hard_shadows
+from envlights.scene.mitsuba.path_traced import SolidsOnFloor
 from envlights.scene.panorama_floor import floor_albedo
-from envlights.scene.path_traced import SolidsOnFloor
 from envlights.scene.view_image import true_view, view_image
 
 HERE = Path(__file__).parent
@@ -41,14 +41,14 @@ def probe(light: el.EnvMap | el.Rig, azimuth: float) -> np.ndarray:
     return image.reshape(BALL, 2, BALL, 2, 3).mean(axis=(1, 3))
 
 
-def balls_of(seed: int) -> list[el.Ball]:
+def balls_of(seed: int) -> list[el.scene.Ball]:
     """White balls at random places above the floor."""
     rng = np.random.default_rng(seed)
-    balls: list[el.Ball] = []
+    balls: list[el.scene.Ball] = []
     while len(balls) < 7:
         x, z = rng.uniform(-4, 4, 2)
         radius = rng.uniform(0.25, 0.55)
-        ball = el.Ball((x, radius + rng.choice([0, 0.8, 1.6]), z), radius)
+        ball = el.scene.Ball((x, radius + rng.choice([0, 0.8, 1.6]), z), radius)
         gaps = [np.subtract(b.centre, ball.centre) for b in balls]
         if np.hypot(x, z) > 1.2 and all(np.linalg.norm(gap) > 1.2 for gap in gaps):
             balls.append(ball)
@@ -81,7 +81,7 @@ def draw_balls(env: el.EnvMap) -> None:
 
 def draw_box(env: el.EnvMap) -> None:
     """Figure 9: a box with four shadows, the way of the paper, ours, and the truth."""
-    box = scene(env, [el.Box((0, 0.6, 0), (0.3, 0.6, 0.3), 0.5)])
+    box = scene(env, [el.scene.Box((0, 0.6, 0), (0.3, 0.6, 0.3), 0.5)])
     camera = Camera((0.0, 2.6, -5.0), (0, 0.45, 0), 40, 240, 176)
     points = el.fit(env, 4, sizes=False)
     rig = el.fit(env, 4, floor=True)

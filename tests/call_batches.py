@@ -21,7 +21,7 @@ BATCH_CALLS = {
             "progress": st.none(),
         },
     ),
-    "Batch.load": (el.Batch.load, {"folder": st.just("no-folder")}),
+    "Batch.load": (el.batches.Batch.load, {"folder": st.just("no-folder")}),
     "Batch.table": (BATCH.table, {"of": st.sampled_from(["lights", "maps"])}),
     "Batch.save": (
         BATCH.save,

@@ -24,11 +24,11 @@ COMPARISON_CALLS = {
         {
             "truth": st.one_of(IMAGE, RIGS),
             "guess": st.one_of(IMAGE, RIGS),
-            "protocol": st.sampled_from(["exact", el.Protocol(gamma=2.2, median=0.5)]),
+            "protocol": st.sampled_from(["exact", el.comparison.Protocol(gamma=2.2, median=0.5)]),
         },
     ),
     "compare_lights": (
-        el.compare_lights,
+        el.comparison.compare_lights,
         {"truth": LIGHT_SETS, "guess": LIGHT_SETS, "strongest": COUNT},
     ),
     "compare_folders": (
@@ -36,7 +36,7 @@ COMPARISON_CALLS = {
         {"truth": st.just("no-folder"), "guess": st.just("no-folder"), "progress": st.none()},
     ),
     "image_errors": (
-        el.image_errors,
+        el.comparison.image_errors,
         {
             "truth": st.one_of(COLOURS, array(4, 8, 3)),
             "guess": st.one_of(COLOURS, array(4, 8, 3)),
@@ -45,7 +45,7 @@ COMPARISON_CALLS = {
         },
     ),
     "Protocol": (
-        el.Protocol,
+        el.comparison.Protocol,
         {
             "name": st.just("own"),
             "gamma": st.one_of(st.none(), SMALL),
@@ -56,8 +56,11 @@ COMPARISON_CALLS = {
             "normalised": FLAG,
         },
     ),
-    "Protocol.named": (el.Protocol.named, {"name": st.sampled_from(["exact", "stylelight"])}),
-    "vector_angle": (el.vector_angle, {"truth": IMAGE, "guess": IMAGE}),
+    "Protocol.named": (
+        el.comparison.Protocol.named,
+        {"name": st.sampled_from(["exact", "stylelight"])},
+    ),
+    "vector_angle": (el.comparison.vector_angle, {"truth": IMAGE, "guess": IMAGE}),
     "kernels.transport_plan": (
         kernels.transport_plan,
         {

@@ -5,7 +5,9 @@ from hypothesis import strategies as st
 import envlights as el
 from tests.call_values import FLAG, IMAGE, LIGHTS, RIG, SMALL
 
-FRAME_RIGS = st.just([el.FrameRig([0.1, 0.1, 0.1], RIG.lights, 0.0, ids=range(len(RIG.lights)))])
+FRAME_RIGS = st.just(
+    [el.sequence.FrameRig([0.1, 0.1, 0.1], RIG.lights, 0.0, ids=range(len(RIG.lights)))]
+)
 
 SEQUENCE_CALLS = {
     "follow": (
@@ -20,14 +22,14 @@ SEQUENCE_CALLS = {
         },
     ),
     "FrameRig": (
-        lambda **fields: el.FrameRig([0.1, 0.1, 0.1], RIG.lights, 0.0, **fields),
+        lambda **fields: el.sequence.FrameRig([0.1, 0.1, 0.1], RIG.lights, 0.0, **fields),
         {"frame": st.integers(0, 9), "ids": st.just(tuple(range(len(RIG.lights))))},
     ),
     "RigSequence": (
-        el.RigSequence,
+        el.sequence.RigSequence,
         {"rigs": FRAME_RIGS, "steadiness": st.integers(0, 9), "fps": st.one_of(st.none(), SMALL)},
     ),
-    "RigSequence.load": (el.RigSequence.load, {"path": st.just("none.jsonl")}),
+    "RigSequence.load": (el.sequence.RigSequence.load, {"path": st.just("none.jsonl")}),
     "sequence.usd": (el.sequence.usd, {"rigs": FRAME_RIGS, "fps": SMALL}),
     "sequence.gltf": (el.sequence.gltf, {"rigs": FRAME_RIGS, "fps": SMALL}),
     "sequence.blender": (el.sequence.blender, {"rigs": FRAME_RIGS, "fps": SMALL}),

@@ -5,10 +5,10 @@ from hypothesis import strategies as st
 
 import envlights as el
 from envlights import kernels
-from envlights.occluders import Stage
+from envlights.kernels.solids import Stage
 from tests.call_values import ANGLES, COLOUR, COLOURS, FEW, FLAG, RIG, SIZE, array
 
-BALL, BOX = el.Ball((0, 0.5, 0), 0.5), el.Box((1.2, 0.4, 0), (0.4, 0.4, 0.4), 0.3)
+BALL, BOX = el.scene.Ball((0, 0.5, 0), 0.5), el.scene.Box((1.2, 0.4, 0), (0.4, 0.4, 0.4), 0.3)
 POINTS = np.array([[0, 0, 0], [0.5, 0, 0.2], [3, 0, 1.0]])
 VECTOR = st.sampled_from([(0, 1, 0), [0.5, 1, -2], np.ones(3)])
 LENGTH = st.floats(0.1, 10)
@@ -16,9 +16,9 @@ STAGE = st.sampled_from([Stage.floor(each, POINTS) for each in ([], BALL, [BALL,
 SOLIDS = st.sampled_from([[], BALL, [BALL, BOX], (BOX, BOX)])
 
 SOLID_CALLS = {
-    "Ball": (el.Ball, {"centre": VECTOR, "radius": LENGTH}),
+    "Ball": (el.scene.Ball, {"centre": VECTOR, "radius": LENGTH}),
     "Box": (
-        el.Box,
+        el.scene.Box,
         {
             "centre": VECTOR,
             "half_sides": VECTOR,
@@ -26,7 +26,7 @@ SOLID_CALLS = {
         },
     ),
     "Polyhedron": (
-        el.Polyhedron,
+        el.scene.Polyhedron,
         {"vertices": st.just(BOX.vertices), "faces": st.sampled_from([BOX.faces, BOX.faces[:5]])},
     ),
     "shadow_overlay": (

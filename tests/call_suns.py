@@ -13,12 +13,12 @@ TIMES = st.datetimes(
     datetime.datetime(2040, 1, 1),
     timezones=st.just(datetime.timezone.utc),
 )
-SUN = el.Sun("sun", direction=[0.48, 0.6, 0.64], irradiance=[40, 38, 34])
+SUN = el.sun.Sun("sun", direction=[0.48, 0.6, 0.64], irradiance=[40, 38, 34])
 SUNS = st.sampled_from(["auto", (0.5, 0.7, 0.5), SUN])
 
 SUN_CALLS = {
     "SunAt": (
-        el.SunAt,
+        el.sun.SunAt,
         {
             "time": TIMES,
             "latitude": SMALL,

@@ -8,7 +8,7 @@ from tests.call_values import DIRECT, FLAG, INDIRECT, MODEL, SHARE, array, metho
 
 #: Texels of both images, which see those of the direct one.
 TEXELS = DIRECT[0, ..., 0].size
-PRIOR = el.TransferPrior(
+PRIOR = el.transfer.TransferPrior(
     hits=np.ones((INDIRECT[0, ..., 0].size, TEXELS), np.uint16),
     rays=TEXELS,
     between=np.full((TEXELS, TEXELS), 0.5 / TEXELS),
@@ -54,7 +54,7 @@ TRANSFER_CALLS = {
         method_of(PRIOR, "errors"),
         {"direct": st.just(DIRECT), "indirect": st.just(INDIRECT)},
     ),
-    "TransferPrior.load": (el.TransferPrior.load, {"path": st.just("none.npz")}),
+    "TransferPrior.load": (el.transfer.TransferPrior.load, {"path": st.just("none.npz")}),
     "TransferPrior.save": (method_of(PRIOR, "save"), {"path": st.just("no-folder/p.npz")}),
     "TransferModel.load": (el.TransferModel.load, {"path": st.just("none.npz")}),
     "TransferModel.save": (method_of(MODEL, "save"), {"path": st.just("no-folder/m.npz")}),

@@ -48,7 +48,6 @@ from tests.call_values import (
     UNITS,
     UNKNOWNS,
     array,
-    detect,
     exports_of,
     light_at,
     method_of,
@@ -78,7 +77,7 @@ CALLS = {
             "convention": st.sampled_from(["envlights", "ramamoorthi", "three", "unity"]),
         },
     ),
-    "rigs_to_frame": (el.rigs_to_frame, {"rigs": st.lists(st.just(RIG), max_size=3)}),
+    "rigs_to_frame": (el.rigs.rigs_to_frame, {"rigs": st.lists(st.just(RIG), max_size=3)}),
     "EnvMap.calibrated": (
         lambda env, **readings: el.EnvMap(env).calibrated(**readings),
         {"env": IMAGE, "lux": SMALL, "facing": AXIS_OF_SURFACE, "patch": SMALL},
@@ -128,11 +127,7 @@ CALLS = {
     "Rig.save": (method_of(FITTED, "save"), {"path": st.just("no-folder/rig.json")}),
     "DetectedLights.to_map": (method_of(DETECTED, "to_map"), {"height": SIZE}),
     "detect": (
-        detect,
-        {"env": IMAGE, "method": st.sampled_from(["tree", "article"]), "max_lights": LIGHTS},
-    ),
-    "detect_tree": (
-        el.detect_tree,
+        el.detect,
         {
             "env": IMAGE,
             "max_lights": LIGHTS,
@@ -156,8 +151,8 @@ CALLS = {
         },
     ),
     "limit": (el.limit, {"env": IMAGE, "maximum": SMALL}),
-    "detect_article": (
-        el.detect_article,
+    "papers.loghin.detect": (
+        el.papers.loghin.detect,
         {
             "env": IMAGE,
             "max_lights": LIGHTS,
@@ -208,8 +203,8 @@ CALLS = {
     ),
     **BATCH_CALLS,
     **COMPARISON_CALLS,
-    "fit_paper": (
-        el.fit_paper,
+    "papers.madsen.fit": (
+        el.papers.madsen.fit,
         {
             "env": IMAGE,
             "lights": COUNT,
@@ -231,7 +226,7 @@ CALLS = {
     "synthetic.room": (synthetic.room, {"pairs": COUNT, "width": SIZE, "seed": SEED}),
     "synthetic.scene": (synthetic.scene, {"height": SIZE, "background": COLOUR}),
     "Model": (
-        el.Model,
+        el.viewer.Model,
         {
             "vertices": st.one_of(array(9, 3), st.just(np.eye(3))),
             "triangles": st.just([[0, 1, 2]]),
@@ -240,7 +235,7 @@ CALLS = {
             "up": st.sampled_from(["y", "z"]),
         },
     ),
-    "Model.open": (el.Model.open, {"source": st.just("none.glb"), "scale": SMALL}),
+    "Model.open": (el.viewer.Model.open, {"source": st.just("none.glb"), "scale": SMALL}),
     "view": (
         el.view,
         {"env": st.just(RIG), "rig": st.none(), "title": st.sampled_from(["A hall", "</script>"])},

@@ -52,7 +52,7 @@ def _with_axes_exchanged(target, argument="lights.direction"):
 def _detector(name, radiance):
     """Mutant of the detector, which sees another map."""
     old = "_native.detect_tree(world.radiance,"
-    file = "python/envlights/detection/component_tree.py"
+    file = "python/envlights/detection/detect.py"
     new = f"_native.detect_tree({radiance},"
     return Mutant(f"detector: {name}", file, old, new, _PUBLIC)
 

@@ -16,8 +16,8 @@ from pathlib import Path
 import numpy as np
 
 import envlights as el
-from envlights.io.files import PICTURES
-from envlights.io.image_output import write_png, write_tiff
+from envlights._common.files import PICTURES
+from envlights.environment.files.image_output import write_png, write_tiff
 from envlights.sequence.formats import SUFFIXES
 from tests.call_transfer import PRIOR
 from tests.helpers import disk_that_is_full_after
@@ -37,11 +37,11 @@ PRIORS = [replace(PRIOR, visible=PRIOR.visible / (1 + which)) for which in (0, 1
 
 
 SUNS = [
-    el.with_sun(image, el.Sun("sun", direction=[0, 0.6, 0.8], irradiance=[9 + which] * 3))
+    el.with_sun(image, el.sun.Sun("sun", direction=[0, 0.6, 0.8], irradiance=[9 + which] * 3))
     for which, image in enumerate(IMAGES)
 ]
 CARDS = [
-    el.CardSplit(
+    el.cards.CardSplit(
         el.Cards(
             ["rectangle"],
             [np.array([[-1.0 - which, 0, 0.5], [0, -1, 0.5], [0, 0, 1]])],
@@ -51,12 +51,14 @@ CARDS = [
     )
     for which in (0, 1)
 ]
-SHADOWS = [el.shadow_overlay(rig, el.Ball((0, 0.5, 0), 0.5), columns=64) for rig in RIGS]
+SHADOWS = [el.shadow_overlay(rig, el.scene.Ball((0, 0.5, 0), 0.5), columns=64) for rig in RIGS]
 PAGES = [el.view(rig) for rig in RIGS]
 
 
 TABLES = [
-    el.FolderComparison(el.Protocol(), {"hall": el.compare(IMAGES[which], RIGS[which])}, {})
+    el.comparison.FolderComparison(
+        el.comparison.Protocol(), {"hall": el.compare(IMAGES[which], RIGS[which])}, {}
+    )
     for which in (0, 1)
 ]
 

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import envlights as el
-from envlights.io.openimageio import oiio
+from envlights.environment.decoders.openimageio import oiio
 from envlights.kernels.image import LUMINANCE
 
 OWN = "the map's own scale"
@@ -233,7 +233,7 @@ DERIVED = {
     "fit": lambda env: el.fit(env, 1),
     "lights of fit": lambda env: el.fit(env, 1).lights,
     "slice": lambda env: el.fit(env, 1).lights[:1],
-    "paper": lambda env: el.fit_paper(env, 1, max_steps=1),
+    "paper": lambda env: el.papers.madsen.fit(env, 1, max_steps=1),
     "turned rig": lambda env: el.fit(env, 1).rotated(np.eye(3)[[1, 2, 0]]),
     "map of rig": lambda env: el.fit(env, 1).to_map(16),
     "map of lights": lambda env: el.fit(env, 1).lights.to_map(16),

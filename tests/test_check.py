@@ -7,7 +7,7 @@ import pytest
 
 import envlights as el
 from envlights import kernels
-from envlights._check import describe, first_not_finite, float_image, reals, whole_numbers
+from envlights._common.check import describe, first_not_finite, float_image, reals, whole_numbers
 
 MAP = np.random.default_rng(0).random((8, 16, 3), dtype=np.float32)
 
@@ -57,9 +57,18 @@ def test_the_first_sample_that_is_not_finite_is_found_by_rows():
         (lambda: kernels.halton(3, [2.5]), "bases must be a whole number"),
         (lambda: el.EnvMap(MAP, notes=5), "notes must be text; got 5"),
         (lambda: el.EnvMap(MAP, notes=["seen", None]), "notes must be text; got None"),
-        (lambda: el.fit_paper(MAP, 2, k_a=1e300), r"k_a must be .* from 0 to 1e\+100; got 1e\+300"),
-        (lambda: el.fit_paper(MAP, 2, k_d=1e300), r"k_d must be .* from 0 to 1e\+100; got 1e\+300"),
-        (lambda: el.fit_paper(MAP, 2, C=(1, 1e300, 1)), r"C must be at most 1e\+100; got 1e\+300"),
+        (
+            lambda: el.papers.madsen.fit(MAP, 2, k_a=1e300),
+            r"k_a must be .* from 0 to 1e\+100; got 1e\+300",
+        ),
+        (
+            lambda: el.papers.madsen.fit(MAP, 2, k_d=1e300),
+            r"k_d must be .* from 0 to 1e\+100; got 1e\+300",
+        ),
+        (
+            lambda: el.papers.madsen.fit(MAP, 2, C=(1, 1e300, 1)),
+            r"C must be at most 1e\+100; got 1e\+300",
+        ),
     ],
 )
 def test_what_is_of_another_kind_is_refused_in_a_sentence(call, message):
@@ -69,7 +78,7 @@ def test_what_is_of_another_kind_is_refused_in_a_sentence(call, message):
 
 @pytest.mark.parametrize("k_a", [1e-100, 1e100])
 def test_the_strongest_reflection_that_is_taken_has_a_finite_error(k_a):
-    assert np.isfinite(el.fit_paper(MAP, 1, k_a=k_a, k_d=1e100).error)
+    assert np.isfinite(el.papers.madsen.fit(MAP, 1, k_a=k_a, k_d=1e100).error)
 
 
 @pytest.mark.parametrize(

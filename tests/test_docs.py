@@ -11,7 +11,7 @@ import pytest
 from matplotlib.figure import Figure
 
 import envlights as el
-from envlights.demo import demo_transfer
+from envlights.cli.demonstration import demo_transfer
 
 ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"

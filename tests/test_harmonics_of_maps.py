@@ -5,7 +5,7 @@ import pytest
 
 import envlights as el
 from envlights import kernels
-from envlights._map_harmonics import _AXES, FACTORS
+from envlights.environment.harmonics import _AXES, FACTORS
 from envlights.export import AXES
 
 RNG = np.random.default_rng(5)

@@ -21,7 +21,7 @@ LONG = {
     "rotated": "[el.EnvMap(image).rotated(turn) for _ in range(1000)]",
     "fit": "[el.fit(image, 20, ambient='sh2') for _ in range(20)]",
     "fit_probe": "[el.fit_probe(*probe, 30) for _ in range(20)]",
-    "fit_paper": "el.fit_paper(image, 100, max_steps=10**6)",
+    "fit_paper": "el.papers.madsen.fit(image, 100, max_steps=10**6)",
     "pixel_directions": "kernels.pixel_directions(16384, 16384)",
     "pixel_solid_angles": "kernels.pixel_solid_angles(32768, 32768)",
     "rig_irradiance": "kernels.rig_irradiance(normals, [1] * 3, even, even**2, even[:, 0] ** 2)",

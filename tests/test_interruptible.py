@@ -5,7 +5,7 @@ import threading
 import numpy as np
 import pytest
 
-from envlights._interruptible import interruptible
+from envlights._common.interruptible import interruptible
 
 LONG, SHORT = 1e12, 1e3
 

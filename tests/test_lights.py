@@ -11,7 +11,7 @@ from scipy.integrate import quad
 
 import envlights as el
 from envlights.kernels.image import LUMINANCE
-from envlights.lights import brightest_first
+from envlights.rigs.lights import brightest_first
 
 NORMALS, SOLID_ANGLES = el.kernels.icosphere(320)
 

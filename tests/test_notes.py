@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import envlights as el
-from envlights._notes import CODES, OTHER
+from envlights._common.notes import CODES, OTHER
 
 SOURCES = Path(el.__file__).parent
 TEXT = "\n".join(path.read_text() for path in SOURCES.rglob("*.py") if path.name != "_notes.py")

@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from envlights._progress import progress_bar
+from envlights._common.progress import progress_bar
 
 
 class Terminal:
@@ -29,7 +29,7 @@ class Terminal:
 def test_bars_are_for_those_who_look(monkeypatch, progress, is_terminal, shown):
     stream = Terminal(is_terminal)
     monkeypatch.setattr(sys, "stderr", stream)
-    monkeypatch.setattr("envlights._progress._DELAY", 0.0)
+    monkeypatch.setattr("envlights._common.progress._DELAY", 0.0)
     assert list(progress_bar(range(5), "counting", "item", progress)) == list(range(5))
     assert ("counting: 100%" in stream.told) == shown
 

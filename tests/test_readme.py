@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from envlights.demo import demo
+from envlights.cli.demonstration import demo
 
 README = Path(__file__).parent.parent / "README.md"
 TEXT = README.read_text(encoding="utf-8")

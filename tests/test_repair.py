@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import envlights as el
-from envlights import kernels, repair
+from envlights import kernels
+from envlights.environment import repair
 from envlights.kernels.image import LUMINANCE
 from tests.helpers import angle_deg, flux, printed_by_threads
 
@@ -177,7 +178,7 @@ def test_the_seam_and_the_number_of_threads_change_nothing():
 
 
 def test_the_plateau_is_that_of_detection():
-    options = inspect.signature(el.detect_tree).parameters
+    options = inspect.signature(el.detect).parameters
     columns = options["working_width"].default // 2  # clipped maps are searched in half of them
     assert columns == repair.PLATEAU_COLUMNS
     assert np.deg2rad(options["gap_deg"].default) == pytest.approx(repair.PLATEAU_GAP)

@@ -14,9 +14,10 @@ import numpy as np
 import pytest
 
 import envlights as el
-from envlights import _html, _thumbnails
-from envlights._result import Result
-from envlights._tables import MOST_ROWS, Table
+from envlights._common import html
+from envlights._common.result import Result
+from envlights._common.tables import MOST_ROWS, Table
+from envlights.environment import thumbnails
 from tests.helpers import pairs_of_room
 
 room = partial(pairs_of_room, 12, 16)
@@ -69,7 +70,7 @@ def results():
         "DetectionReport": detected_lights().report,
         "Rig, black": el.fit(np.zeros((8, 16, 3))),
         "Rig, harmonics": el.fit(hall(), lights=1, ambient="sh2"),
-        "Rig, article": el.fit_paper(hall(), lights=2),
+        "Rig, article": el.papers.madsen.fit(hall(), lights=2),
         "TransferModel": model(),
         "TransferModel, compressed": model().compressed(),
         "TransferModel, notebook": el.TransferModel.fit(
@@ -217,21 +218,21 @@ def test_columns_are_aligned_and_text_is_escaped():
     assert str(table).splitlines() == [" n  share", " 1    <b>  one & all", "10    5 %", "so & so"]
     assert "<b>" not in table.html()
     assert "&lt;b&gt;" in table.html()
-    assert "<strong>" not in _html.block("<strong", "</div>")[20:]
+    assert "<strong>" not in html.block("<strong", "</div>")[20:]
 
 
 def test_a_png_is_what_an_image_library_reads():
     image = pytest.importorskip("matplotlib.image")
     codes = np.random.default_rng(0).integers(0, 256, (5, 7, 3)).astype(np.uint8)
-    seen = image.imread(io.BytesIO(_html.png(codes)))[..., :3]
+    seen = image.imread(io.BytesIO(html.png(codes)))[..., :3]
     np.testing.assert_array_equal(np.round(255 * seen), codes)
     smooth = np.full((120, 240, 3), 17, np.uint8)
-    assert len(_html.png(smooth)) < 1000 < len(zlib.compress(codes.tobytes())) * 20
+    assert len(html.png(smooth)) < 1000 < len(zlib.compress(codes.tobytes())) * 20
 
 
 def test_lights_are_drawn_where_they_are_in_their_colour():
     lights = el.Lights([[1, 0, 0], [0, 0, 1]], [[4, 0, 0], [0, 0, 1]])
-    drawn = _thumbnails.of_lights(lights.direction, lights.irradiance, lights.angular_radius)
+    drawn = thumbnails.of_lights(lights.direction, lights.irradiance, lights.angular_radius)
     assert drawn[58, 60].tolist() == [255, 0, 0]
     assert drawn[58, 120].tolist() == [0, 0, 255]
     assert drawn[30, 200].max() < 90
@@ -241,11 +242,11 @@ def test_a_sky_is_not_white_where_a_lamp_shines():
     """A sun over an even sky: the sky keeps its colour, the sun is white."""
     sun = el.synthetic.Disc((0, 0.6, 0.8), 3, (1e4,) * 3)
     world = el.synthetic.scene(64, background=[0.2, 0.3, 0.5], shapes=[sun])
-    codes = _thumbnails.of_map(world.radiance)
+    codes = thumbnails.of_map(world.radiance)
     assert codes.min(axis=(0, 1)).max() < 256
     assert (codes == 255).all(axis=2).mean() < 0.02
     assert codes[0, 0, 0] < codes[0, 0, 2]
-    assert not _thumbnails.of_map(np.zeros((8, 16, 3))).any()
+    assert not thumbnails.of_map(np.zeros((8, 16, 3))).any()
 
 
 def test_directions_of_a_basis_are_orthonormal():
@@ -333,7 +334,13 @@ def test_every_class_of_results_is_frozen_and_has_the_text_and_the_equality_of_r
         if not each.name.startswith(("envlights.plot.", "envlights.__main__")):
             importlib.import_module(each.name)
     found = set(classes_of_results())
-    assert {el.Lights, el.DetectedLights, el.Card, el.Rig, el.FitReport} <= found
+    assert {
+        el.Lights,
+        el.detection.DetectedLights,
+        el.cards.Card,
+        el.Rig,
+        el.rigs.FitReport,
+    } <= found
     for each in found:
         assert each.__repr__ is Result.__repr__, each
         assert each.__eq__ is Result.__eq__, each

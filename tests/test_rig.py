@@ -20,11 +20,11 @@ UNIT = st.tuples(st.floats(0, 1), st.floats(0, 1))
 
 
 def a_rig():
-    report = el.FitReport(
+    report = el.rigs.FitReport(
         search_errors={0: 0.5, 1: 0.3},
         sized_error=0.25,
         steps=7,
-        stop_reason=el.StopReason.CONVERGED,
+        stop_reason=el.rigs.StopReason.CONVERGED,
         seconds={"fit": 0.5},
         measured_on="5 normals",
         ambient="constant",
@@ -328,8 +328,8 @@ def test_harmonics_over_a_floor_are_refused():
 
 
 def test_the_old_name_of_the_errors_in_the_search_works_with_a_warning():
-    report = el.FitReport({0: 0.5})
+    report = el.rigs.FitReport({0: 0.5})
     with pytest.warns(DeprecationWarning, match=r"search_errors.*el\.error_curve"):
         assert report.errors == report.search_errors == {0: 0.5}
     assert "errors" not in report.to_dict()
-    assert el.FitReport.from_dict(report.to_dict()) == report
+    assert el.rigs.FitReport.from_dict(report.to_dict()) == report

@@ -9,8 +9,8 @@ from click.testing import CliRunner
 
 import envlights as el
 from envlights.cli import main
+from envlights.environment.decoders.openimageio import oiio
 from envlights.export.units import UNITS
-from envlights.io.openimageio import oiio
 from envlights.kernels.image import LUMINANCE
 
 OWN = "the map's own scale"

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 
 import envlights as el
 from envlights import cli
-from envlights.fitting.madsen import fit_paper
 from envlights.kernels.probe import relative_rms
 from envlights.kernels.sphere import pixel_directions
+from envlights.papers import madsen
 from tests.helpers import NORMALS, SOLID_ANGLES, paths_of_real_maps
 
 HEIGHT, WIDTH = 64, 128
@@ -102,7 +102,7 @@ def test_the_probe_is_that_of_the_filled_map():
         lambda env: env.probe([[0, 1, 0]]),
         lambda env: env.filled(),
         lambda env: el.fit(env),
-        lambda env: fit_paper(env),
+        lambda env: madsen.fit(env),
     ],
 )
 def test_half_a_sphere_is_refused_without_a_choice(use):
@@ -221,12 +221,12 @@ def test_the_background_of_a_light_at_the_border_is_what_is_seen(tmp_path):
     part, whole = el.detect(el.EnvMap(radiance, seen=seen)), el.detect(radiance)
     np.testing.assert_allclose(part.irradiance, whole.irradiance, rtol=1e-3)
     part.save(tmp_path / "lights.json")
-    again = el.DetectedLights.load(tmp_path / "lights.json")
+    again = el.detection.DetectedLights.load(tmp_path / "lights.json")
     assert again.is_cut.tolist() == part.is_cut.tolist()
     data = json.loads((tmp_path / "lights.json").read_text())
     del data["is_cut"]
     (tmp_path / "lights.json").write_text(json.dumps(data))
-    assert not el.DetectedLights.load(tmp_path / "lights.json").is_cut.any()
+    assert not el.detection.DetectedLights.load(tmp_path / "lights.json").is_cut.any()
 
 
 @pytest.mark.parametrize("radiance", [0.2, 5.0])

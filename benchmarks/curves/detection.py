@@ -14,7 +14,7 @@ from detectors import DETECTORS, ours, sphere
 
 import envlights as el
 from envlights import synthetic
-from envlights._srgb import encode_srgb
+from envlights._common.srgb import encode_srgb
 from envlights.kernels.image import LUMINANCE
 
 TITLE = "Detection"

@@ -3,7 +3,7 @@
 import numpy as np
 from tests.reference.mitsuba_images import film, rgb
 
-from envlights.scene.renderer import mitsuba
+from envlights.scene.mitsuba.renderer import mitsuba
 
 #: Distance and size of the white squares, one for each normal: they hide nothing of each other.
 _APART, _SIDE = 100.0, 0.01

@@ -10,197 +10,166 @@
 import typing as _typing
 from importlib import import_module as _import_module
 
-from envlights import _map_repair, _targets, kernels
+from envlights import kernels
+from envlights._common.errors import FileError
+from envlights._common.notes import Note
+from envlights._common.threads import threads
 from envlights._native import EnvLightsError
-from envlights._notes import Note
-from envlights._report_fields import StopReason
-from envlights._threads import threads
-from envlights.cards import Card, Cards, CardSplit
-from envlights.detection.component_tree import detect_tree
+from envlights.cards import Cards
 from envlights.detection.detect import detect
-from envlights.detection.lights import DetectedLights, DetectionReport
-from envlights.detection.loghin import detect_article
-from envlights.detection.photograph import detect_photograph
-from envlights.detection.photograph_lights import PhotographLight, PhotographLights
-from envlights.detection.removed_lights import RemovedLights
-from envlights.detection.split import Split, split
-from envlights.envmap import EnvMap
-from envlights.excess import Limit, limit
+from envlights.environment.envmap import EnvMap
 from envlights.fitting.fit import fit, fit_probe
-from envlights.io.errors import DamagedFileError, FileError, MissingFileError
-from envlights.lights import Lights
-from envlights.occluders import Ball, Box, Polyhedron
-from envlights.report import FitReport
-from envlights.rig import Rig, rigs_to_frame
+from envlights.rigs.lights import Lights
+from envlights.rigs.rig import Rig
+from envlights.splitting.limit import limit
+from envlights.splitting.split import Split, split
 
 __all__ = [
-    "BakedPairs",
-    "Ball",
-    "Batch",
-    "Box",
-    "Card",
-    "CardSplit",
     "Cards",
-    "Comparison",
-    "DamagedFileError",
-    "DetectedLights",
-    "DetectionReport",
-    "DirectLight",
     "EnvLightsError",
     "EnvMap",
-    "ErrorCurve",
     "FileError",
-    "FilePairs",
-    "FitReport",
-    "FolderComparison",
-    "FrameRig",
-    "ImageErrors",
-    "LabelArrays",
-    "LightSetDifference",
     "Lights",
-    "Limit",
-    "MissingFileError",
-    "MitsubaScene",
-    "Model",
     "Note",
-    "PaperFit",
-    "PhotographLight",
-    "PhotographLights",
-    "Polyhedron",
-    "Protocol",
-    "RemovedLights",
     "Rig",
-    "RigSequence",
-    "RigStream",
-    "ShadowOverlay",
     "Split",
-    "StopReason",
-    "Sun",
-    "SunAt",
-    "SunSplit",
-    "Surface",
     "TransferModel",
-    "TransferPrior",
-    "TransferReport",
-    "View",
     "bake",
     "batch",
     "compare",
     "compare_folders",
-    "compare_lights",
+    "comparison",
     "detect",
-    "detect_article",
     "detect_photograph",
-    "detect_tree",
     "error_curve",
+    "export",
     "find_sun",
     "fit",
-    "fit_paper",
     "fit_probe",
     "follow",
-    "image_errors",
+    "io",
     "kernels",
     "label_arrays",
     "limit",
+    "papers",
+    "plot",
     "read_pairs",
-    "rigs_to_frame",
+    "rigs",
+    "scene",
+    "sequence",
     "shadow_overlay",
     "split",
+    "sun",
     "synthetic",
     "threads",
-    "vector_angle",
+    "transfer",
     "view",
     "with_sun",
 ]
 
-#: Attributes, too. What a fit does not need is imported when it is first used, so that `import
-#: envlights` does not wait for it; so is what reads the version.
-_SUBPACKAGES = (
-    *("cli", "comparison", "detection", "export", "fitting", "io", "plot", "scene"),
-    *("sequence", "sun", "synthetic", "transfer"),
+#: Packages that are imported when they are first used, so that `import envlights` is fast.
+_PACKAGES = (
+    *("batches", "cli", "comparison", "export", "io", "papers", "plot", "scene", "sequence"),
+    *("sun", "synthetic", "transfer", "viewer"),
 )
-#: Names of `__all__` that come from one of them.
+#: Functions and classes of `__all__` that come from one of them.
 _LATER = {
-    **dict.fromkeys(("ErrorCurve", "error_curve"), "fitting.error_curve"),
-    **dict.fromkeys(("PaperFit", "fit_paper"), "fitting.madsen"),
-    **dict.fromkeys(("BakedPairs", "DirectLight", "MitsubaScene", "Surface", "bake"), "scene"),
-    **dict.fromkeys(("ShadowOverlay", "shadow_overlay"), "scene"),
-    **dict.fromkeys(("FrameRig", "RigSequence", "RigStream", "follow"), "sequence"),
-    **dict.fromkeys(("View", "view"), "viewer.page"),
-    **dict.fromkeys(("Comparison", "compare"), "comparison.compare"),
-    **dict.fromkeys(("FolderComparison", "compare_folders"), "comparison.folders"),
-    **dict.fromkeys(("ImageErrors", "image_errors"), "comparison.image_errors"),
-    "LightSetDifference": "comparison.light_set_difference",
-    "Protocol": "comparison.protocol",
-    "compare_lights": "comparison.light_sets",
-    "vector_angle": "comparison.vector_angle",
-    "Model": "viewer.model",
-    "Batch": "many.result",
-    "batch": "many.batch",
-    **dict.fromkeys(("LabelArrays", "label_arrays"), "many.labels"),
-    **dict.fromkeys(("Sun", "SunAt", "SunSplit", "find_sun", "with_sun"), "sun"),
-    **dict.fromkeys(
-        ("FilePairs", "TransferModel", "TransferPrior", "TransferReport", "read_pairs"), "transfer"
-    ),
+    "TransferModel": "transfer",
+    "bake": "scene",
+    "batch": "batches.batch",
+    "compare": "comparison.compare",
+    "compare_folders": "comparison.folders",
+    "detect_photograph": "papers.photograph",
+    "error_curve": "fitting.error_curve",
+    "find_sun": "sun",
+    "follow": "sequence",
+    "label_arrays": "batches.labels",
+    "read_pairs": "transfer",
+    "shadow_overlay": "scene",
+    "view": "viewer.page",
+    "with_sun": "sun",
 }
 
-# The first `save` loads the exporters, which register themselves.
-_targets.register_later(lambda: _import_module(f"{__name__}.export"))
-# So does the first repair with a sun.
-_map_repair.register_later(lambda: _import_module(f"{__name__}.sun").repair_with_sun)
+#: Former names in this module, by their package now; each warns. For version 0.1 only.
+_FORMER = {
+    "batches": "Batch LabelArrays",
+    "cards": "Card CardSplit",
+    "comparison": "Comparison FolderComparison ImageErrors LightSetDifference Protocol"
+    " compare_lights image_errors vector_angle",
+    "detection": "DetectedLights DetectionReport",
+    "fitting": "ErrorCurve",
+    "io": "DamagedFileError MissingFileError",
+    "papers": "PaperFit PhotographLight PhotographLights",
+    "rigs": "FitReport StopReason rigs_to_frame",
+    "scene": "BakedPairs Ball Box DirectLight MitsubaScene Polyhedron ShadowOverlay Surface",
+    "sequence": "FrameRig RigSequence RigStream",
+    "splitting": "Limit RemovedLights",
+    "sun": "Sun SunAt SunSplit",
+    "transfer": "FilePairs TransferPrior TransferReport",
+    "viewer": "Model View",
+}
+#: Former names of functions, and their names now.
+_RENAMED = {
+    "detect_article": "papers.loghin.detect",
+    "detect_tree": "detect",
+    "fit_paper": "papers.madsen.fit",
+}
 
 if _typing.TYPE_CHECKING:
     __version__: str
+    from envlights import batches as batches
+    from envlights import cards as cards
     from envlights import cli as cli
     from envlights import comparison as comparison
     from envlights import detection as detection
     from envlights import export as export
     from envlights import fitting as fitting
     from envlights import io as io
+    from envlights import papers as papers
     from envlights import plot as plot
+    from envlights import rigs as rigs
     from envlights import scene as scene
     from envlights import sequence as sequence
+    from envlights import splitting as splitting
     from envlights import sun as sun
     from envlights import synthetic as synthetic
     from envlights import transfer as transfer
-    from envlights.comparison.compare import Comparison, compare
-    from envlights.comparison.folders import FolderComparison, compare_folders
-    from envlights.comparison.image_errors import ImageErrors, image_errors
-    from envlights.comparison.light_set_difference import LightSetDifference
-    from envlights.comparison.light_sets import compare_lights
-    from envlights.comparison.protocol import Protocol
-    from envlights.comparison.vector_angle import vector_angle as vector_angle
-    from envlights.fitting.error_curve import ErrorCurve, error_curve
-    from envlights.fitting.madsen import PaperFit, fit_paper
-    from envlights.many.batch import batch as batch
-    from envlights.many.labels import LabelArrays, label_arrays
-    from envlights.many.result import Batch
-    from envlights.scene import BakedPairs, DirectLight, MitsubaScene, ShadowOverlay, Surface
+    from envlights import viewer as viewer
+    from envlights.batches.batch import batch as batch
+    from envlights.batches.labels import label_arrays as label_arrays
+    from envlights.comparison.compare import compare as compare
+    from envlights.comparison.folders import compare_folders as compare_folders
+    from envlights.fitting.error_curve import error_curve as error_curve
+    from envlights.papers.photograph import detect_photograph as detect_photograph
     from envlights.scene.bake import bake as bake
     from envlights.scene.floor_shadow import shadow_overlay as shadow_overlay
-    from envlights.sequence import FrameRig, RigSequence, RigStream
     from envlights.sequence.follow import follow as follow
-    from envlights.sun import Sun, SunAt, SunSplit, find_sun, with_sun
-    from envlights.transfer import (
-        FilePairs,
-        TransferModel,
-        TransferPrior,
-        TransferReport,
-        read_pairs,
-    )
-    from envlights.viewer.model import Model
-    from envlights.viewer.page import View, view
+    from envlights.sun import find_sun as find_sun
+    from envlights.sun import with_sun as with_sun
+    from envlights.transfer import TransferModel as TransferModel
+    from envlights.transfer import read_pairs as read_pairs
+    from envlights.viewer.page import view as view
 else:
 
     def __getattr__(name):
         if name == "__version__":
             return _import_module("importlib.metadata").version(__name__)
-        if name in _SUBPACKAGES:
+        if name in _PACKAGES:
             return _import_module(f"{__name__}.{name}")
         if name in _LATER:
             return getattr(_import_module(f"{__name__}.{_LATER[name]}"), name)
-        raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
+        return _former(name)
+
+    def _former(name):
+        """Object of a former name, with a warning that has its name now."""
+        from envlights._common.former import former
+
+        packages = {each: package for package, names in _FORMER.items() for each in names.split()}
+        path = _RENAMED.get(name) or (name in packages and f"{packages[name]}.{name}")
+        if not path:
+            raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
+        return former(f"el.{name}", f"el.{path}", _import_module(__name__), path)
 
 
 def __dir__() -> list[str]:
-    return sorted({*__all__, *_SUBPACKAGES, "__version__"})
+    return sorted({*__all__, "__version__"})

@@ -5,12 +5,12 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights.detection.component_tree import TreeOptions
+from envlights.detection.detect import TreeOptions
+from envlights.environment.layouts.layout import Layout
 from envlights.fitting.options import FitOptions
 from envlights.kernels.loghin import LineRule
 from envlights.kernels.occluder import _Lighting
-from envlights.layouts.layout import Layout
-from envlights.occluders import Stage
+from envlights.kernels.solids import Stage
 
 # fmt: off
 __all__ = [
@@ -45,7 +45,7 @@ _Image = NDArray[np.float32]
 _Indices = NDArray[np.int64]
 #: Ambient and diffuse coefficient and colour of a surface.
 _Coefficients = tuple[float, float, list[float]]
-#: `envlights.detection.split.LightPixels`.
+#: `envlights.splitting.split.LightPixels`.
 _LightPixels = tuple[_Indices, _Indices, _Reals, int, float, _Image]
 
 LEAST_WHITE: float

@@ -188,7 +188,7 @@ impl PngFile {
     }
 }
 
-/// See `envlights.io.image_output`: bytes of some rows of a Radiance picture.
+/// See `envlights.environment.files.image_output`: bytes of some rows of a Radiance picture.
 #[pyfunction]
 pub fn radiance_rows<'py>(
     py: Python<'py>,

@@ -16,7 +16,7 @@ pub fn unusable(py: Python<'_>, radiance: PyReadonlyArray3<'_, f32>) -> PyResult
     Ok((counts.nan, counts.infinite, counts.negative))
 }
 
-/// See `envlights._codes`: values of 8-bit codes by one table, or by one for each channel.
+/// See `envlights._common.codes`: values of 8-bit codes by one table, or by one for each channel.
 #[pyfunction]
 pub fn decode_8<'py>(
     py: Python<'py>,
@@ -26,7 +26,7 @@ pub fn decode_8<'py>(
     decode(py, codes, tables)
 }
 
-/// See `envlights._codes`: values of 16-bit codes by one table, or by one for each channel.
+/// See `envlights._common.codes`: values of 16-bit codes by one table, or by one for each channel.
 #[pyfunction]
 pub fn decode_16<'py>(
     py: Python<'py>,

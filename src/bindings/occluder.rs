@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::kernels::occluder::{self as kernel, Ball, Polyhedron, Receivers, Solid, Sources, Surroundings};
 use crate::kernels::sphere::{check_lengths, unit_vectors, vectors};
 
-/// A solid: `envlights.occluders.Ball` or `envlights.occluders.Polyhedron`.
+/// A solid: `envlights.kernels.solids.Ball` or `envlights.kernels.solids.Polyhedron`.
 #[derive(FromPyObject)]
 enum Shape {
     Ball { centre: [f64; 3], radius: f64 },
@@ -28,7 +28,7 @@ impl Shape {
     }
 }
 
-/// Solids, and points of surfaces; a scene of `envlights.occluders`.
+/// Solids, and points of surfaces; a scene of `envlights.kernels.solids`.
 #[derive(FromPyObject)]
 pub struct Stage<'py> {
     solids: Vec<Shape>,

@@ -17,7 +17,7 @@ use crate::kernels::projection::{
 };
 use crate::kernels::sphere::{check_rows, unit_vectors};
 
-/// The named tuple of `envlights.layouts.layout`.
+/// The named tuple of `envlights.environment.layouts.layout`.
 #[derive(FromPyObject)]
 pub struct PictureLayout {
     kind: String,
@@ -121,7 +121,7 @@ fn check(is_valid: bool, what: &'static str) -> Result<()> {
 
 type ResampleResult<'py> = (Bound<'py, PyArray3<f32>>, Option<Bound<'py, PyArray2<f32>>>);
 
-/// See `envlights.layouts.resampling`; `matrix` has its rows in order.
+/// See `envlights.environment.layouts.resampling`; `matrix` has its rows in order.
 #[pyfunction]
 pub fn resample<'py>(
     py: Python<'py>,

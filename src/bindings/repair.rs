@@ -20,7 +20,7 @@ pub fn clipped_share(
     Ok((share.sphere, share.flux))
 }
 
-/// Density of the light that was cut off, for each pixel; see `envlights.repair`.
+/// Density of the light that was cut off, for each pixel; see `envlights.environment.repair`.
 #[pyfunction]
 pub fn clipped_light_shares<'py>(
     py: Python<'py>,

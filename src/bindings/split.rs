@@ -23,7 +23,7 @@ pub struct MapSplit {
     vectors: Py<PyArray3<f64>>,
 }
 
-/// Pixels of detected lights: the named tuple of the same name in `envlights.detection.split`.
+/// Pixels of detected lights: the named tuple of the same name in `envlights.splitting.split`.
 #[derive(FromPyObject)]
 pub struct LightPixels<'py> {
     pixel: PyReadonlyArray2<'py, i64>,

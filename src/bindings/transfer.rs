@@ -19,7 +19,7 @@ pub enum Values<'py> {
     Halves(PyReadonlyArray3<'py, f16>),
 }
 
-/// See `envlights.transfer.gram`.
+/// See `envlights.transfer.training.gram`.
 #[pyfunction]
 pub fn transfer_gram<'py>(
     py: Python<'py>,
@@ -31,7 +31,7 @@ pub fn transfer_gram<'py>(
     Ok((products.into_pyarray(py), non_black.into_pyarray(py)))
 }
 
-/// See `envlights.transfer.basis`.
+/// See `envlights.transfer.training.basis`.
 #[pyfunction]
 pub fn transfer_columns<'py>(
     py: Python<'py>,

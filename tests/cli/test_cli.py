@@ -341,7 +341,7 @@ def test_detect_names_the_subcommand_of_photographs(street):
 def test_detect_takes_a_sampling_of_the_article(hall):
     result = run("detect", hall, "--method", "article", "--sampling", "halton", "--json")
     assert result.exit_code == 0, result.output
-    wanted = el.detect(hall, method="article", sampling="halton")
+    wanted = el.papers.loghin.detect(hall, sampling="halton")
     assert json.loads(result.stdout) == json.loads(json.dumps(wanted.to_dict()))
     refused = run("detect", hall, "--sampling", "halton")
     assert refused.exit_code == 2

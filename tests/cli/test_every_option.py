@@ -14,8 +14,8 @@ OPEN = (el.EnvMap.open, el.EnvMap.calibrated)
 #: Functions of each subcommand.
 FUNCTIONS = {
     "fit": (el.fit, *OPEN),
-    "detect": (el.detect, el.detect_tree, el.detect_article, *OPEN),
-    "split": (el.split, el.limit, el.with_sun, el.detect_tree, *OPEN),
+    "detect": (el.detect, el.detect, el.papers.loghin.detect, *OPEN),
+    "split": (el.split, el.limit, el.with_sun, el.detect, *OPEN),
     "error-curve": (el.error_curve, *OPEN),
     "follow": (el.follow,),
     "batch": (el.batch,),
@@ -24,7 +24,7 @@ FUNCTIONS = {
     "repair": (el.EnvMap.repaired, *OPEN),
     "compare": (el.compare, el.compare_folders),
     "show": (el.error_curve, *OPEN),
-    "view": (el.view, el.Model.open, *OPEN),
+    "view": (el.view, el.viewer.Model.open, *OPEN),
     "photograph": (el.detect_photograph,),
     "export": (el.export.save,),
     "transfer fit": (el.TransferModel.fit,),
@@ -154,7 +154,7 @@ def test_fit_starts_from_a_file_and_holds_directions(hall, tmp_path):
 def test_settings_reach_the_detection(hall, tmp_path):
     found = tmp_path / "found.json"
     run("detect", hall, "--set", "threshold=8", "--set", "gap_deg=3", "-o", found)
-    assert el.DetectedLights.load(found) == el.detect(hall, threshold=8, gap_deg=3)
+    assert el.detection.DetectedLights.load(found) == el.detect(hall, threshold=8, gap_deg=3)
     parts = tmp_path / "parts.json"
     run("split", hall, "--set", "threshold=8", "-o", parts)
     expected = el.split(hall, threshold=8).lights

@@ -31,7 +31,7 @@ def test_the_files_hold_the_sequence_of_follow(frames, tmp_path):
     done = run(f"{frames}/*.exr", *options, "-o", outputs[0], "-o", outputs[1])
     assert done.exit_code == 0, done.output
     assert "12 frames, steadiness 2 frames at 20 frames in a second" in done.output
-    rigs = el.RigSequence.load(outputs[0])
+    rigs = el.sequence.RigSequence.load(outputs[0])
     assert rigs == el.follow(str(frames), 2, steadiness=2, fps=20).sequence()
     assert np.nanmax(rigs.motion_deg) < 2
     assert outputs[1].read_text().startswith("#usda 1.0")

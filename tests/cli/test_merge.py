@@ -6,7 +6,7 @@ import pytest
 from click.testing import CliRunner
 
 import envlights as el
-from envlights._srgb import encode_srgb
+from envlights._common.srgb import encode_srgb
 from envlights.cli import main
 
 

@@ -7,9 +7,9 @@ import pytest
 from click.testing import CliRunner
 
 import envlights as el
-from envlights._printable import printable
+from envlights._common.printable import printable
 from envlights.cli import main
-from envlights.io.openimageio import oiio
+from envlights.environment.decoders.openimageio import oiio
 
 #: A title of the window, a colour, a line of its own, and a change of the direction of writing.
 EVIL = "x\x1b]0;title\x07\x1b[31m\nnote: all is well\u202e\x9b"
@@ -63,7 +63,7 @@ def test_text_in_files_of_the_package_is_printable(tmp_path):
     found = el.detect(el.synthetic.hall(32).radiance).to_dict()
     found["report"] |= {"notes": [EVIL], "reason": EVIL, "method": EVIL}
     (tmp_path / "found.json").write_text(json.dumps(found))
-    report = el.DetectedLights.load(tmp_path / "found.json").report
+    report = el.detection.DetectedLights.load(tmp_path / "found.json").report
     assert (report.notes, report.reason, report.method) == ((SHOWN,), SHOWN, SHOWN)
 
 

@@ -40,7 +40,7 @@ FILES = {
     "words.csv": b"a,b\n1,2\n",
 }
 
-GENERAL, MISSING, DAMAGED = el.EnvLightsError, el.MissingFileError, el.DamagedFileError
+GENERAL, MISSING, DAMAGED = el.EnvLightsError, el.io.MissingFileError, el.io.DamagedFileError
 FILE, USAGE = el.FileError, click.UsageError
 
 #: Arguments, class, exit code, words of the sentence.

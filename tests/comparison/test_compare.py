@@ -212,10 +212,12 @@ def test_the_spectrum_of_shadows_sums_to_the_kernel_at_zero():
 def test_lights_and_irradiance_vectors_are_those_of_their_own_functions():
     truth, guess = rooms(32)
     c = el.compare(truth, guess)
-    assert c.vector_angle == pytest.approx(el.vector_angle(truth, guess), rel=1e-6)
-    assert c.lights == el.compare_lights(el.detect(truth), el.detect(guess))
+    assert c.vector_angle == pytest.approx(el.comparison.vector_angle(truth, guess), rel=1e-6)
+    assert c.lights == el.comparison.compare_lights(el.detect(truth), el.detect(guess))
     rig = el.fit(truth, lights=2)
-    assert el.compare(truth, rig).lights == el.compare_lights(el.detect(truth), rig.lights)
+    assert el.compare(truth, rig).lights == el.comparison.compare_lights(
+        el.detect(truth), rig.lights
+    )
     # A uniform map has no vector and no light.
     assert el.compare(even((1, 1, 1)), even((1, 1, 1))).vector_angle is None
 

@@ -76,12 +76,14 @@ def test_tables_are_lossless(folders, tmp_path):
 
 
 def test_folders_without_maps_are_refused(tmp_path):
-    with pytest.raises(el.MissingFileError, match="truth must be a folder; got"):
+    with pytest.raises(el.io.MissingFileError, match="truth must be a folder; got"):
         el.compare_folders(tmp_path / "none", tmp_path)
     with pytest.raises(el.EnvLightsError, match="truth has no map"):
         el.compare_folders(tmp_path, tmp_path)
     with pytest.raises(el.EnvLightsError, match="the suffix must be one of"):
-        el.FolderComparison(el.Protocol(), {}, {}).save(tmp_path / "table.txt")
+        el.comparison.FolderComparison(el.comparison.Protocol(), {}, {}).save(
+            tmp_path / "table.txt"
+        )
 
 
 def run(*arguments):

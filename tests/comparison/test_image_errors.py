@@ -15,7 +15,7 @@ def images(shape=(6, 7, 3)):
 def test_the_errors_are_those_of_the_formulas():
     truth, guess = images()
     rmse, si_rmse, angle = reference.numbers(truth.reshape(-1, 3), guess.reshape(-1, 3))
-    errors = el.image_errors(truth, guess)
+    errors = el.comparison.image_errors(truth, guess)
     assert errors.rmse == pytest.approx(rmse)
     assert errors.si_rmse == pytest.approx(si_rmse)
     assert errors.angle == pytest.approx(angle)
@@ -25,7 +25,9 @@ def test_the_errors_are_those_of_the_formulas():
 
 def test_the_published_sum_is_sqrt_3_of_the_mean():
     truth, guess = images()
-    mean, total = (el.image_errors(truth, guess, channels=each) for each in ("mean", "sum"))
+    mean, total = (
+        el.comparison.image_errors(truth, guess, channels=each) for each in ("mean", "sum")
+    )
     assert total.rmse == pytest.approx(np.sqrt(3) * mean.rmse)
     assert total.si_rmse == pytest.approx(np.sqrt(3) * mean.si_rmse)
     assert (total.angle, total.relative) == (mean.angle, mean.relative)
@@ -35,31 +37,33 @@ def test_a_mask_counts_its_pixels_alone():
     truth, guess = images()
     mask = np.zeros((6, 7))
     mask[2:4, 1:] = 0.5
-    masked = el.image_errors(truth, guess, mask)
-    assert masked == el.image_errors(truth[2:4, 1:], guess[2:4, 1:])
-    assert masked == el.image_errors(truth[2:4, 1:].reshape(-1, 3), guess[2:4, 1:].reshape(-1, 3))
+    masked = el.comparison.image_errors(truth, guess, mask)
+    assert masked == el.comparison.image_errors(truth[2:4, 1:], guess[2:4, 1:])
+    assert masked == el.comparison.image_errors(
+        truth[2:4, 1:].reshape(-1, 3), guess[2:4, 1:].reshape(-1, 3)
+    )
 
 
 def test_tiny_angles_keep_their_digits():
     truth = np.ones((3, 3))
     guess = truth + np.array([1e-9, 0, -1e-9])
     expected = np.degrees(1e-9 * np.sqrt(2 / 3))
-    assert el.image_errors(truth, guess).angle == pytest.approx(expected, rel=1e-6)
+    assert el.comparison.image_errors(truth, guess).angle == pytest.approx(expected, rel=1e-6)
 
 
 def test_black_pixels_are_left_out_of_the_angle_and_counted():
     truth, guess = images((4, 3))
     truth[0] = guess[1] = 0
-    errors = el.image_errors(truth, guess)
+    errors = el.comparison.image_errors(truth, guess)
     assert errors.black == 0.5
-    assert errors.angle == pytest.approx(el.image_errors(truth[2:], guess[2:]).angle)
-    black = el.image_errors(np.zeros((2, 3)), np.ones((2, 3)))
+    assert errors.angle == pytest.approx(el.comparison.image_errors(truth[2:], guess[2:]).angle)
+    black = el.comparison.image_errors(np.zeros((2, 3)), np.ones((2, 3)))
     assert (black.angle, black.relative, black.black) == (None, None, 1.0)
     assert "-" in str(black)
 
 
 def test_errors_are_shown_as_text_html_and_numbers():
-    errors = el.image_errors(*images())
+    errors = el.comparison.image_errors(*images())
     assert "RMSE" in str(errors)
     assert "<table" in errors._repr_html_()
     assert errors.to_dict()["si_rmse"] == errors.si_rmse
@@ -81,9 +85,9 @@ def test_errors_are_shown_as_text_html_and_numbers():
 )
 def test_bad_images_are_refused(arguments, message):
     with pytest.raises(el.EnvLightsError, match=message):
-        el.image_errors(*arguments)
+        el.comparison.image_errors(*arguments)
 
 
 def test_other_sums_are_refused():
     with pytest.raises(el.EnvLightsError, match="channels must be"):
-        el.image_errors(*images(), channels="max")
+        el.comparison.image_errors(*images(), channels="max")

@@ -5,7 +5,7 @@ import pytest
 
 import envlights as el
 from envlights import kernels
-from envlights._srgb import encode_srgb
+from envlights._common.srgb import encode_srgb
 from envlights.fitting import wording
 from envlights.synthetic import Disc, Rectangle, evaluate, scene, suite
 from tests.helpers import angle_deg, printed_by_threads

@@ -345,7 +345,7 @@ def test_the_signature_names_the_options_of_both_methods_with_their_defaults():
     shown = inspect.signature(el.detect).parameters
     assert list(shown)[:2] == ["env", "method"]
     tree, article = (
-        inspect.signature(each).parameters for each in (el.detect_tree, el.detect_article)
+        inspect.signature(each).parameters for each in (el.detect, el.papers.loghin.detect)
     )
     # The default of `threshold` is that of the tree, which is the default method.
     for name, option in {**article, **tree}.items():
@@ -358,7 +358,7 @@ def test_type_checkers_see_the_options_that_each_method_has():
     if not hasattr(typing, "get_overloads"):
         pytest.skip("Python 3.10 does not keep overloads")
     tree, article, _ = typing.get_overloads(el.detect)
-    for overload, method in ((tree, el.detect_tree), (article, el.detect_article)):
+    for overload, method in ((tree, el.detect), (article, el.papers.loghin.detect)):
         names = list(inspect.signature(overload).parameters)
         assert names[:2] == ["env", "method"]
         assert sorted(names[2:]) == sorted(list(inspect.signature(method).parameters)[1:])

@@ -13,7 +13,7 @@ from envlights.detection.members import Members
 HALL = el.synthetic.hall(128).radiance
 FOUND = {
     "tree": el.detect(HALL),
-    "article": el.detect(HALL, method="article"),
+    "article": el.papers.loghin.detect(HALL),
     "clipped": el.detect((255 * np.clip(HALL / HALL.mean() / 4, 0, 1)).astype(np.uint8)),
     "none": el.detect(np.ones((32, 64, 3))),
 }
@@ -23,7 +23,7 @@ FOUND = {
 def test_all_but_the_times_comes_back(name, tmp_path):
     lights = FOUND[name]
     lights.save(tmp_path / "lights.json")
-    again = el.DetectedLights.load(tmp_path / "lights.json")
+    again = el.detection.DetectedLights.load(tmp_path / "lights.json")
     assert len(again) == len(lights)
     assert again.to_dict() == lights.to_dict()
     for attribute in ("pixel", "light"):
@@ -125,7 +125,7 @@ def change_file(change):
 def test_broken_and_foreign_files_are_refused_in_one_sentence(write, sentence, tmp_path):
     write(tmp_path / "lights.json")
     with pytest.raises(el.EnvLightsError, match=sentence) as refusal:
-        el.DetectedLights.load(tmp_path / "lights.json")
+        el.detection.DetectedLights.load(tmp_path / "lights.json")
     assert "\n" not in str(refusal.value)
 
 
@@ -135,7 +135,7 @@ def test_impossible_numbers_of_clipped_maps_are_refused(name, value, tmp_path):
     data[name][0] = value
     (tmp_path / "lights.json").write_text(json.dumps(data))
     with pytest.raises(el.EnvLightsError, match=f"impossible detected lights: {name} must be"):
-        el.DetectedLights.load(tmp_path / "lights.json")
+        el.detection.DetectedLights.load(tmp_path / "lights.json")
 
 
 def test_a_pickle_leaves_the_pixels_out(tmp_path):
@@ -151,7 +151,7 @@ def test_a_pickle_leaves_the_pixels_out(tmp_path):
     assert again[:1] == lights[:1]
     turn = [[0, 0, 1], [0, 1, 0], [-1, 0, 0]]
     again.rotated(turn).save(tmp_path / "lights.json")
-    loaded = el.DetectedLights.load(tmp_path / "lights.json")
+    loaded = el.detection.DetectedLights.load(tmp_path / "lights.json")
     assert pickle.loads(pickle.dumps(loaded)) == lights.rotated(turn)
 
 
@@ -167,7 +167,7 @@ def test_files_of_older_versions_are_read(tmp_path):
     data = FOUND["tree"].to_dict() | {"version": 2}
     del data["is_cut"]
     (tmp_path / "lights.json").write_text(json.dumps(data))
-    assert el.DetectedLights.load(tmp_path / "lights.json") == FOUND["tree"]
+    assert el.detection.DetectedLights.load(tmp_path / "lights.json") == FOUND["tree"]
 
 
 def test_lights_alone_and_rigs_come_back_too(tmp_path):

@@ -33,7 +33,7 @@ OPTIONS = [
 def assert_agrees_with_the_reference(radiance, options):
     """Same samples in the same order, same light for each, same directions."""
     width = radiance.shape[1]
-    found = el.detect(radiance, method="article", working_width=width, **options)
+    found = el.papers.loghin.detect(radiance, working_width=width, **options)
     rest = {name: value for name, value in options.items() if name != "relative"}
     unit = found.report.threshold / 0.8
     kept, light, directions = loghin.detect(kernels.luminance(radiance), unit=unit, **rest)
@@ -66,7 +66,7 @@ def lamps_before_noise():
 def test_reduction_and_blur_are_those_of_the_reference_from_end_to_end(blur_px, options):
     """Here the reference has its own steps 1 and 2, in float64."""
     radiance = lamps_before_noise()
-    found = el.detect(radiance, method="article", working_width=200, blur_px=blur_px, **options)
+    found = el.papers.loghin.detect(radiance, working_width=200, blur_px=blur_px, **options)
     image = loghin.reduce_bilinear(radiance.astype(float) @ [0.2126, 0.7152, 0.0722], 200)
     if blur_px:
         image = loghin.blur(image, blur_px)
@@ -107,7 +107,7 @@ def test_a_flat_top_at_the_maximum_is_clipped(reduction, sphere):
 def test_a_threshold_of_0_8_is_the_code_231(code, lights):
     """Samples of 8 bits are decoded from sRGB before the steps see them."""
     picture = np.full((64, 128, 3), code, np.uint8)
-    assert len(el.detect(picture, method="article")) == lights
+    assert len(el.papers.loghin.detect(picture)) == lights
 
 
 def test_the_improvements_find_what_the_article_misses():
@@ -115,9 +115,9 @@ def test_the_improvements_find_what_the_article_misses():
     lamp = Disc((0, 0.1, -1), 1.5, (60, 60, 60))
     dim = scene(512, background=[0.1] * 3, shapes=[lamp])
     radiance = (1e-3 * dim.radiance).astype(np.float32)
-    assert len(el.detect(radiance, method="article")) == 0
+    assert len(el.papers.loghin.detect(radiance)) == 0
     options = {"relative": True, "move_to_maximum": True, "sphere": True, "reduction": "area"}
-    found = el.detect(radiance, method="article", **options)
+    found = el.papers.loghin.detect(radiance, **options)
     assert len(found) == 1
     angle = np.rad2deg(np.arccos(found.direction[0] @ dim.lights.direction[0]))
     assert angle < 1.5, f"{angle} degrees off a lamp of 1.5 degrees"
@@ -128,7 +128,7 @@ def test_the_improvements_find_what_the_article_misses():
 def test_the_irradiance_of_a_lamp_is_the_sum_over_its_samples(radius, options):
     """Also where samples move: a lamp does not shine from all places that see it."""
     one = scene(512, background=[0.05] * 3, shapes=[Disc((1, 0.2, 0.1), radius, (5, 4, 3))])
-    found = el.detect(one.radiance, method="article", **options)
+    found = el.papers.loghin.detect(one.radiance, **options)
     wanted = one.lights
     np.testing.assert_allclose(found.flux.sum(axis=0), wanted.irradiance[0], rtol=0.12)
     # Samples beside it that see it may be lights of their own: the lamp itself comes first.
@@ -154,7 +154,7 @@ def test_one_lit_pixel_is_found_where_it_is(pixel):
     radiance = np.zeros((256, 512, 3), np.float32)
     radiance[pixel] = 9.0
     options = {"move_to_maximum": True, "sphere": True, "window_px": 40}
-    found = el.detect(radiance, method="article", **options)
+    found = el.papers.loghin.detect(radiance, **options)
     assert len(found) == 1
     uv = [[(pixel[1] + 0.5) / 512, (pixel[0] + 0.5) / 256]]
     np.testing.assert_allclose(found.direction, kernels.uv_to_direction(uv), atol=1e-12)
@@ -183,7 +183,7 @@ def test_any_number_of_threads_gives_the_same_bits():
     ],
 )
 def test_worst_cases_are_answered(radiance, count, options):
-    found = el.detect(radiance, method="article", **options)
+    found = el.papers.loghin.detect(radiance, **options)
     assert len(found) == count
     assert np.isfinite(found.direction).all()
     assert np.isfinite(found.flux).all()
@@ -239,14 +239,14 @@ def test_lights_have_no_more_than_all_flux_of_the_map():
     """A sample at a pole has 3000 times the solid angle of its pixel."""
     radiance = np.full((48, 96, 3), 0.2, np.float32)
     radiance[0, 0] = radiance[-1, -1] = 1e4
-    assert 0.5 < el.detect(radiance, method="article").flux_share.sum() <= 1 + 1e-12
+    assert 0.5 < el.papers.loghin.detect(radiance).flux_share.sum() <= 1 + 1e-12
 
 
 def test_lights_at_the_poles_hold_no_more_than_the_flux():
     """A bright pixel at a pole once held 994 times the flux of the map."""
     radiance = np.full((48, 96, 3), 0.2, np.float32)
     radiance[0, 0] = radiance[-1, -1] = 1e4
-    found = el.detect(radiance, method="article")
+    found = el.papers.loghin.detect(radiance)
     assert len(found)
     assert (found.flux_share <= 1).all()
     assert found.flux_share.sum() <= 1 + 1e-6

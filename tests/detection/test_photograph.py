@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 import envlights as el
 from envlights import kernels
-from envlights.detection.photograph_measure import _solid_angles
-from envlights.layouts.layout import planar
+from envlights.environment.layouts.layout import planar
+from envlights.papers.photograph_measure import _solid_angles
 from envlights.synthetic import Disc, Rectangle, scene
 from tests.conftest import real_maps
 from tests.helpers import angle_deg, printed_by_threads

@@ -8,7 +8,7 @@ from click.testing import CliRunner
 
 import envlights as el
 from envlights.cli import main
-from envlights.io.image_output import write_png
+from envlights.environment.files.image_output import write_png
 
 IMAGE = np.random.default_rng(3).random((90, 150, 3), dtype=np.float32) ** 12
 FOUND = el.detect_photograph(IMAGE, 60)
@@ -31,14 +31,14 @@ def test_a_picture_of_a_view_states_its_field_of_view(tmp_path):
 def test_it_is_saved_and_loaded(fov, tmp_path):
     found = el.detect_photograph(IMAGE, fov)
     found.save(tmp_path / "a.json")
-    again = el.PhotographLights.load(tmp_path / "a.json")
+    again = el.papers.PhotographLights.load(tmp_path / "a.json")
     assert again == found
     assert (again.direction is None) == (fov is None)
     assert again.to_dict() == found.to_dict()
     assert str(again) == str(found)
     none = el.detect_photograph(np.ones((9, 9)), fov)
     none.save(tmp_path / "b.json")
-    assert el.PhotographLights.load(tmp_path / "b.json") == none
+    assert el.papers.PhotographLights.load(tmp_path / "b.json") == none
 
 
 def test_a_table_has_lights_or_their_places(tmp_path):
@@ -78,7 +78,7 @@ def test_a_damaged_file_is_refused(change, words, tmp_path):
     change(data)
     (tmp_path / "a.json").write_text(json.dumps(data))
     with pytest.raises(el.EnvLightsError, match=words):
-        el.PhotographLights.load(tmp_path / "a.json")
+        el.papers.PhotographLights.load(tmp_path / "a.json")
 
 
 def test_it_is_a_data_frame():
@@ -119,7 +119,7 @@ def test_the_command_writes_lights_and_reads_with_a_colour_space(tmp_path):
     options = ["--colour", "linear", "-o", lights, "-o", table]
     said = CliRunner().invoke(main, ["photograph", str(tmp_path / "a.png"), *options])
     assert said.exit_code == 0, said.output
-    assert el.PhotographLights.load(lights) == el.detect_photograph(
+    assert el.papers.PhotographLights.load(lights) == el.detect_photograph(
         tmp_path / "a.png", colour="linear"
     )
     assert "photograph" in (tmp_path / "lights.csv").read_text().splitlines()[0]

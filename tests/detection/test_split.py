@@ -269,7 +269,7 @@ def test_a_map_without_lights_stays(value):
     assert len(lights) == 0
     assert rest.notes == ()
     np.testing.assert_array_equal(rest.radiance, env)
-    assert el.RemovedLights is type(lights)
+    assert el.splitting.RemovedLights is type(lights)
 
 
 def test_removed_lights_are_discs_with_their_irradiance():

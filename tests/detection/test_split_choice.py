@@ -52,7 +52,7 @@ def test_options_of_detect_are_passed_through():
         ({"methods": "tree"}, None),
         ({"lights": "found", "share": 0.5}, "share has no effect"),
         ({"lights": "found", "gap_deg": 1}, "gap_deg has no effect"),
-        ({"lights": "article"}, 'with method="tree"; got "article"'),
+        ({"lights": "article"}, 'got those of method "loghin"'),
         ({"lights": "smaller"}, "they are from a map that was reduced to 96x48"),
         ({"lights": "elsewhere"}, "light 0 .* peak luminance of 90, .* pixel here has 0.286"),
         ({"lights": "brighter"}, "light 0 .* peak luminance of 90.18, .* pixel here has 90"),
@@ -62,7 +62,7 @@ def test_refusals(arguments, sentence):
     turned, brighter = np.roll(three().radiance, 64, axis=1), three().radiance * np.float32(1.002)
     named = {
         "found": el.detect(three()),
-        "article": el.detect(three(), method="article"),
+        "article": el.papers.loghin.detect(three()),
         "smaller": el.detect(world([], 48)),
         "elsewhere": el.detect(turned),
         "brighter": el.detect(brighter),

@@ -63,7 +63,7 @@ def test_map_and_lights_meet_on_two_balls(tmp_path):
 def test_image_errors_of_rigs_are_those_of_mitsuba(tmp_path):
     """A ball and a box on a floor under a map, and under two rigs for it."""
     pytest.importorskip("mitsuba")
-    stills = importlib.import_module("envlights.scene.still_life")
+    stills = importlib.import_module("envlights.scene.mitsuba.still_life")
     env = el.EnvMap(el.synthetic.hall(128).radiance)
     rigs = {count: el.fit(env, lights=count) for count in (1, 4)}
     nothing = POINTS[:0]

@@ -13,7 +13,7 @@ ALL = el.Cards(
     [[3, 2, 1], [2, 1, 1], [1, 1, 1]],
     [cards.WINDOW.texture(0), cards.LAMP.texture(0), np.ones((2, 2, 3))],
 )
-PARTS = el.CardSplit(ALL, REST)
+PARTS = el.cards.CardSplit(ALL, REST)
 
 
 @pytest.mark.filterwarnings("ignore:.* shows lights as points")

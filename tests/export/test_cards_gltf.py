@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 
 import envlights as el
-from envlights._srgb import decode_srgb
+from envlights._common.srgb import decode_srgb
 from envlights.export import AXES
 from tests.export import cards, node
 from tests.export.rigs import POINTS

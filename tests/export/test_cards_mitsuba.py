@@ -11,7 +11,7 @@ from tests.helpers import NORMALS
 
 pytest.importorskip("mitsuba")
 
-from envlights.scene.renderer import mitsuba
+from envlights.scene.mitsuba.renderer import mitsuba
 
 SKY = el.EnvMap(np.full((32, 64, 3), [0.2, 0.3, 0.4], np.float32))
 

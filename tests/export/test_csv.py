@@ -62,7 +62,7 @@ def test_a_damaged_table_is_refused_in_one_sentence(content, sentence, tmp_path)
 
 
 @pytest.mark.parametrize("path", ["a\0b", "\ud800"])
-@pytest.mark.parametrize("use", [el.export.read_csv, el.Rig.load, el.DetectedLights.load])
+@pytest.mark.parametrize("use", [el.export.read_csv, el.Rig.load, el.detection.DetectedLights.load])
 def test_what_can_be_no_name_is_refused(use, path):
     with pytest.raises(el.EnvLightsError, match="must be text that can name a file"):
         use(path)

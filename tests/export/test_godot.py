@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import envlights as el
-from envlights._srgb import encode_srgb
+from envlights._common.srgb import encode_srgb
 from envlights.export import AXES
 from envlights.export.godot import DIRECTIONAL_LIGHTS as LAMPS
 from tests.export import godot

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import envlights as el
-from envlights._links import relative_name
-from envlights._targets import PANORAMA
 from envlights.export import TARGETS
+from envlights.rigs.links import relative_name
+from envlights.rigs.targets import PANORAMA
 
 pytestmark = pytest.mark.filterwarnings("ignore:.* shows lights as points:UserWarning")
 

@@ -13,7 +13,7 @@ from tests.helpers import NORMALS
 
 pytest.importorskip("mitsuba")
 
-from envlights.scene.renderer import mitsuba
+from envlights.scene.mitsuba.renderer import mitsuba
 
 RIGS = {
     **rigs(MIXED),

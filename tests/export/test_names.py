@@ -58,7 +58,7 @@ RIG = el.Rig([1, 2, 3], el.Lights([[0, 1, 0]], [[1, 1, 1]]), error=0.0, floor=Tr
 def folder(tmp_path, monkeypatch):
     """The working directory, where Radiance looks for pictures; maps are small, disks are fast."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("envlights.io.files._flush", lambda _: None)
+    monkeypatch.setattr("envlights._common.files._flush", lambda _: None)
     monkeypatch.setattr("envlights.export.scene.ROWS", 2)
     return tmp_path
 

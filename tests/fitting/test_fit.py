@@ -22,7 +22,7 @@ def test_known_lights_come_back(scale):
     np.testing.assert_allclose(found.lights.irradiance / scale, rig.lights.irradiance, rtol=1e-6)
     np.testing.assert_allclose(found.ambient / scale, rig.ambient, rtol=1e-6)
     assert found.error < 1e-8
-    assert found.report.stop_reason is el.StopReason.EXACT
+    assert found.report.stop_reason is el.rigs.StopReason.EXACT
 
 
 def test_asking_for_more_lights_than_there_are_gives_no_more():
@@ -83,7 +83,7 @@ def test_a_black_map_needs_no_light(lights):
     assert len(rig.lights) == 0
     assert rig.error == 0
     assert not rig.ambient.any()
-    assert rig.report.stop_reason is el.StopReason.NOTHING_TO_FIT
+    assert rig.report.stop_reason is el.rigs.StopReason.NOTHING_TO_FIT
 
 
 def test_a_constant_map_is_ambient_alone():
@@ -234,7 +234,7 @@ def test_an_error_that_ambient_reaches_needs_no_light():
 def test_an_error_out_of_reach_is_said():
     rig = el.fit(el.synthetic.hall(128).radiance, lights=1, error=1e-4)
     assert len(rig.lights) == 1
-    assert rig.report.stop_reason is el.StopReason.ERROR_NOT_REACHED
+    assert rig.report.stop_reason is el.rigs.StopReason.ERROR_NOT_REACHED
     assert not rig.report.stop_reason.is_success
     assert "note: the requested error was not reached" in str(rig)
 
@@ -337,7 +337,7 @@ def test_a_grey_map_is_fitted_in_one_channel():
 def test_a_rig_of_a_map_that_ends_at_white_says_what_it_rests_on():
     codes = np.full((64, 128, 3), 60, np.uint8)
     codes[10:14, 30:34] = 255
-    for rig in (el.fit(codes, 1), el.fit_paper(codes, 1)):
+    for rig in (el.fit(codes, 1), el.papers.madsen.fit(codes, 1)):
         assert re.search(r"clipped pixels hold [1-9].* % of the map's flux.*", rig.notes[-1])
     assert not any("clipped" in note for note in el.fit(codes // 2, 1).notes)
 
@@ -346,4 +346,4 @@ def test_a_rig_of_a_map_that_ends_at_white_says_what_it_rests_on():
 def test_a_rig_without_lights_is_no_black_map(ambient):
     rig = el.fit(el.synthetic.hall(16).radiance, 0, ambient=ambient)
     assert len(rig.lights) == 0
-    assert rig.report.stop_reason is el.StopReason.CONVERGED
+    assert rig.report.stop_reason is el.rigs.StopReason.CONVERGED

@@ -68,7 +68,7 @@ def test_light_from_below_alone_needs_no_light():
         assert len(rig.lights) == 0
         assert not rig.ambient.any()
         assert rig.error == 0
-        assert rig.report.stop_reason is el.StopReason.NOTHING_TO_FIT
+        assert rig.report.stop_reason is el.rigs.StopReason.NOTHING_TO_FIT
     assert len(el.fit(below, lights=1).lights) == 1
 
 

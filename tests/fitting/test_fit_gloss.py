@@ -135,7 +135,7 @@ def test_a_rig_without_a_map_has_no_gloss_error():
 @pytest.mark.parametrize("bad", [0.2, 1.1, "rough", None, np.nan])
 def test_an_impossible_roughness_is_refused(hall, bad):
     for call in (
-        lambda: el.FitReport().gloss_error(bad),
+        lambda: el.rigs.FitReport().gloss_error(bad),
         lambda: el.fit(hall, gloss_error=0.1, roughness=bad),
         lambda: el.error_curve(hall, [1], roughness=bad),
     ):
@@ -152,14 +152,14 @@ def test_an_impossible_gloss_error_is_refused(hall, bad):
 def check_fewest(env, most, **options):
     """The requested error is reached, and one light fewer misses it."""
     rig = el.fit(env, gloss_error=most, **options)
-    if rig.report.stop_reason is el.StopReason.ERROR_NOT_REACHED:
+    if rig.report.stop_reason is el.rigs.StopReason.ERROR_NOT_REACHED:
         assert rig.report.gloss_error() > most
         return None
     assert rig.report.gloss_error() <= most
     if len(rig.lights):
         fewer = el.fit(env, len(rig.lights) - 1, gloss_error=most, **options)
         assert fewer.report.gloss_error() > most
-        assert fewer.report.stop_reason is el.StopReason.ERROR_NOT_REACHED
+        assert fewer.report.stop_reason is el.rigs.StopReason.ERROR_NOT_REACHED
     return rig
 
 
@@ -225,4 +225,4 @@ def test_a_gloss_error_that_first_lights_raise_is_reached_by_more():
 def test_a_row_of_a_table_holds_the_gloss_error_and_nan_where_none_was_measured():
     report = el.fit(el.synthetic.hall(16).radiance, 1).report
     assert report.row()["gloss_error"] == report.gloss_error()
-    assert np.isnan(el.FitReport().row()["gloss_error"])
+    assert np.isnan(el.rigs.FitReport().row()["gloss_error"])

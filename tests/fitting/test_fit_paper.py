@@ -11,7 +11,7 @@ from scipy.optimize import least_squares
 
 import envlights as el
 from envlights import kernels
-from envlights.fitting import madsen
+from envlights.papers import madsen
 from tests.reference.peers import jax_in_float64
 
 NORMALS, SOLID_ANGLES = kernels.icosphere(80)
@@ -55,7 +55,7 @@ def test_scipy_and_jaxopt_end_in_the_same_minimum_as_documented():
 
 
 def test_another_solver_finds_nothing_to_gain_from_the_papers_answer():
-    found = el.fit_paper(HALL.radiance)
+    found = el.papers.madsen.fit(HALL.radiance)
     problem = render(HALL.radiance)
     polished = least_squares(
         kernels.probe_residual, found.parameters, kernels.probe_jacobian, args=problem, xtol=1e-12
@@ -111,10 +111,10 @@ def keeps_the_claim(found):
 def test_the_claim_of_the_paper_holds_on_its_hall(height, scale):
     """Section 3.2: sources at the windows, the last at the wall, in about 20 iterations."""
     hall = el.synthetic.hall(height).radiance * np.float32(scale)
-    found = el.fit_paper(hall, lights=4)
+    found = el.papers.madsen.fit(hall, lights=4)
     assert keeps_the_claim(found)
     assert found.steps <= 20
-    assert found.stop_reason is el.StopReason.CONVERGED
+    assert found.stop_reason is el.rigs.StopReason.CONVERGED
     assert found.error < 0.01
 
 
@@ -122,8 +122,8 @@ def test_damped_steps_keep_the_claim_from_many_starts_and_whole_ones_from_few():
     """The paper's "more or less arbitrarily chosen initial guesses" decide."""
     rng = np.random.default_rng(0)
     starts = [TETRAHEDRON @ np.linalg.qr(rng.normal(size=(3, 3)))[0].T for _ in range(12)]
-    damped = [el.fit_paper(HALL.radiance, start=start) for start in starts]
-    whole = [el.fit_paper(HALL.radiance, start=start, damped=False) for start in starts]
+    damped = [el.papers.madsen.fit(HALL.radiance, start=start) for start in starts]
+    whole = [el.papers.madsen.fit(HALL.radiance, start=start, damped=False) for start in starts]
     assert all(found.stop_reason.is_success for found in damped)
     assert sum(map(keeps_the_claim, damped)) >= 5
     assert sum(map(keeps_the_claim, whole)) <= 3
@@ -131,16 +131,16 @@ def test_damped_steps_keep_the_claim_from_many_starts_and_whole_ones_from_few():
 
 def test_whole_steps_do_as_well_from_where_the_lights_are():
     """Close to the answer nothing is shortened, and a step that changes nothing is the last."""
-    found = el.fit_paper(HALL.radiance)
-    again = el.fit_paper(HALL.radiance, start=found.direction, damped=False)
-    assert again.stop_reason is el.StopReason.CONVERGED
+    found = el.papers.madsen.fit(HALL.radiance)
+    again = el.papers.madsen.fit(HALL.radiance, start=found.direction, damped=False)
+    assert again.stop_reason is el.rigs.StopReason.CONVERGED
     assert again.steps < 10
     np.testing.assert_allclose(again.parameters, found.parameters, atol=1e-3)
 
 
 def test_damped_steps_never_raise_the_error():
     for many in (1, 3, 7):
-        found = el.fit_paper(HALL.radiance, lights=many)
+        found = el.papers.madsen.fit(HALL.radiance, lights=many)
         assert (np.diff(found.errors) <= 0).all()
         assert len(found.direction) == many
 
@@ -151,8 +151,8 @@ def test_two_pixels_in_the_dark_come_back_as_the_faces_that_they_are_in():
     scene = kernels.face_radiance(dark)
     centroids, solid_angles = kernels.icosphere(5120)
     (faces,) = np.flatnonzero(scene.any(axis=1))[None]
-    found = el.fit_paper(dark, lights=2, k_a=0)
-    assert found.stop_reason in (el.StopReason.EXACT, el.StopReason.CONVERGED)
+    found = el.papers.madsen.fit(dark, lights=2, k_a=0)
+    assert found.stop_reason in (el.rigs.StopReason.EXACT, el.rigs.StopReason.CONVERGED)
     order = (found.direction @ centroids[faces].T).argmax(axis=0)
     np.testing.assert_allclose(found.direction[order], centroids[faces], atol=1e-6)
     flux = scene[faces] * solid_angles[faces, None]
@@ -161,18 +161,18 @@ def test_two_pixels_in_the_dark_come_back_as_the_faces_that_they_are_in():
 
 
 def test_coefficients_scale_ambient_light_as_equation_4_does_and_leave_the_rig_alone():
-    one = el.fit_paper(HALL.radiance)
-    tenth = el.fit_paper(HALL.radiance, k_a=0.1 * np.pi)
+    one = el.papers.madsen.fit(HALL.radiance)
+    tenth = el.papers.madsen.fit(HALL.radiance, k_a=0.1 * np.pi)
     np.testing.assert_allclose(tenth.ambient, 10 * one.ambient, rtol=1e-3)
     # Gray: a colour would weigh the channels against each other.
-    gray = el.fit_paper(HALL.radiance, k_a=1, k_d=0.5, C=(0.8, 0.8, 0.8))
+    gray = el.papers.madsen.fit(HALL.radiance, k_a=1, k_d=0.5, C=(0.8, 0.8, 0.8))
     for other in (tenth, gray):
         np.testing.assert_allclose(other.rig().ambient, one.rig().ambient, rtol=1e-3)
         np.testing.assert_allclose(other.irradiance, one.irradiance, rtol=1e-3)
 
 
 def test_the_rig_is_what_was_found():
-    found = el.fit_paper(HALL.radiance)
+    found = el.papers.madsen.fit(HALL.radiance)
     rig = found.rig()
     received = kernels.probe_model(found.parameters, NORMALS)
     np.testing.assert_allclose(rig.probe(NORMALS), received, rtol=1e-12)
@@ -181,7 +181,7 @@ def test_the_rig_is_what_was_found():
 
 
 def test_negative_light_is_an_answer_of_the_paper_but_no_rig():
-    below = el.fit_paper(HALL.radiance, start=-HALL.lights.direction, lights=3)
+    below = el.papers.madsen.fit(HALL.radiance, start=-HALL.lights.direction, lights=3)
     assert below.irradiance.min() < 0
     with pytest.raises(
         el.EnvLightsError, match=r"must not hold negative light; the smallest value is -"
@@ -191,15 +191,15 @@ def test_negative_light_is_an_answer_of_the_paper_but_no_rig():
 
 @pytest.mark.parametrize("damped", [True, False])
 def test_a_black_map_is_explained_at_once(damped):
-    found = el.fit_paper(np.zeros((16, 32, 3)), lights=3, damped=damped)
-    assert found.stop_reason is el.StopReason.EXACT
+    found = el.papers.madsen.fit(np.zeros((16, 32, 3)), lights=3, damped=damped)
+    assert found.stop_reason is el.rigs.StopReason.EXACT
     np.testing.assert_allclose(found.irradiance, 0, atol=1e-12)
     np.testing.assert_allclose(found.ambient, 0, atol=1e-12)
 
 
 def test_no_light_is_an_answer():
-    found = el.fit_paper(np.full((64, 128, 3), (1.0, 2.0, 3.0)), lights=0)
-    assert found.stop_reason is el.StopReason.CONVERGED
+    found = el.papers.madsen.fit(np.full((64, 128, 3), (1.0, 2.0, 3.0)), lights=0)
+    assert found.stop_reason is el.rigs.StopReason.CONVERGED
     np.testing.assert_allclose(found.ambient, [1, 2, 3], rtol=1e-2)
 
 
@@ -213,7 +213,7 @@ def test_no_light_is_an_answer():
 def test_any_map_gets_finite_lights(seed, many, scale, damped):
     rng = np.random.default_rng(seed)
     radiance = (rng.uniform(size=(8, 16, 3)) ** 8 * scale).astype(np.float32)
-    found = el.fit_paper(radiance, lights=many, damped=damped, max_steps=15)
+    found = el.papers.madsen.fit(radiance, lights=many, damped=damped, max_steps=15)
     assert found.steps <= 15
     for part in (found.ambient, found.direction, found.irradiance, found.errors):
         assert np.isfinite(part).all()
@@ -235,32 +235,32 @@ def test_a_step_that_cannot_be_computed_leaves_the_lights_before_it(monkeypatch)
         raise np.linalg.LinAlgError
 
     give_steps(monkeypatch, fails)
-    found = el.fit_paper(HALL.radiance)
-    assert found.stop_reason is el.StopReason.RAN_AWAY
+    found = el.papers.madsen.fit(HALL.radiance)
+    assert found.stop_reason is el.rigs.StopReason.RAN_AWAY
     assert not found.stop_reason.is_success
     np.testing.assert_array_equal(found.irradiance, 1)
 
 
 def test_a_whole_step_beyond_every_float_leaves_the_lights_before_it(monkeypatch):
     give_steps(monkeypatch, lambda step: 1e300 * step)
-    found = el.fit_paper(HALL.radiance, damped=False)
-    assert (found.stop_reason, found.steps) == (el.StopReason.RAN_AWAY, 0)
+    found = el.papers.madsen.fit(HALL.radiance, damped=False)
+    assert (found.stop_reason, found.steps) == (el.rigs.StopReason.RAN_AWAY, 0)
     np.testing.assert_array_equal(found.irradiance, 1)
     assert np.isfinite(found.errors).all()
 
 
 def test_a_damped_step_that_only_raises_the_error_is_not_taken(monkeypatch):
     give_steps(monkeypatch, lambda step: -step)
-    found = el.fit_paper(HALL.radiance)
-    assert (found.stop_reason, found.steps) == (el.StopReason.CONVERGED, 0)
+    found = el.papers.madsen.fit(HALL.radiance)
+    assert (found.stop_reason, found.steps) == (el.rigs.StopReason.CONVERGED, 0)
     np.testing.assert_array_equal(found.irradiance, 1)
 
 
 def test_a_step_that_changes_nothing_is_the_last(monkeypatch):
     give_steps(monkeypatch, lambda step: 0 * step)
     for damped in (True, False):
-        found = el.fit_paper(HALL.radiance, damped=damped)
-        assert (found.stop_reason, found.steps) == (el.StopReason.CONVERGED, 1)
+        found = el.papers.madsen.fit(HALL.radiance, damped=damped)
+        assert (found.stop_reason, found.steps) == (el.rigs.StopReason.CONVERGED, 1)
 
 
 @pytest.mark.parametrize("lights", [1, 4, 5, 7])
@@ -278,13 +278,13 @@ def test_a_step_is_small_relative_to_radiances_and_in_radians(lights, scale):
 
 def test_steps_end_at_their_limit():
     for most in (0, 1, 3):
-        found = el.fit_paper(HALL.radiance, max_steps=most)
-        assert (found.stop_reason, found.steps) == (el.StopReason.OUT_OF_STEPS, most)
+        found = el.papers.madsen.fit(HALL.radiance, max_steps=most)
+        assert (found.stop_reason, found.steps) == (el.rigs.StopReason.OUT_OF_STEPS, most)
         assert not found.stop_reason.is_success
 
 
 def test_the_same_map_gives_the_same_bits():
-    one, two = (el.fit_paper(HALL.radiance, lights=5) for _ in range(2))
+    one, two = (el.papers.madsen.fit(HALL.radiance, lights=5) for _ in range(2))
     np.testing.assert_array_equal(one.parameters, two.parameters)
     assert one.errors == two.errors
 

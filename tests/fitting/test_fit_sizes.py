@@ -240,9 +240,9 @@ def test_the_fewest_lights_that_are_asked_for_come_back():
         assert rig.report.shadow_error <= wanted.get("shadow_error", 1)
         assert rig.report.stop_reason.is_success
         fewer = el.fit(radiance, len(rig.lights) - 1, **wanted)
-        assert fewer.report.stop_reason is el.StopReason.ERROR_NOT_REACHED
+        assert fewer.report.stop_reason is el.rigs.StopReason.ERROR_NOT_REACHED
     rig = el.fit(radiance, 2, shadow_error=1e-4)
-    assert rig.report.stop_reason is el.StopReason.ERROR_NOT_REACHED
+    assert rig.report.stop_reason is el.rigs.StopReason.ERROR_NOT_REACHED
 
 
 @pytest.mark.parametrize("bad", [-0.1, 1.5, np.nan, "little"])

@@ -119,4 +119,4 @@ def test_fixed_lights_come_back_from_a_black_map():
     found = el.fit(np.zeros((16, 32, 3)), fixed=[[0, 1, 0], [1, 0, 0]], error=0.1)
     assert len(found.lights) == 2
     assert not found.lights.irradiance.any()
-    assert found.report.stop_reason is el.StopReason.NOTHING_TO_FIT
+    assert found.report.stop_reason is el.rigs.StopReason.NOTHING_TO_FIT

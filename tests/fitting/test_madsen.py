@@ -167,18 +167,21 @@ X = [1.0, 1.0, 1.0]
         (lambda: kernels.face_radiance(np.ones((8, 16, 3)), 100), r"20 \* 4\^k faces .* got 100"),
         (lambda: kernels.face_radiance(np.ones((8, 16))), r"radiance must have 3 axes"),
         (
-            lambda: el.fit_paper(np.ones((8, 16, 3)), 192),
+            lambda: el.papers.madsen.fit(np.ones((8, 16, 3)), 192),
             r"lights must be at most 191, .*; got 192",
         ),
-        (lambda: el.fit_paper(np.ones((8, 16, 3)), -1), r"lights must be a whole number"),
-        (lambda: el.fit_paper(np.ones((8, 16, 3)), k_d=0), r"k_d and C must be above 0"),
-        (lambda: el.fit_paper(np.ones((8, 16, 3)), C=(1, 0, 1)), r"k_d and C must be above 0"),
+        (lambda: el.papers.madsen.fit(np.ones((8, 16, 3)), -1), r"lights must be a whole number"),
+        (lambda: el.papers.madsen.fit(np.ones((8, 16, 3)), k_d=0), r"k_d and C must be above 0"),
         (
-            lambda: el.fit_paper(np.ones((8, 16, 3)), 2, start=[[0, 1, 0]]),
+            lambda: el.papers.madsen.fit(np.ones((8, 16, 3)), C=(1, 0, 1)),
+            r"k_d and C must be above 0",
+        ),
+        (
+            lambda: el.papers.madsen.fit(np.ones((8, 16, 3)), 2, start=[[0, 1, 0]]),
             r"start must have the shape \(lights, 3\) = \(2, 3\); got \(1, 3\)",
         ),
         (
-            lambda: el.fit_paper(np.ones((8, 16, 3)), 1, start=[[0, 3, 0]]),
+            lambda: el.papers.madsen.fit(np.ones((8, 16, 3)), 1, start=[[0, 3, 0]]),
             r"direction 0 has length 3",
         ),
     ],

@@ -63,7 +63,7 @@ def test_the_report_names_the_lights_at_the_bound():
     row = int(rig.lights.direction[:, 1].argmax())
     assert rig.report.at_max_radius == (row,)
     assert f"largest radius reached by light {row + 1}" in str(rig.report)
-    assert el.FitReport.from_dict(rig.report.to_dict()).at_max_radius == (row,)
+    assert el.rigs.FitReport.from_dict(rig.report.to_dict()).at_max_radius == (row,)
     assert el.fit(world, 2).report.at_max_radius == ()
 
 

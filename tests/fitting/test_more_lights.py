@@ -92,7 +92,7 @@ def test_the_error_that_a_fit_minimises_is_that_of_its_objective():
     assert mixed.error < mixed.report.objective_error < mixed.report.shadow_error
     points = el.fit(env, 3, sizes=False)
     assert points.report.objective_error == points.error
-    again = el.FitReport.from_dict(points.report.to_dict())
+    again = el.rigs.FitReport.from_dict(points.report.to_dict())
     assert again.objective_error == points.error
 
 
@@ -100,11 +100,11 @@ def test_a_curve_says_where_more_lights_raise_the_error_of_shadows():
     """The rows are in the order of the request; a change that is not printed is no rise."""
     shadows = (0.02, 0.03, 0.01, 0.0100001)
     rest = (0.0,) * 4
-    curve = el.ErrorCurve((3, 4, 5, 6), (3, 4, 5, 6), rest, rest, shadows, rest, 0.33, 1.0)
+    curve = el.fitting.ErrorCurve((3, 4, 5, 6), (3, 4, 5, 6), rest, rest, shadows, rest, 0.33, 1.0)
     note = "note: more lights raise the error with shadows: 2 % with 3 to 3 % with 4"
     assert str(curve).splitlines()[-1] == note
     assert note in curve._repr_html_()
-    falling = el.ErrorCurve((1, 2), (1, 2), (0, 0), (0, 0), (0.2, 0.1), (0, 0), 0.33, 1.0)
+    falling = el.fitting.ErrorCurve((1, 2), (1, 2), (0, 0), (0, 0), (0.2, 0.1), (0, 0), 0.33, 1.0)
     assert "raise" not in str(falling)
 
 

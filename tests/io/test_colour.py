@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from envlights import EnvLightsError
-from envlights._srgb import decode_codes, decode_srgb, encode_srgb
-from envlights.io import colour_spaces, transfer_curves
-from envlights.io.colour import conversion
-from envlights.io.linear import Linear
-from envlights.io.primaries import (
+from envlights._common.srgb import decode_codes, decode_srgb, encode_srgb
+from envlights.environment.colour import colour_spaces, transfer_curves
+from envlights.environment.colour.choice import conversion
+from envlights.environment.colour.linear import Linear
+from envlights.environment.colour.primaries import (
     ACES_AP1,
     ADOBE_RGB,
     DISPLAY_P3,
@@ -19,7 +19,7 @@ from envlights.io.primaries import (
     REC2020,
     to_rec709,
 )
-from envlights.io.raw_image import FileColour, Header
+from envlights.environment.decoders.raw_image import FileColour, Header
 from tests.io import profiles
 
 SRGB_NOTE = "integer samples were decoded from sRGB"

@@ -10,9 +10,9 @@ import OpenImageIO as oiio  # noqa: N813, its own name for itself
 import pytest
 
 import envlights as el
-from envlights._srgb import encode_srgb
-from envlights.io.errors import DamagedFileError, MissingFileError
-from envlights.io.primaries import DISPLAY_P3
+from envlights._common.errors import DamagedFileError, MissingFileError
+from envlights._common.srgb import encode_srgb
+from envlights.environment.colour.primaries import DISPLAY_P3
 from tests.io import profiles
 
 HEIGHT, WIDTH = 32, 64

@@ -8,9 +8,9 @@ import pytest
 from click.testing import CliRunner
 
 import envlights as el
+from envlights._common.errors import DamagedFileError
 from envlights.cli import main
-from envlights.io.errors import DamagedFileError
-from envlights.io.openimageio import is_safe_openexr
+from envlights.environment.decoders.openimageio import is_safe_openexr
 from tests.io.test_door import codes, jpeg, png, radiance_file, world, write_file
 
 NORMALS = np.broadcast_to([0.0, 1.0, 0.0], world().shape)

@@ -9,9 +9,9 @@ import OpenImageIO as oiio  # noqa: N813, its own name for itself
 import pytest
 
 import envlights as el
-from envlights._srgb import decode_srgb, encode_srgb
-from envlights.io import raw
-from envlights.io.exposures import alignment
+from envlights._common.srgb import decode_srgb, encode_srgb
+from envlights.environment.decoders import raw
+from envlights.environment.exposures import alignment
 from tests.reference.camera_curves import filmic, rec709, shoulder
 
 TIMES = (0.002, 0.02, 0.2, 2.0, 8.0)

@@ -6,7 +6,7 @@ import pytest
 
 import envlights as el
 from envlights import synthetic
-from envlights._srgb import encode_srgb
+from envlights._common.srgb import encode_srgb
 
 TIMES = (1 / 250, 1 / 60, 1 / 15, 1 / 4, 1.0, 4.0)
 

@@ -11,7 +11,7 @@ import pytest
 
 import envlights as el
 from envlights import plot
-from envlights.io.files import check_writable, write_atomically
+from envlights._common.files import check_writable, write_atomically
 
 
 def test_a_write_that_fails_leaves_the_old_file_and_nothing_else(tmp_path):

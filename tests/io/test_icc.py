@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from envlights.io import icc, transfer_curves
-from envlights.io.primaries import ADOBE_RGB, DISPLAY_P3, REC2020, to_rec709
+from envlights.environment.colour import icc, transfer_curves
+from envlights.environment.colour.primaries import ADOBE_RGB, DISPLAY_P3, REC2020, to_rec709
 from tests.io import profiles
 
 CODES = np.linspace(0, 1, 256)

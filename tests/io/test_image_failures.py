@@ -15,8 +15,8 @@ import pytest
 
 import envlights as el
 from envlights import io
-from envlights._srgb import decode_srgb
-from envlights.io.raw_image import RawImage
+from envlights._common.srgb import decode_srgb
+from envlights.environment.decoders.raw_image import RawImage
 from tests.io.test_images import RADIANCE, write
 
 
@@ -53,7 +53,7 @@ def use(monkeypatch, file):
     writer = SimpleNamespace(create=lambda _: file)
     rest = {name: getattr(oiio, name) for name in ("ImageSpec", "FLOAT", "TypeDesc")}
     fake = SimpleNamespace(ImageOutput=writer, **rest, geterror=lambda: "no such format")
-    monkeypatch.setattr("envlights.io.image_output.oiio", fake)
+    monkeypatch.setattr("envlights.environment.files.image_output.oiio", fake)
 
 
 @pytest.mark.parametrize(

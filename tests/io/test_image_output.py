@@ -124,7 +124,7 @@ def test_ctrl_c_between_pieces_of_rows_leaves_the_old_file(
     create = SimpleNamespace(create=lambda path: InterruptedFile(path, piece))
     with monkeypatch.context() as patch:
         fake = SimpleNamespace(**doors, ImageOutput=create)
-        patch.setattr("envlights.io.image_output.oiio", fake)
+        patch.setattr("envlights.environment.files.image_output.oiio", fake)
         with pytest.raises(KeyboardInterrupt):
             new.save(tmp_path / name)
     assert [each.name for each in tmp_path.iterdir()] == [name]

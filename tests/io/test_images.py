@@ -10,7 +10,7 @@ import pytest
 
 import envlights as el
 from envlights import io
-from envlights._srgb import decode_srgb
+from envlights._common.srgb import decode_srgb
 from tests.conftest import real_maps
 from tests.helpers import EQUIRECTANGULAR
 

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from envlights.io import primaries
-from envlights.io.primaries import (
+from envlights.environment.colour import primaries
+from envlights.environment.colour.primaries import (
     ACES_AP0,
     ACES_AP1,
     ADOBE_RGB,

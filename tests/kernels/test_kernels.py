@@ -12,7 +12,7 @@ from scipy.stats import qmc
 
 import envlights as el
 from envlights import _native, kernels
-from envlights.envmap import apply_to_map
+from envlights.environment.envmap import apply_to_map
 
 
 def test_radical_inverse_of_base_2_and_3_is_scipys_van_der_corput():
@@ -198,7 +198,7 @@ child = os.fork()
 if not child:
     signal.alarm(20)  # ends it where it waits for threads that it does not have
     el.fit(env, 1), el.detect(env), el.detect(env, "article", blur_px=1.0, working_width=16)
-    el.fit_paper(el.synthetic.hall(16).radiance, 1)
+    el.papers.madsen.fit(el.synthetic.hall(16).radiance, 1)
     el.kernels.probe_model([1] * 8, [[0, 1, 0]])
     el.kernels.sum_over_sources(*[[[0, 1, 0]]] * 3, [1])
     room = el.synthetic.room(4, width=16)

@@ -5,17 +5,17 @@ import pytest
 
 import envlights as el
 from envlights import kernels
-from envlights.occluders import Stage
+from envlights.kernels.solids import Stage
 from tests.helpers import printed_by_threads
 
 UP = np.array([0.0, 1.0, 0.0])
-BALL = el.Ball((0.3, 0.5, 0.2), 0.5)
-BOX = el.Box((-0.5, 0.4, 0.1), (0.4, 0.4, 0.3), turn=0.6)
+BALL = el.scene.Ball((0.3, 0.5, 0.2), 0.5)
+BOX = el.scene.Box((-0.5, 0.4, 0.1), (0.4, 0.4, 0.3), turn=0.6)
 SOLIDS = {
     "ball": [BALL],
     "box": [BOX],
     "both": [BALL, BOX],
-    "two boxes": [BOX, el.Box((0.4, 0.6, -0.3), (0.3, 0.6, 0.3))],
+    "two boxes": [BOX, el.scene.Box((0.4, 0.6, -0.3), (0.3, 0.6, 0.3))],
 }
 NONE = np.zeros((0, 3)), np.zeros(0)
 
@@ -27,7 +27,7 @@ def direction(elevation, azimuth):
 
 def is_hit(solid, point, rays):
     """Rays that meet a solid, by its equations: a ball, or the slabs of a box."""
-    if isinstance(solid, el.Ball):
+    if isinstance(solid, el.scene.Ball):
         away = np.array(solid.centre) - point
         along = rays @ away
         return (along > 0) & (away @ away - along**2 < solid.radius**2)
@@ -42,7 +42,7 @@ def is_hit(solid, point, rays):
 
 def limits(solid, point):
     """Vectors m and numbers c of all circles `m . w = c` on which the border of a solid lies."""
-    if isinstance(solid, el.Ball):
+    if isinstance(solid, el.scene.Ball):
         away = np.array(solid.centre) - point
         distance = np.linalg.norm(away)
         return [(away / distance, np.sqrt(max(1 - (solid.radius / distance) ** 2, 0)))]
@@ -114,7 +114,7 @@ def test_a_ball_in_the_middle_of_a_disc_hides_a_smaller_disc(radius, height):
     axis = np.array([np.sqrt(1 - height**2), height, 0])
     for part in (1e-3, 0.5, 1.0):
         inner = part * radius
-        ball = el.Ball(3 * axis, 3 * np.sin(inner))
+        ball = el.scene.Ball(3 * axis, 3 * np.sin(inner))
         stage = Stage(ball, [[0, 0, 0]], [UP], [-1])
         seen = kernels.hidden_shares(stage, [axis], [radius])[0, 1]
         disc = kernels.rig_irradiance([UP], [0, 0, 0], [axis], [[1, 1, 1]], [inner])[0, 0]
@@ -124,14 +124,15 @@ def test_a_ball_in_the_middle_of_a_disc_hides_a_smaller_disc(radius, height):
 def test_at_the_point_of_contact_all_is_hidden():
     sun = direction(30, 50)
     stage = Stage.floor(
-        [el.Ball((0, 1, 0), 1), el.Box((4, 1, 0), (1, 1, 1), 0.4)], [[0, 0, 0], [4, 0, 0.5]]
+        [el.scene.Ball((0, 1, 0), 1), el.scene.Box((4, 1, 0), (1, 1, 1), 0.4)],
+        [[0, 0, 0], [4, 0, 0.5]],
     )
     seen = kernels.hidden_shares(stage, [sun, UP], [np.deg2rad(0.27), 1.3], floor=True)
     np.testing.assert_allclose(seen, np.tile([1, sun[1], 1], (2, 1)), rtol=0, atol=1e-9)
 
 
 def test_a_wall_through_the_middle_hides_half():
-    wall = el.Box((50, 0, 0), (50, 100, 100))
+    wall = el.scene.Box((50, 0, 0), (50, 100, 100))
     light = direction(40, 0)
     for degrees in (0.27, 10, 40):
         seen = kernels.hidden_shares(Stage.floor(wall, [[0, 0, 0]]), [light], [np.deg2rad(degrees)])
@@ -167,7 +168,7 @@ def test_threads_give_the_same_bits():
     code = (
         "import numpy as np, envlights as el\n"
         "g = np.stack(np.meshgrid(np.linspace(-2, 2, 60), 0, np.linspace(-2, 2, 60)), -1)\n"
-        "solids = el.Ball((0, 0.5, 0), 0.5), el.Box((1, 0.4, 0), (0.4,) * 3)\n"
+        "solids = el.scene.Ball((0, 0.5, 0), 0.5), el.scene.Box((1, 0.4, 0), (0.4,) * 3)\n"
         "s = el.occluders.Stage.floor(solids, g.reshape(-1, 3))\n"
         "out = el.kernels.hidden_shares(s, [[0.6, 0.8, 0], [0, 0.6, 0.8]], [0.3, 0.005])\n"
         "import hashlib; print(hashlib.sha256(out.tobytes()).hexdigest())"
@@ -190,31 +191,39 @@ def test_points_on_a_solid_are_recognised():
 def test_a_rotation_is_a_turn():
     turn = 0.6
     matrix = [[np.cos(turn), 0, np.sin(turn)], [0, 1, 0], [-np.sin(turn), 0, np.cos(turn)]]
-    np.testing.assert_allclose(el.Box(BOX.centre, BOX.half_sides, matrix).vertices, BOX.vertices)
+    np.testing.assert_allclose(
+        el.scene.Box(BOX.centre, BOX.half_sides, matrix).vertices, BOX.vertices
+    )
 
 
-CUBE = el.Box((0, 0, 0), (1, 1, 1))
+CUBE = el.scene.Box((0, 0, 0), (1, 1, 1))
 
 
 @pytest.mark.parametrize(
     ("make", "message"),
     [
         (
-            lambda: el.Ball((0, np.nan, 0), 1),
+            lambda: el.scene.Ball((0, np.nan, 0), 1),
             r"centre must be three finite numbers; got \(0, nan, 0\)",
         ),
-        (lambda: el.Ball((0, 0), 1), "centre must be three finite numbers"),
-        (lambda: el.Ball((0, 0, 0), -1), "radius must be a finite number, 0 or more; got -1"),
-        (lambda: el.Ball((0, 0, 0), 0), "radius must be above 0; got 0"),
-        (lambda: el.Box((0, 0, 0), (1, 0, 1)), "half_sides must be above 0"),
-        (lambda: el.Box((0, 0, 0), (1, 1, 1), np.inf), "turn must be a finite number"),
-        (lambda: el.Box((0, 0, 0), (1, 1, 1), -np.eye(3)), "it is a reflection"),
+        (lambda: el.scene.Ball((0, 0), 1), "centre must be three finite numbers"),
+        (lambda: el.scene.Ball((0, 0, 0), -1), "radius must be a finite number, 0 or more; got -1"),
+        (lambda: el.scene.Ball((0, 0, 0), 0), "radius must be above 0; got 0"),
+        (lambda: el.scene.Box((0, 0, 0), (1, 0, 1)), "half_sides must be above 0"),
+        (lambda: el.scene.Box((0, 0, 0), (1, 1, 1), np.inf), "turn must be a finite number"),
+        (lambda: el.scene.Box((0, 0, 0), (1, 1, 1), -np.eye(3)), "it is a reflection"),
         (
-            lambda: el.Polyhedron(CUBE.vertices, CUBE.faces[:5]),
+            lambda: el.scene.Polyhedron(CUBE.vertices, CUBE.faces[:5]),
             "each edge of a polyhedron must join",
         ),
-        (lambda: el.Polyhedron([*CUBE.vertices[:7], (0, 0, 0)], CUBE.faces), "must be convex"),
-        (lambda: el.Polyhedron(CUBE.vertices, [[0, 1, 9]]), "faces must hold rows of vertices"),
+        (
+            lambda: el.scene.Polyhedron([*CUBE.vertices[:7], (0, 0, 0)], CUBE.faces),
+            "must be convex",
+        ),
+        (
+            lambda: el.scene.Polyhedron(CUBE.vertices, [[0, 1, 9]]),
+            "faces must hold rows of vertices",
+        ),
         (lambda: Stage("ball", [[0, 0, 0]], [[0, 1, 0]]), "solids must be Ball, Box or Polyhedron"),
         (
             lambda: Stage(BALL, [[0, 0, 0]], np.zeros((2, 3))),

@@ -1,1 +1,1 @@
-"""Tests of `envlights.layouts`."""
+"""Tests of `envlights.environment.layouts`."""

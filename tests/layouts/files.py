@@ -4,7 +4,7 @@ import struct
 
 import numpy as np
 
-from envlights._srgb import encode_srgb
+from envlights._common.srgb import encode_srgb
 
 
 def dds(path, faces, sides=0xFE00):

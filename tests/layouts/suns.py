@@ -12,7 +12,7 @@ import numpy as np
 from scipy.sparse.csgraph import connected_components
 
 from envlights import _native
-from envlights.layouts import layout as layouts
+from envlights.environment.layouts import layout as layouts
 
 #: Points on each side of an outline.
 POINTS = 48

@@ -11,15 +11,15 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import envlights as el
-from envlights.io.description import LAYOUT
-from envlights.io.hints import Hints
-from envlights.io.image_output import write_exr
-from envlights.layouts import Arguments, recognise
-from envlights.layouts import layout as layouts
-from envlights.layouts.attribute import line_of
-from envlights.layouts.conventions import CONVENTIONS, CROSSES
-from envlights.layouts.faces import ARRANGEMENTS
-from envlights.layouts.sources import read_picture
+from envlights.environment.decoders.description import LAYOUT
+from envlights.environment.files.hints import Hints
+from envlights.environment.files.image_output import write_exr
+from envlights.environment.layouts import Arguments, recognise
+from envlights.environment.layouts import layout as layouts
+from envlights.environment.layouts.attribute import line_of
+from envlights.environment.layouts.conventions import CONVENTIONS, CROSSES
+from envlights.environment.layouts.faces import ARRANGEMENTS
+from envlights.environment.layouts.sources import read_picture
 from tests.layouts.worlds import smooth
 
 ENV = el.EnvMap(smooth(np.moveaxis(np.mgrid[-1:1:64j, -1:1:128j, 1:1:1j][..., 0], 0, -1)) / 8)

@@ -6,9 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import envlights as el
-from envlights.layouts import Arguments, recognise
-from envlights.layouts.conventions import CONVENTIONS, CROSSES, FACES
-from envlights.layouts.faces import (
+from envlights.environment.layouts import Arguments, recognise
+from envlights.environment.layouts.conventions import CONVENTIONS, CROSSES, FACES
+from envlights.environment.layouts.faces import (
     ARRANGEMENTS,
     arranged_faces,
     cross_of_faces,
@@ -78,7 +78,7 @@ def test_a_face_that_is_turned_by_mistake_is_seen(turned):
 
 def test_each_edge_of_upright_faces_has_two_faces_of_equal_directions():
     """Closed form of the edges that the seams compare."""
-    from envlights.layouts import seams
+    from envlights.environment.layouts import seams
 
     at = dict(zip(FACES, upright_directions(5, border=True), strict=True))
     assert len(seams._EDGES) == 12
@@ -108,7 +108,7 @@ def test_neighbours_in_a_cross_share_their_edge(order):
 @pytest.mark.parametrize("path", paths_of_real_maps("openexr_envmaps/*Cube.exr"), ids=str)
 def test_cubes_of_openexr_show_their_panorama(path):
     """Pairs of one world, written by the library itself."""
-    from envlights.io.images import read_image
+    from envlights.environment.files.images import read_image
 
     image = read_image(path, any_projection=True)
     panorama = read_image(str(path).replace("Cube", "LatLong")).pixels

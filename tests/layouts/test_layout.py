@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import envlights as el
-from envlights.layouts import layout as layouts
-from envlights.layouts.layout import FRONT, MIRRORED, PBRT, Layout
+from envlights.environment.layouts import layout as layouts
+from envlights.environment.layouts.layout import FRONT, MIRRORED, PBRT, Layout
 from tests.layouts.worlds import BASES
 
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import envlights as el
-from envlights import resampling
-from envlights.layouts import layout as layouts
+from envlights.environment import resample
+from envlights.environment.layouts import layout as layouts
 
 
 @pytest.mark.parametrize(
@@ -31,7 +31,7 @@ def test_a_view_names_its_own_argument(direction):
 
 def test_a_photograph_of_a_camera_makes_no_giant_map():
     layout = layouts.planar(4000, 6000, field_of_view=np.deg2rad(65))
-    assert resampling.default_width(layout) == 8192
+    assert resample.default_width(layout) == 8192
 
 
 def test_a_missing_folder_is_named(tmp_path):

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 import envlights as el
-from envlights.io.hints import Hints
-from envlights.io.image_output import write_exr
-from envlights.io.images import read_image
-from envlights.io.signature import kind_of
-from envlights.io.source import named_source
-from envlights.layouts import Arguments, recognise
-from envlights.layouts.faces import arranged_faces, stored_faces
-from envlights.layouts.layout import MIRRORED
+from envlights.environment.decoders.signature import kind_of
+from envlights.environment.decoders.source import named_source
+from envlights.environment.files.hints import Hints
+from envlights.environment.files.image_output import write_exr
+from envlights.environment.files.images import read_image
+from envlights.environment.layouts import Arguments, recognise
+from envlights.environment.layouts.faces import arranged_faces, stored_faces
+from envlights.environment.layouts.layout import MIRRORED
 from tests.layouts.files import dds, jpeg_with
 from tests.layouts.worlds import smooth, upright_directions
 

@@ -6,11 +6,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import envlights as el
-from envlights.io.images import read_image
-from envlights.layouts import Arguments, recognise
-from envlights.layouts.conventions import DISTINCT
-from envlights.layouts.faces import arranged_faces, stored_faces
-from envlights.layouts.seams import has_equal_edges, lines_of_faces, log_luminance, seam_score
+from envlights.environment.files.images import read_image
+from envlights.environment.layouts import Arguments, recognise
+from envlights.environment.layouts.conventions import DISTINCT
+from envlights.environment.layouts.faces import arranged_faces, stored_faces
+from envlights.environment.layouts.seams import (
+    has_equal_edges,
+    lines_of_faces,
+    log_luminance,
+    seam_score,
+)
 from tests.helpers import paths_of_real_maps
 from tests.layouts.worlds import looked_up, smooth, upright_directions
 
@@ -113,7 +118,7 @@ def test_equal_edges_are_border_samples():
 
 def test_the_seams_go_before_the_order_of_metadata():
     """`oiiotool cube.dds -o cube.exr` writes the faces of DDS with the attribute of OpenEXR."""
-    from envlights.io.hints import Hints
+    from envlights.environment.files.hints import Hints
 
     hints = Hints("a.exr", "openexr", "cube", "", True)
     arranged = recognise(arranged_faces(world(), "opengl", "stack"), hints)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import envlights as el
-from envlights.layouts.conventions import CONVENTIONS, CROSSES
-from envlights.layouts.faces import arranged_faces, upright_faces
+from envlights.environment.layouts.conventions import CONVENTIONS, CROSSES
+from envlights.environment.layouts.faces import arranged_faces, upright_faces
 from tests.helpers import NORMALS
 
 WORLD = el.EnvMap(

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import envlights as el
-from envlights.io.image_output import write_exr, write_hdr
-from envlights.layouts import Arguments, recognise
-from envlights.layouts.face_names import order_of_names
-from envlights.layouts.faces import stored_faces
-from envlights.layouts.sources import faces_of_mapping, read_picture
+from envlights.environment.files.image_output import write_exr, write_hdr
+from envlights.environment.layouts import Arguments, recognise
+from envlights.environment.layouts.face_names import order_of_names
+from envlights.environment.layouts.faces import stored_faces
+from envlights.environment.layouts.sources import faces_of_mapping, read_picture
 from tests.layouts.worlds import smooth, upright_directions
 
 NAMES = {

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import envlights as el
-from envlights.many.executors import threads_of
+from envlights.batches.executors import threads_of
 from tests.many.helpers import BROKEN, check_whole, write_maps
 
 

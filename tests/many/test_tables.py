@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import envlights as el
-from envlights.many.columns import COLUMNS
+from envlights.batches.columns import COLUMNS
 
 
 @pytest.fixture(scope="module")
@@ -85,8 +85,8 @@ def test_values_of_a_function_are_columns_and_mixed_ones_are_text(tmp_path):
 
 def test_a_folder_is_loaded_with_its_rows(tmp_path):
     result = el.batch([("hall", el.synthetic.plain(0, 128).radiance)], tmp_path, lights=1)
-    loaded = el.Batch.load(tmp_path)
+    loaded = el.batches.Batch.load(tmp_path)
     assert list(loaded.rows()) == list(result.rows())
     assert loaded == result
     with pytest.raises(el.EnvLightsError, match="no batch is in the folder"):
-        el.Batch.load(tmp_path / "none")
+        el.batches.Batch.load(tmp_path / "none")

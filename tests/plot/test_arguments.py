@@ -50,13 +50,13 @@ def night():
 
 
 def noon():
-    return el.Sun("sun", direction=[0.6, 0.8, 0], irradiance=[4, 4, 4])
+    return el.sun.Sun("sun", direction=[0.6, 0.8, 0], irradiance=[4, 4, 4])
 
 
 def overlay():
     three = el.Lights([[0.6, 0.8, 0], [-0.6, 0.8, 0], [0, 0.8, 0.6]], [[3] * 3, [2] * 3, [1] * 3])
     sky = el.Rig([1, 1, 1], three, error=0.0, floor=True)
-    return el.shadow_overlay(sky, el.Ball((0, 0.5, 0), 0.5), columns=48)
+    return el.shadow_overlay(sky, el.scene.Ball((0, 0.5, 0), 0.5), columns=48)
 
 
 def frame(pairs):

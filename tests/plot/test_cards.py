@@ -39,7 +39,7 @@ def test_a_texture_is_the_right_way_up():
 
 
 def test_a_ball_under_rest_and_cards_is_that_under_the_map():
-    parts = el.CardSplit(cards.WINDOW, el.EnvMap(np.full((64, 128, 3), 0.1, np.float32)))
+    parts = el.cards.CardSplit(cards.WINDOW, el.EnvMap(np.full((64, 128, 3), 0.1, np.float32)))
     whole, _, ours = (
         np.asarray(each.images[0].get_array()) for each in el.plot.card_balls(MAP, parts).axes
     )
@@ -50,7 +50,7 @@ def test_no_cards_are_drawn_too():
     none = cards.WINDOW[:0]
     assert len(el.plot.cards(MAP, none).axes) == 1
     el.plot.card_textures(none)
-    el.plot.card_balls(MAP, el.CardSplit(none, MAP))
+    el.plot.card_balls(MAP, el.cards.CardSplit(none, MAP))
 
 
 def test_only_cards_are_drawn():

@@ -73,7 +73,7 @@ def test_the_map_lies_on_the_sphere_as_it_is_seen_from_outside():
 
 
 def test_the_steps_of_the_article_count_what_the_detector_found():
-    lights = el.detect_article(HALL)
+    lights = el.papers.loghin.detect(HALL)
     figure = plot.article_picture(HALL)
     titles = [axes.get_title() for axes in figure.axes]
     assert titles[1].startswith(f"2. bright samples: {len(lights.members.pixel)},")

@@ -10,7 +10,7 @@ from matplotlib.image import imread
 
 import envlights as el
 from envlights import plot
-from envlights._srgb import decode_srgb, encode_srgb
+from envlights._common.srgb import decode_srgb, encode_srgb
 from envlights.plot.ball import ball
 from envlights.plot.markers import draw_discs, draw_numbers
 from envlights.plot.outlines import outlines

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import envlights as el
-from envlights._srgb import encode_srgb
+from envlights._common.srgb import encode_srgb
 from envlights.plot import room_picture, transfer_picture
 from tests.helpers import oblong, pairs_of_room, relative_errors
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from envlights._srgb import encode_srgb
+from envlights._common.srgb import encode_srgb
 
 
 def rec709(x):

@@ -5,7 +5,7 @@ import numpy as np
 
 import envlights as el
 from envlights.kernels import harmonic_radiance
-from envlights.scene.renderer import mitsuba
+from envlights.scene.mitsuba.renderer import mitsuba
 
 
 def relative(image, truth):

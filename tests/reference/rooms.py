@@ -13,8 +13,8 @@ def prior(position, normal, albedo, **options):
     """Prior of a lightmap of 4 by 4 plane, rectangular charts, each (H, W, 3)."""
     faces = [rectangle(chart) for chart in charts(position)]
     normals = [chart[0, 0] for chart in charts(normal)]
-    lightmap = el.Surface(position, unit(normal), albedo)
-    points = el.Surface(*finer(lightmap, faces, 128))
+    lightmap = el.scene.Surface(position, unit(normal), albedo)
+    points = el.scene.Surface(*finer(lightmap, faces, 128))
     size = options.get("size", 16)
     hit = texel_hit(faces, unit(np.array(normals)), size)
     return el.scene.gather(lightmap, points, hit, **options)

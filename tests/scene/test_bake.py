@@ -11,8 +11,8 @@ from envlights import kernels
 
 mi = pytest.importorskip("mitsuba")
 
-from envlights.scene.emitters import emitters  # noqa: E402, needs Mitsuba
-from envlights.scene.renderer import mitsuba  # noqa: E402, needs Mitsuba
+from envlights.scene.mitsuba.emitters import emitters  # noqa: E402, needs Mitsuba
+from envlights.scene.mitsuba.renderer import mitsuba  # noqa: E402, needs Mitsuba
 from tests.reference.mitsuba_images import noise_of, relative, texels_by_mitsuba  # noqa: E402, needs Mitsuba
 
 NO_LIGHTS = el.Lights(np.zeros((0, 3)), np.zeros((0, 3)))
@@ -22,7 +22,7 @@ NEW = el.synthetic.rigs(6, seed=1)
 
 @pytest.fixture(scope="module")
 def yard():
-    return el.MitsubaScene(el.synthetic.courtyard(), lightmap=16)
+    return el.scene.MitsubaScene(el.synthetic.courtyard(), lightmap=16)
 
 
 @pytest.fixture(scope="module")
@@ -93,7 +93,7 @@ def test_direct_light_of_unseen_rigs_is_mitsubas(yard):
 def test_a_light_alone_is_mitsubas_to_rounding(yard):
     """A light that has no size leaves no noise, and no shadow is missed."""
     some = yard.points.thinned(2, 2)
-    light = el.DirectLight.of(some, yard.blocked, 1)
+    light = el.scene.DirectLight.of(some, yard.blocked, 1)
     rigs = [el.Rig(np.zeros(3), each.lights[:1], error=0.0) for each in NEW]
     for rig, (seen,) in zip(rigs, texels_by_mitsuba(some, rigs, depth=2, seeds=(1,)), strict=True):
         # A light that grazes an edge may fall on the other side of it.
@@ -144,7 +144,7 @@ def test_direct_and_indirect_light_are_what_mitsuba_sees(yard, radius):
     radii = np.full(len(lights), radius)
     rig = el.Rig(NEW[2].ambient, el.Lights(lights.direction, lights.irradiance, radii), 0.0)
     ((one, two),) = texels_by_mitsuba(yard.lightmap, [rig], depth=-1, effort=64)
-    light = el.DirectLight.of(yard.lightmap, yard.blocked, 512)
+    light = el.scene.DirectLight.of(yard.lightmap, yard.blocked, 512)
     direct = replace(light, rays=64).image(rig)
     indirect = yard.indirect(rig, samples=4096)
     truth = (one + two) / 2
@@ -240,7 +240,7 @@ def test_pairs_on_disk_are_those_in_memory(pairs, tmp_path):
 
 
 def test_a_lightmap_of_your_own_is_taken(yard):
-    own = el.MitsubaScene(el.synthetic.courtyard(), yard.lightmap)
+    own = el.scene.MitsubaScene(el.synthetic.courtyard(), yard.lightmap)
     one, other = (each.indirect(NEW[0], samples=8).image for each in (own, yard))
     np.testing.assert_array_equal(one, other)
     assert own.points.covered.shape == (16, 16)
@@ -266,7 +266,7 @@ def test_shapes_of_any_kind_have_charts():
         "disc": {"type": "disk"},
         "floor": floor,
     }
-    scene = el.MitsubaScene({"type": "scene", **kinds}, lightmap=16)
+    scene = el.scene.MitsubaScene({"type": "scene", **kinds}, lightmap=16)
     ball, cube, disc, floor = (
         scene.lightmap.position.reshape(2, 8, 2, 8, 3).swapaxes(1, 2).reshape(4, 64, 3)
     )
@@ -279,7 +279,9 @@ def test_shapes_of_any_kind_have_charts():
 def test_a_large_lightmap_is_measured_at_enough_of_its_texels(yard):
     own = yard.lightmap
     large = [maps.repeat(2, axis=0).repeat(30, axis=1) for maps in (own.position, own.normal)]
-    scene = el.MitsubaScene(el.synthetic.courtyard(), el.Surface(*large, np.ones((32, 480, 3))))
+    scene = el.scene.MitsubaScene(
+        el.synthetic.courtyard(), el.scene.Surface(*large, np.ones((32, 480, 3)))
+    )
     # 2 by 30 texels for each of the direct image: each third of 30, for 8 are enough.
     assert scene.points.covered.shape == (32, 160)
     np.testing.assert_array_equal(scene.points.position[::2, ::10], own.position)
@@ -287,9 +289,9 @@ def test_a_large_lightmap_is_measured_at_enough_of_its_texels(yard):
 
 def test_a_file_is_taken_and_its_own_light_left_out(tmp_path):
     (tmp_path / "floor.xml").write_text(XML)
-    floor = el.MitsubaScene(tmp_path / "floor.xml", lightmap=4)
+    floor = el.scene.MitsubaScene(tmp_path / "floor.xml", lightmap=4)
     up = el.Rig([1, 1, 1], el.Lights([[0, 1, 0]], [[np.pi] * 3]), error=0.0)
-    seen = el.DirectLight.of(floor.lightmap, floor.blocked).image(up)
+    seen = el.scene.DirectLight.of(floor.lightmap, floor.blocked).image(up)
     np.testing.assert_allclose(seen, np.tile([0.4, 0.8, 1.6], (4, 4, 1)), rtol=1e-6)
     assert not floor.indirect(up, samples=8).image.any(), "nothing is there to bounce from"
 
@@ -298,9 +300,9 @@ def test_the_variant_of_the_user_is_left_alone():
     before = mi.variant()
     mi.set_variant("scalar_spectral")
     try:
-        el.MitsubaScene(el.synthetic.courtyard(), lightmap=4)
+        el.scene.MitsubaScene(el.synthetic.courtyard(), lightmap=4)
         with pytest.raises(el.EnvLightsError):
-            el.MitsubaScene({"type": "nothing"})
+            el.scene.MitsubaScene({"type": "nothing"})
         assert mi.variant() == "scalar_spectral"
     finally:
         mi.set_variant(before or "scalar_rgb")
@@ -340,7 +342,7 @@ def lamp():
 )
 def test_scenes_that_no_rig_can_light_are_refused(scene, lightmap, message):
     with pytest.raises(el.EnvLightsError, match=message) as refusal:
-        el.MitsubaScene(scene(), lightmap)
+        el.scene.MitsubaScene(scene(), lightmap)
     assert "\n" not in str(refusal.value)
 
 
@@ -360,9 +362,9 @@ def test_what_is_no_light_is_refused(yard):
         el.bake(yard, NEW[:1], samples=0)
     with pytest.raises(el.EnvLightsError, match="seed must be a whole number, 0 or more"):
         el.bake(yard, NEW[:1], seed=-1)
-    odd = el.Surface(*np.ones((3, 20, 16, 3)) * [0, 1, 0])
+    odd = el.scene.Surface(*np.ones((3, 20, 16, 3)) * [0, 1, 0])
     with pytest.raises(el.EnvLightsError, match="multiple of 16 rows and columns; got 20x16"):
-        el.MitsubaScene(el.synthetic.courtyard(), odd)
+        el.scene.MitsubaScene(el.synthetic.courtyard(), odd)
 
 
 @pytest.mark.slow
@@ -378,11 +380,13 @@ def test_a_gathered_prior_is_what_mitsuba_renders(yard):
 
 
 def test_a_gather_needs_charts_and_an_albedo_below_1(yard):
-    own = el.MitsubaScene(el.synthetic.courtyard(), yard.points)
+    own = el.scene.MitsubaScene(el.synthetic.courtyard(), yard.points)
     with pytest.raises(el.EnvLightsError, match="the lightmap is your own"):
         own.gather()
     white = {"type": "diffuse", "reflectance": {"type": "rgb", "value": [1.0, 1.0, 1.0]}}
-    scene = el.MitsubaScene({"type": "scene", "floor": {"type": "rectangle", "bsdf": white}}, 16)
+    scene = el.scene.MitsubaScene(
+        {"type": "scene", "floor": {"type": "rectangle", "bsdf": white}}, 16
+    )
     with pytest.raises(el.EnvLightsError, match="albedo must be from 0 to below 1"):
         scene.gather(rays=4)
     with pytest.raises(el.EnvLightsError, match="multiple of 24 rows and columns; got 128x128"):

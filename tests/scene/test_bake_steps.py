@@ -9,16 +9,18 @@ TEXELS = np.zeros((2, 3, 3))
 RIGS = el.synthetic.rigs(3)
 
 
-class Scene(el.MitsubaScene):
+class Scene(el.scene.MitsubaScene):
     """Records its calls; the image of rig k is k + 1 everywhere."""
 
-    lightmap = el.Surface(TEXELS, TEXELS + np.array([0, 1, 0]), TEXELS + 0.5)
+    lightmap = el.scene.Surface(TEXELS, TEXELS + np.array([0, 1, 0]), TEXELS + 0.5)
 
     def __init__(self, failing=None):
         object.__setattr__(self, "asked", [])
         object.__setattr__(self, "failing", failing)
 
-    points = el.Surface(*(np.ones((16, 16, 3)) * each for each in ([0, 0, 0], [0, 1, 0], 0.5)))
+    points = el.scene.Surface(
+        *(np.ones((16, 16, 3)) * each for each in ([0, 0, 0], [0, 1, 0], 0.5))
+    )
 
     def gather(self, *, size, progress):
         raise el.EnvLightsError("it has no geometry")

@@ -22,7 +22,7 @@ def surface(positions, normals, albedo=0.5):
     positions, normals = np.atleast_2d(positions), np.atleast_2d(normals)
     shape = (1, max(len(positions), len(normals)), 3)
     maps = [np.broadcast_to(each, shape) for each in (positions, normals, albedo)]
-    return el.Surface(*maps)
+    return el.scene.Surface(*maps)
 
 
 def nothing(origins, directions):
@@ -57,7 +57,9 @@ def towards(elevation_deg, azimuth_deg=0.0):
 @pytest.mark.parametrize("elevation", [90, 50, 5, -20])
 def test_an_open_floor_under_a_light_gets_its_cosine(elevation):
     floor = surface([[0, 0, 0], [3, 0, 1]], UP, [0.2, 0.5, 0.9])
-    image = el.DirectLight.of(floor, nothing).image(rig(DARK, (towards(elevation), [1, 2, 3])))
+    image = el.scene.DirectLight.of(floor, nothing).image(
+        rig(DARK, (towards(elevation), [1, 2, 3]))
+    )
     cosine = max(np.sin(np.deg2rad(elevation)), 0)
     wanted = np.array([0.2, 0.5, 0.9]) / np.pi * [1, 2, 3] * cosine
     np.testing.assert_allclose(image[0], [wanted, wanted], rtol=1e-12, atol=1e-12)
@@ -65,14 +67,14 @@ def test_an_open_floor_under_a_light_gets_its_cosine(elevation):
 
 def test_an_open_surface_reflects_its_albedo_of_a_constant_sky():
     normals = kernels.icosphere(20)[0]
-    image = el.DirectLight.of(surface(DARK, normals, 0.3), nothing).image(rig([1, 2, 4]))
+    image = el.scene.DirectLight.of(surface(DARK, normals, 0.3), nothing).image(rig([1, 2, 4]))
     np.testing.assert_allclose(image[0], np.tile([0.3, 0.6, 1.2], (20, 1)), rtol=1e-12)
 
 
 def test_an_open_surface_is_a_probe():
     """Any ambient term, any lights: without obstacles it is the fit's own model."""
     normals = kernels.icosphere(80)[0]
-    ball = el.DirectLight.of(surface(DARK, normals, np.pi), nothing)
+    ball = el.scene.DirectLight.of(surface(DARK, normals, np.pi), nothing)
     for each in el.synthetic.rigs(5):
         np.testing.assert_allclose(ball.image(each)[0], each.probe(normals), rtol=1e-12)
 
@@ -87,7 +89,7 @@ def discs(radii, seed=0):
 def test_discs_on_an_open_surface_have_no_noise():
     """They are the probe in closed form, whatever part of a disc the horizon cuts."""
     normals = kernels.icosphere(320)[0]
-    ball = el.DirectLight.of(surface(DARK, normals, np.pi), nothing)
+    ball = el.scene.DirectLight.of(surface(DARK, normals, np.pi), nothing)
     rig = discs([0, 0.3, 5, 30, 60, 90])
     np.testing.assert_allclose(ball.image(rig)[0], rig.probe(normals), rtol=1e-12)
 
@@ -97,7 +99,7 @@ def test_the_part_of_a_disc_behind_a_wall_is_a_map_painted_black():
     flat = kernels.pixel_directions(height, 2 * height).reshape(-1, 3)
     behind = wall(2.0)(np.zeros_like(flat), flat).reshape(height, -1, 1)
     normals = np.array([UP, [0.6, 0.8, 0], [0, 0.8, 0.6], [0.48, 0.6, -0.64]])
-    light = el.DirectLight.of(surface(DARK, normals, np.pi), wall(2.0), 1)
+    light = el.scene.DirectLight.of(surface(DARK, normals, np.pi), wall(2.0), 1)
     light = replace(light, rays=4096)
     for radius in (3, 10, 30, 60):
         for elevation in (55, 63.4, 75):
@@ -112,7 +114,7 @@ def test_shadows_of_a_disc_are_black_inside_and_end_where_its_rim_does():
     x = np.linspace(-8, 0.99, 900)
     floor = surface(np.stack([x, 0 * x, 0 * x], axis=1), UP, np.pi)
     lamp = el.Lights([towards(45)], [[1, 1, 1]], [np.deg2rad(10)])
-    share = el.DirectLight.of(floor, wall(2.0)).image(lamp)[0, :, 0] / np.sin(np.deg2rad(45))
+    share = el.scene.DirectLight.of(floor, wall(2.0)).image(lamp)[0, :, 0] / np.sin(np.deg2rad(45))
     rises = np.rad2deg(np.arctan2(2.0, 1 - x))  # to the top of the wall
     np.testing.assert_array_equal(share[rises > 55.1], 0)
     np.testing.assert_allclose(share[rises < 34.9], 1, rtol=1e-12)
@@ -125,7 +127,9 @@ def test_shadows_of_a_disc_are_black_inside_and_end_where_its_rim_does():
 def test_detected_lights_light_as_the_discs_that_they_are():
     found = el.detect(el.synthetic.hall(128).radiance)
     floor = surface(DARK, UP)
-    one, other = (el.DirectLight.of(floor, nothing).image(each) for each in (found, found.discs()))
+    one, other = (
+        el.scene.DirectLight.of(floor, nothing).image(each) for each in (found, found.discs())
+    )
     np.testing.assert_array_equal(one, other)
 
 
@@ -133,7 +137,9 @@ def test_detected_lights_light_as_the_discs_that_they_are():
 def test_a_wall_casts_a_shadow_of_its_own_length(elevation):
     x = np.linspace(-4, 0.99, 400)
     floor = surface(np.stack([x, 0 * x, 0 * x], axis=1), UP, np.pi)
-    image = el.DirectLight.of(floor, wall(2.0)).image(rig(DARK, (towards(elevation), [1, 1, 1])))
+    image = el.scene.DirectLight.of(floor, wall(2.0)).image(
+        rig(DARK, (towards(elevation), [1, 1, 1]))
+    )
     shadow = 2.0 / np.tan(np.deg2rad(elevation))
     # The floor is sampled a hair above itself.
     certain = np.abs(1 - x - shadow) > 0.01
@@ -144,7 +150,7 @@ def test_a_wall_casts_a_shadow_of_its_own_length(elevation):
 @pytest.mark.parametrize("distance", [0.2, 1.0, 5.0])
 def test_an_endless_wall_hides_its_form_factor_of_the_sky(distance):
     floor = surface([1 - distance, 0, 0], UP, np.pi)
-    image = el.DirectLight.of(floor, wall(2.0), 4096).image(rig([1, 1, 1]))
+    image = el.scene.DirectLight.of(floor, wall(2.0), 4096).image(rig([1, 1, 1]))
     hidden = (1 - distance / np.hypot(distance, 2.0)) / 2
     # n points of low discrepancy count what is behind an outline to about n^(-3/4).
     np.testing.assert_allclose(image[0, 0] / np.pi, 1 - hidden, atol=4096**-0.75)
@@ -156,7 +162,7 @@ def test_what_a_texel_sees_of_the_sky_is_a_map_with_the_wall_painted_black():
     flat = directions.reshape(-1, 3)
     behind = wall(2.0)(np.zeros_like(flat), flat).reshape(height, -1)
     normals = np.array([UP, [0.6, 0.8, 0], [-1, 0, 0], [0.48, 0.6, -0.64]])
-    here = el.DirectLight.of(surface(DARK, normals, np.pi), wall(2.0), 4096)
+    here = el.scene.DirectLight.of(surface(DARK, normals, np.pi), wall(2.0), 4096)
     for each in el.synthetic.rigs(3):
         radiance = (kernels.harmonic_radiance(flat) @ each.ambient).reshape(height, -1, 3)
         sky = np.where(behind[..., None], 0, np.maximum(radiance, 0))
@@ -182,7 +188,7 @@ def test_light_adds_up(seed, a, b):
         *zip(two.lights.direction, b * two.lights.irradiance, strict=True),
     )
     x = np.linspace(-4, 0.9, 20)
-    light = el.DirectLight.of(surface(np.stack([x, 0 * x, 0 * x], axis=1), UP), wall(2.0), 16)
+    light = el.scene.DirectLight.of(surface(np.stack([x, 0 * x, 0 * x], axis=1), UP), wall(2.0), 16)
     apart = a * light.image(one) + b * light.image(two)
     np.testing.assert_allclose(light.image(both), apart, rtol=1e-9, atol=1e-12)
 
@@ -192,7 +198,7 @@ def test_a_ray_tracer_may_answer_with_numbers_and_nothing_else():
     light = rig(DARK, (UP, [1, 1, 1]))
 
     def image_for(answer):
-        return el.DirectLight.of(place, answer, 8).image(light)
+        return el.scene.DirectLight.of(place, answer, 8).image(light)
 
     as_flags = image_for(lambda origins, _: origins[:, 0] > 1)
     as_numbers = image_for(lambda origins, _: (origins[:, 0] > 1).astype(np.uint8))
@@ -211,7 +217,7 @@ def test_only_what_faces_a_light_is_asked_for_shadows():
         return nothing(origins, directions)
 
     normals = np.array([UP, -UP, [1, 0, 0]])
-    light = el.DirectLight.of(surface(DARK, normals), is_blocked, 8)
+    light = el.scene.DirectLight.of(surface(DARK, normals), is_blocked, 8)
     light.image(rig(DARK, (UP, [1, 1, 1])))
     assert asked == [3 * 8, 1]
 
@@ -232,10 +238,10 @@ def test_means_are_of_the_texels_that_are_there():
     normals = np.tile(UP, (4, 4, 1))
     normals[:2, :2] = 0
     normals[0, 3] = 0
-    patch = el.Surface(np.zeros((4, 4, 3)), normals, np.ones((4, 4, 3)))
+    patch = el.scene.Surface(np.zeros((4, 4, 3)), normals, np.ones((4, 4, 3)))
     values = np.arange(16.0).reshape(4, 4, 1).repeat(3, axis=2)
     np.testing.assert_allclose(patch.means(values, 2)[..., 0], [[0, (2 + 6 + 7) / 3], [10.5, 12.5]])
-    image = el.DirectLight.of(patch, nothing).image(rig([1, 1, 1]))
+    image = el.scene.DirectLight.of(patch, nothing).image(rig([1, 1, 1]))
     np.testing.assert_allclose(image[..., 0], normals[..., 1], rtol=1e-12)
 
 
@@ -264,7 +270,7 @@ def maps(**changes):
 )
 def test_impossible_surfaces_are_refused(given, message):
     with pytest.raises(el.EnvLightsError, match=message):
-        el.Surface(**given)
+        el.scene.Surface(**given)
 
 
 def test_rigs_of_the_open_air_come_from_above_and_from_their_seed():
@@ -282,4 +288,4 @@ def test_without_mitsuba_the_way_to_it_is_told(monkeypatch):
     with pytest.raises(el.EnvLightsError, match=r"pip install 'envlights\[bake\]'"):
         el.synthetic.courtyard()
     with pytest.raises(el.EnvLightsError, match=r"Mitsuba cannot be imported: .*mitsuba"):
-        el.MitsubaScene({"type": "scene"})
+        el.scene.MitsubaScene({"type": "scene"})

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 import envlights as el
-from envlights.scene.chart_rays import texel_hits
 from envlights.scene.gather import gather
+from envlights.scene.mitsuba.chart_rays import texel_hits
 from envlights.scene.triangles import Triangles
 from envlights.synthetic.room import room_charts
 from tests.reference.rooms import room_prior, room_surface
 
-FLOOR = el.Surface(
+FLOOR = el.scene.Surface(
     np.concatenate([np.mgrid[:16, :16] / 16 + 1 / 32, np.zeros((1, 16, 16))])[[0, 2, 1]]
     .swapaxes(0, 2)
     .copy(),
@@ -59,7 +59,7 @@ def test_rays_to_triangles_of_the_room_count_the_hits_of_rays_to_rectangles():
     uv = np.array([[[0, 0], [1, 0], [1, 1]], [[0, 0], [1, 1], [0, 1]]], float)
     shape = np.repeat(np.arange(16), 2)
     room = Triangles(np.array(corners), np.tile(uv, (16, 1, 1)), shape, np.array(flipped))
-    lightmap, points = (el.Surface(*room_surface(width)) for width in (16, 128))
+    lightmap, points = (el.scene.Surface(*room_surface(width)) for width in (16, 128))
     prior = gather(lightmap, points, texel_hits(room.hits, 16, 128, 16), irradiance=True)
     np.testing.assert_array_equal(prior.hits, room_prior(16).hits)
     np.testing.assert_array_equal(prior.between, room_prior(16).between)

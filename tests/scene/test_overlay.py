@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 import envlights as el
-from envlights._srgb import encode_srgb
-from envlights.io.openimageio import oiio
+from envlights._common.srgb import encode_srgb
+from envlights.environment.decoders.openimageio import oiio
 from envlights.scene.solids import blocked_by
 
-BALL = el.Ball((0.0, 0.5, 0.0), 0.5)
-BOX = el.Box((1.2, 0.4, -0.2), (0.4, 0.4, 0.4), 0.5)
+BALL = el.scene.Ball((0.0, 0.5, 0.0), 0.5)
+BOX = el.scene.Box((1.2, 0.4, -0.2), (0.4, 0.4, 0.4), 0.5)
 SUN = el.Lights([[0.48, 0.8, 0.36]], [[3, 2, 1]], [0.005])
 LIGHTS = el.Lights(
     [[0.48, 0.8, 0.36], [-0.6, 0.64, -0.48], [0, 0.6, 0.8]],
@@ -39,13 +39,13 @@ def test_one_light_is_exact_for_each_channel():
 def test_the_picture_is_the_floor_under_the_rig():
     """Reflected radiance by rays, over a floor of any colour."""
     albedo = np.array([0.9, 0.4, 0.1])
-    surface = el.Surface(
+    surface = el.scene.Surface(
         SHADOW.points,
         np.broadcast_to([0, 1, 0], SHADOW.points.shape),
         np.broadcast_to(albedo, SHADOW.points.shape),
     )
-    light = el.DirectLight.of(surface, blocked_by((BALL, BOX)), 256)
-    traced = el.DirectLight(surface, light.blocked, light.sky, rays=256).image(RIG)
+    light = el.scene.DirectLight.of(surface, blocked_by((BALL, BOX)), 256)
+    traced = el.scene.DirectLight(surface, light.blocked, light.sky, rays=256).image(RIG)
     drawn = SHADOW.over(albedo / np.pi * RIG.probe([0, 1, 0]))
     difference = np.abs(drawn - traced)[~SHADOW.covered] / drawn.max()
     assert difference.mean() < 1e-3
@@ -145,7 +145,7 @@ def test_views_name_the_errors():
 
 
 def test_a_solid_in_the_floor_is_noted():
-    dome = el.Ball((0, 0.0, 0), 0.5)
+    dome = el.scene.Ball((0, 0.0, 0), 0.5)
     assert "solid 0 (Ball) reaches 0.5 below the floor" in el.shadow_overlay(RIG, dome).notes[0]
 
 
@@ -166,7 +166,7 @@ def test_no_light_and_no_solid_give_no_shadow():
     ("call", "message"),
     [
         (
-            lambda: el.shadow_overlay(RIG, el.Ball((0, -2, 0), 1)),
+            lambda: el.shadow_overlay(RIG, el.scene.Ball((0, -2, 0), 1)),
             "solid 0 .Ball. is below the floor",
         ),
         (lambda: el.shadow_overlay(RIG, "ball"), "solids must be Ball, Box or Polyhedron"),

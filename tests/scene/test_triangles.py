@@ -7,8 +7,8 @@ import envlights as el
 
 mi = pytest.importorskip("mitsuba")
 
-from envlights.scene.chart_rays import mitsuba_hits  # noqa: E402, needs Mitsuba
-from envlights.scene.renderer import mitsuba  # noqa: E402, needs Mitsuba
+from envlights.scene.mitsuba.chart_rays import mitsuba_hits  # noqa: E402, needs Mitsuba
+from envlights.scene.mitsuba.renderer import mitsuba  # noqa: E402, needs Mitsuba
 
 
 def scene(*more):
@@ -39,7 +39,7 @@ def rays(count=4000):
 def seen():
     """First hits of our triangles and of Mitsuba."""
     with mitsuba():
-        whole = el.MitsubaScene(scene(), lightmap=16)
+        whole = el.scene.MitsubaScene(scene(), lightmap=16)
     with mitsuba() as ours:
         theirs = mitsuba_hits(ours, whole._scene, whole._shapes)(*rays())
     return whole._triangles.hits(*rays()), theirs
@@ -70,8 +70,8 @@ def test_a_scene_with_a_sphere_has_the_same_prior_by_rays_of_mitsuba():
     away = {"type": "sphere", "center": [-3, 0, 0], "radius": 0.5}
     with mitsuba():
         one, two = (
-            el.MitsubaScene(scene(), lightmap=48),
-            el.MitsubaScene(scene(away), lightmap=48),
+            el.scene.MitsubaScene(scene(), lightmap=48),
+            el.scene.MitsubaScene(scene(away), lightmap=48),
         )
     assert two._triangles is None
     ends = rays(500)

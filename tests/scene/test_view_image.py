@@ -6,11 +6,14 @@ import pytest
 import envlights as el
 from envlights.scene.camera import FLOOR, Camera, first_surfaces
 from envlights.scene.closed_form import closed_form, shade, shade_directly
+from envlights.scene.mitsuba.path_traced import SolidsOnFloor, Still, Texture, path_traced
 from envlights.scene.panorama_floor import background, floor_albedo, radiance_at
-from envlights.scene.path_traced import SolidsOnFloor, Still, Texture, path_traced
 from envlights.scene.view_image import true_view, view_image
 
-SOLIDS = el.Ball((-0.65, 0.5, 0.1), 0.5), el.Box((0.65, 0.4, -0.1), (0.4, 0.4, 0.4), np.pi / 6)
+SOLIDS = (
+    el.scene.Ball((-0.65, 0.5, 0.1), 0.5),
+    el.scene.Box((0.65, 0.4, -0.1), (0.4, 0.4, 0.4), np.pi / 6),
+)
 SCENE = SolidsOnFloor(SOLIDS, np.full((2, 3), 0.7), np.array([0.3, 0.2, 0.1]))
 CAMERA = Camera((1.6, 2.2, 3.9), (0, 0.3, 0), 40, 80, 45)
 UP = np.array([[0.0, 1.0, 0.0]])

@@ -26,10 +26,12 @@ def rig_of(frame):
         rows.append((9, towards(-80, -20), [0.2, 0.5, 0.9], 0.3))
     ids, direction, irradiance, radius = zip(*rows, strict=True)
     lights = el.Lights(direction, irradiance, radius)
-    return el.FrameRig(AMBIENT * (1 + frame), lights, 0.01, frame=frame, ids=ids, fit_error=0.02)
+    return el.sequence.FrameRig(
+        AMBIENT * (1 + frame), lights, 0.01, frame=frame, ids=ids, fit_error=0.02
+    )
 
 
-RIGS = el.RigSequence([rig_of(frame) for frame in range(5)], steadiness=2, fps=12.0)
+RIGS = el.sequence.RigSequence([rig_of(frame) for frame in range(5)], steadiness=2, fps=12.0)
 
 
 BLACK = el.Lights([[0, 1, 0]], [[0, 0, 0]])
@@ -41,14 +43,14 @@ def difference(irradiance, frame):
 
 def test_json_lines_hold_all(tmp_path):
     RIGS.save(tmp_path / "rigs.jsonl")
-    assert el.RigSequence.load(tmp_path / "rigs.jsonl") == RIGS
+    assert el.sequence.RigSequence.load(tmp_path / "rigs.jsonl") == RIGS
 
 
 def test_a_fit_survives_json_lines(tmp_path):
     lamp = el.Lights([[0, 0.6, 0.8]], [[3, 2, 1]], [0.1]).to_map(32)
     rigs = el.follow([lamp, lamp], lights=2, fps=25).sequence()
     rigs.save(tmp_path / "rigs.jsonl")
-    assert el.RigSequence.load(tmp_path / "rigs.jsonl") == rigs
+    assert el.sequence.RigSequence.load(tmp_path / "rigs.jsonl") == rigs
 
 
 def test_a_csv_has_a_row_for_each_light_and_each_ambient_term(tmp_path):
@@ -155,7 +157,7 @@ def test_rotations_take_the_shorter_way():
     # Behind -z, the shortest rotation from there changes its axis.
     places = [towards(azimuth, 0.3) for azimuth in (170, 176, 183, 188)]
     rigs = [
-        el.FrameRig([0, 0, 0], el.Lights([place], [[1, 1, 1]]), 0.0, frame=k, ids=(0,))
+        el.sequence.FrameRig([0, 0, 0], el.Lights([place], [[1, 1, 1]]), 0.0, frame=k, ids=(0,))
         for k, place in enumerate(places)
     ]
     rotations = keyframes(el.sequence.gltf(rigs))[1]["/nodes/0/rotation"]
@@ -262,7 +264,7 @@ def test_the_script_for_blender_sets_the_keys_of_each_frame(tmp_path):
 
 def test_calibrated_rigs_have_the_units_of_the_target():
     lights = el.Lights([[0, 1, 0]], [[683.0, 683.0, 683.0]], units="cd/m2")
-    rigs = [el.FrameRig([0, 0, 0], lights, 0.0, ids=(0,))]
+    rigs = [el.sequence.FrameRig([0, 0, 0], lights, 0.0, ids=(0,))]
     assert " [1.0, 1.0, 1.0], 1.0, 0.0)" in el.sequence.blender(rigs)
     assert "inputs:intensity.timeSamples = {0: 683.0}" in el.sequence.usd(rigs)
     assert "cd/m2" in el.sequence.csv(rigs).splitlines()[0]
@@ -277,8 +279,8 @@ def test_other_suffixes_are_refused(tmp_path):
 def test_harmonics_are_not_animated_but_saved(tmp_path):
     harmonics = np.zeros((9, 3))
     harmonics[0] = 1
-    rigs = el.RigSequence(
-        [el.FrameRig(harmonics, el.Lights([[0, 1, 0]], [[1, 1, 1]]), 0.0, ids=(0,))]
+    rigs = el.sequence.RigSequence(
+        [el.sequence.FrameRig(harmonics, el.Lights([[0, 1, 0]], [[1, 1, 1]]), 0.0, ids=(0,))]
     )
     for suffix in SUFFIXES:
         if suffix in (".jsonl", ".csv"):
@@ -286,7 +288,7 @@ def test_harmonics_are_not_animated_but_saved(tmp_path):
         else:
             with pytest.raises(el.EnvLightsError, match="got harmonics"):
                 rigs.save(tmp_path / f"rigs{suffix}")
-    assert el.RigSequence.load(tmp_path / "rigs.jsonl") == rigs
+    assert el.sequence.RigSequence.load(tmp_path / "rigs.jsonl") == rigs
 
 
 @pytest.mark.parametrize(
@@ -306,7 +308,7 @@ def test_damaged_json_lines_are_refused(text, sentence, tmp_path):
         whole[: whole.index("\n", whole.index("\n") + 1) + 40] if text is None else text
     )
     with pytest.raises(el.EnvLightsError, match=sentence):
-        el.RigSequence.load(path)
+        el.sequence.RigSequence.load(path)
 
 
 def test_sequences_show_themselves():
@@ -328,5 +330,7 @@ def test_the_table_of_a_sequence_holds_flux_and_motion_of_each_light():
     assert [row[2] for row in rows] == shares
     np.testing.assert_allclose([float(row[3]) for row in rows], [five, nine], rtol=1e-3)
     assert rows[1][4] == "0.00° a frame"
-    black = [el.FrameRig(AMBIENT, BLACK, 0.01, frame=frame, ids=(1,)) for frame in range(2)]
-    assert el.RigSequence(black).table().rows[0][2] == "0.0 %"
+    black = [
+        el.sequence.FrameRig(AMBIENT, BLACK, 0.01, frame=frame, ids=(1,)) for frame in range(2)
+    ]
+    assert el.sequence.RigSequence(black).table().rows[0][2] == "0.0 %"

@@ -164,7 +164,7 @@ def test_a_search_runs_if_the_error_grows_and_counts_if_it_pays(monkeypatch):
     searches, frame = [], [0]
 
     def rig_of(error):
-        report = el.FitReport(objective_error=error)
+        report = el.rigs.FitReport(objective_error=error)
         rig = el.Rig([1, 1, 1], el.Lights([[0, 1, 0]], [[1, 1, 1]]), error or 0, report)
         return rig, MapSamples(NORMALS, SOLID_ANGLES, np.ones((len(NORMALS), 3)))
 

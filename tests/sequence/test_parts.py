@@ -152,37 +152,37 @@ def test_files_come_in_natural_order(tmp_path):
 
 def test_frame_rigs_have_an_identity_for_each_light():
     with pytest.raises(el.EnvLightsError, match="ids must be 1 different numbers"):
-        el.FrameRig([0, 0, 0], lamps((0, 0)), 0.0)
+        el.sequence.FrameRig([0, 0, 0], lamps((0, 0)), 0.0)
     with pytest.raises(el.EnvLightsError, match="ids must be 2 different numbers"):
-        el.FrameRig([0, 0, 0], lamps((0, 0), (9, 0)), 0.0, ids=(1, 1))
+        el.sequence.FrameRig([0, 0, 0], lamps((0, 0), (9, 0)), 0.0, ids=(1, 1))
 
 
 def test_frames_must_be_in_order():
-    rigs = [el.FrameRig([0, 0, 0], lamps((0, 0)), 0.0, frame=k, ids=(0,)) for k in (1, 0)]
+    rigs = [el.sequence.FrameRig([0, 0, 0], lamps((0, 0)), 0.0, frame=k, ids=(0,)) for k in (1, 0)]
     with pytest.raises(el.EnvLightsError, match="rising order"):
-        el.RigSequence(rigs)
+        el.sequence.RigSequence(rigs)
 
 
 def test_flicker_is_the_standard_deviation_of_independent_noise():
     noise = 1 + 0.01 * np.random.default_rng(1).standard_normal(4000)
     rigs = [
-        el.FrameRig([0, 0, 0], el.Lights([[0, 1, 0]], [[a, a, a]]), 0.0, frame=k, ids=(0,))
+        el.sequence.FrameRig([0, 0, 0], el.Lights([[0, 1, 0]], [[a, a, a]]), 0.0, frame=k, ids=(0,))
         for k, a in enumerate(noise)
     ]
-    assert el.RigSequence(rigs).flicker == pytest.approx(0.01, rel=0.05)
+    assert el.sequence.RigSequence(rigs).flicker == pytest.approx(0.01, rel=0.05)
 
 
 def test_flicker_leaves_out_steps_and_constant_changes():
     flux = [1, 2, 3, 4, 9, 10, 11, 12]
     rigs = [
-        el.FrameRig(
+        el.sequence.FrameRig(
             [0, 0, 0], el.Lights([[0, 1, 0]], [[a] * 3]), 0.0, frame=k, ids=(0,), is_step=k == 4
         )
         for k, a in enumerate(flux)
     ]
-    assert el.RigSequence(rigs).flicker == pytest.approx(0, abs=1e-12)
-    rigs[4] = el.FrameRig([0, 0, 0], rigs[4].lights, 0.0, frame=4, ids=(0,))
-    assert el.RigSequence(rigs).flicker > 0.1
+    assert el.sequence.RigSequence(rigs).flicker == pytest.approx(0, abs=1e-12)
+    rigs[4] = el.sequence.FrameRig([0, 0, 0], rigs[4].lights, 0.0, frame=4, ids=(0,))
+    assert el.sequence.RigSequence(rigs).flicker > 0.1
 
 
 def test_a_video_is_decoded_frame_by_frame(tmp_path):
@@ -197,7 +197,7 @@ def test_a_video_is_decoded_frame_by_frame(tmp_path):
         file.mux(stream.encode(None))
     found = frames_of(path)
     assert found.fps == 25
-    from envlights._srgb import decode_srgb
+    from envlights._common.srgb import decode_srgb
 
     levels = [float(env.radiance[0, 0, 0]) for env in found.maps]
     np.testing.assert_allclose(levels, decode_srgb(np.array([50, 100, 200]) / 255), rtol=1e-5)
@@ -207,7 +207,7 @@ def test_a_video_is_decoded_frame_by_frame(tmp_path):
 def test_a_damaged_video_is_refused(tmp_path):
     pytest.importorskip("av", reason="needs PyAV")
     (tmp_path / "no.mp4").write_bytes(b"no video")
-    with pytest.raises(el.DamagedFileError, match="is not a video that PyAV reads"):
+    with pytest.raises(el.io.DamagedFileError, match="is not a video that PyAV reads"):
         el.follow(tmp_path / "no.mp4")
 
 

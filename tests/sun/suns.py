@@ -4,7 +4,7 @@ import numpy as np
 
 import envlights as el
 from envlights import kernels
-from envlights._srgb import encode_srgb
+from envlights._common.srgb import encode_srgb
 
 #: Unit vector towards the sun.
 TOWARDS = np.array([0.48, 0.6, 0.64])
@@ -40,7 +40,7 @@ def sun_of(plateau=None, answer="sun", direction=TOWARDS, **options):
         "evidence": ("depth", "symmetry"),
         "plateau": behind,
     }
-    return el.Sun(answer, direction=direction, **(fields | options))
+    return el.sun.Sun(answer, direction=direction, **(fields | options))
 
 
 def photograph(radiance, white_share):

@@ -86,7 +86,7 @@ def test_a_fit_with_the_sun_has_one_crisp_light():
 def test_the_elevation_of_a_time_is_that_of_the_light():
     _, env, _ = picture_of(0.05)
     noon = datetime.datetime(2024, 3, 20, 12, tzinfo=datetime.timezone.utc)
-    sun = el.SunAt(noon, latitude=40.0, longitude=0.0)
+    sun = el.sun.SunAt(noon, latitude=40.0, longitude=0.0)
     lights, _ = el.with_sun(env, sun)
     assert np.degrees(lights.elevation[0]) == pytest.approx(np.degrees(sun.elevation), abs=2)
 
@@ -123,7 +123,7 @@ def test_its_repair_changes_nothing():
 
 
 def test_a_sun_that_is_not_the_brightest_light_stays():
-    sun = el.Sun("sun", direction=[0, 1, 0], irradiance=[1, 1, 1], evidence=("map",))
+    sun = el.sun.Sun("sun", direction=[0, 1, 0], irradiance=[1, 1, 1], evidence=("map",))
     lights, rest = el.with_sun(whole(), sun)
     assert len(lights) == 0
     assert rest == whole()

@@ -118,7 +118,7 @@ def test_a_calibrated_map_has_a_sun_in_lux():
         (None, "sun must be 'auto', .*; got None"),
         ([0, -1, 2], "sun must be above the horizon; got an elevation of -26.6°"),
         (sun_of(direction=[0, -0.6, 0.8]), "sun must be above the horizon; got .* -36.9°"),
-        (el.SunAt(NIGHT, 51.48, 0.0), "sun must be above the horizon; got an elevation of -15"),
+        (el.sun.SunAt(NIGHT, 51.48, 0.0), "sun must be above the horizon; got an elevation of -15"),
         (sun_of(units="cd/m2"), "sun must have the units of the map"),
         (sun_of(np.ones((4, 8), bool)), r"sun must be that of this map, of \(64, 128\) pixels"),
     ],
@@ -154,7 +154,7 @@ def test_a_time_gives_the_direction_or_the_elevation(monkeypatch):
         return sun_of()
 
     monkeypatch.setattr("envlights.sun.choice.find_sun", find)
-    at = el.SunAt(NOON, 51.48, 0.0, north=90)
+    at = el.sun.SunAt(NOON, 51.48, 0.0, north=90)
     el.with_sun(sky(), at)
     np.testing.assert_allclose(asked.pop("direction"), at.direction)
     el.with_sun(sky(), replace(at, north=None))
@@ -241,7 +241,7 @@ def test_a_reading_is_that_of_the_repaired_map():
 
 
 def test_without_a_sun_the_repair_is_that_of_the_kernel():
-    from envlights.repair import repair
+    from envlights.environment.repair import repair
 
     env, _ = clipped()
     expected = repair(env.radiance, False, 1.0, None, None)

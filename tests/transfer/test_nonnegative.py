@@ -7,10 +7,10 @@ import pytest
 from scipy.optimize import nnls
 
 import envlights as el
-from envlights.transfer.blocks import blocks
-from envlights.transfer.nonnegative import minimiser
-from envlights.transfer.remainder import estimator_around
-from envlights.transfer.ridge import regression
+from envlights.transfer.training.blocks import blocks
+from envlights.transfer.training.nonnegative import minimiser
+from envlights.transfer.training.remainder import estimator_around
+from envlights.transfer.training.ridge import regression
 from tests.helpers import oblong, pairs_of_room, relative_errors
 
 room = partial(pairs_of_room, 80, 32)

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import envlights as el
-from envlights.transfer.around_prior import _best, _in_basis
-from envlights.transfer.weights import weighted_regression
+from envlights.transfer.training.around_prior import _best, _in_basis
+from envlights.transfer.training.weights import weighted_regression
 from tests.helpers import pairs_of_room, relative_errors
 from tests.reference.rooms import room_prior
 
@@ -18,7 +18,7 @@ SIDE = 4
 def furnace(albedo=0.5, irradiance=False):
     """A closed room without hidden parts, in which each texel sees all texels alike."""
     pixels = SIDE * SIDE
-    return el.TransferPrior(
+    return el.transfer.TransferPrior(
         hits=np.full((64, pixels), 4, np.uint16),
         rays=64,
         between=np.full((pixels, pixels), 1 / pixels),
@@ -55,7 +55,7 @@ def test_constant_light_in_a_furnace_is_a_geometric_series(irradiance):
 def test_two_patches_exchange_light_for_ever():
     """Light returns with the factor a^2 f^2 for the form factor f and the albedo a."""
     f, a = 0.25, 0.6
-    prior = el.TransferPrior(
+    prior = el.transfer.TransferPrior(
         hits=np.array([[0, 1], [1, 0]], np.uint16),
         rays=4,
         between=np.array([[0, f], [f, 0]]),
@@ -252,13 +252,13 @@ def test_a_prior_of_another_scene_is_told_by_its_own_error():
 def test_priors_and_models_are_saved_and_read(tmp_path):
     prior = room()[1]
     prior.save(tmp_path / "prior.npz")
-    assert el.TransferPrior.load(tmp_path / "prior.npz") == prior
+    assert el.transfer.TransferPrior.load(tmp_path / "prior.npz") == prior
     model().save(tmp_path / "model.npz")
     assert el.TransferModel.load(tmp_path / "model.npz") == model()
     with pytest.raises(el.EnvLightsError, match="is not a model"):
         el.TransferModel.load(tmp_path / "prior.npz")
     with pytest.raises(el.EnvLightsError, match="is not a prior"):
-        el.TransferPrior.load(tmp_path / "model.npz")
+        el.transfer.TransferPrior.load(tmp_path / "model.npz")
 
 
 def test_one_pair_is_enough():

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import envlights as el
-from envlights._srgb import decode_srgb
+from envlights._common.srgb import decode_srgb
 from envlights.viewer import model_textures
 from envlights.viewer.model_file import MOST_TRIANGLES
 
@@ -68,7 +68,7 @@ def corners_of(data):
 
 def test_a_model_stands_on_the_floor_in_metres():
     vertices, triangles = cube(centre=(5, 7, -3), side=200)
-    model = el.Model(vertices, triangles, scale=0.01)
+    model = el.viewer.Model(vertices, triangles, scale=0.01)
     used = model.vertices[model.triangles.ravel()]
     np.testing.assert_allclose(used.min(axis=0), [-1, 0, -1], atol=1e-12)
     np.testing.assert_allclose(used.max(axis=0), [1, 2, 1], atol=1e-12)
@@ -76,7 +76,7 @@ def test_a_model_stands_on_the_floor_in_metres():
 
 
 def test_the_axis_of_a_file_that_points_up_becomes_y():
-    model = el.Model([[0, 0, 0], [1, 0, 0], [0, 0, 3]], [[0, 1, 2]], up="z")
+    model = el.viewer.Model([[0, 0, 0], [1, 0, 0], [0, 0, 3]], [[0, 1, 2]], up="z")
     np.testing.assert_allclose(model.size, [1, 3, 0])
     turn = np.array([model.vertices[k] - model.vertices[0] for k in (1, 2)])
     np.testing.assert_allclose(turn, [[1, 0, 0], [0, 3, 0]])
@@ -84,13 +84,13 @@ def test_the_axis_of_a_file_that_points_up_becomes_y():
 
 @pytest.mark.parametrize(("scale", "size"), [(500, "500"), (0.005, "0.005")])
 def test_a_scale_that_is_probably_wrong_gets_a_note(scale, size):
-    (note,) = el.Model(*cube(), scale=scale).notes
+    (note,) = el.viewer.Model(*cube(), scale=scale).notes
     assert note.startswith(f"the model is {size} m large")
     assert "scale=" in note
 
 
 def test_triangles_without_area_are_left_out():
-    model = el.Model([*TRIANGLE, [2, 0, 0]], [[0, 1, 2], [0, 1, 3], [1, 1, 2]])
+    model = el.viewer.Model([*TRIANGLE, [2, 0, 0]], [[0, 1, 2], [0, 1, 3], [1, 1, 2]])
     assert len(model.triangles) == 1
     assert model.notes == ("2 triangles without area are left out",)
 
@@ -113,23 +113,23 @@ def test_triangles_without_area_are_left_out():
 )
 def test_what_is_no_model_is_refused(vertices, triangles, wanted):
     with pytest.raises(el.EnvLightsError, match=wanted):
-        el.Model(vertices, triangles)
+        el.viewer.Model(vertices, triangles)
 
 
 @pytest.mark.parametrize("albedo", [[2, 0, 0], [np.nan, 0, 0], [0.5, 0.5], np.ones((4, 3))])
 def test_an_albedo_that_is_none_is_refused(albedo):
     with pytest.raises(el.EnvLightsError, match="albedo"):
-        el.Model(TRIANGLE, [[0, 1, 2]], albedo)
+        el.viewer.Model(TRIANGLE, [[0, 1, 2]], albedo)
 
 
 def test_a_cube_keeps_its_edges_and_a_sphere_is_smooth():
-    _, normals, _ = corners_of(model_textures.textures(el.Model(*cube())))
+    _, normals, _ = corners_of(model_textures.textures(el.viewer.Model(*cube())))
     np.testing.assert_allclose(np.sort(np.abs(normals), axis=-1), [[[0, 0, 1]] * 3] * 12, atol=1e-4)
     faces = el.kernels.icosphere(1280)[0]
     from scipy.spatial import ConvexHull
 
     hull = ConvexHull(faces)
-    points, normals, _ = corners_of(model_textures.textures(el.Model(faces, hull.simplices)))
+    points, normals, _ = corners_of(model_textures.textures(el.viewer.Model(faces, hull.simplices)))
     radial = points - [0, np.ptp(faces[:, 1]) / 2, 0]
     radial /= np.linalg.norm(radial, axis=-1, keepdims=True)
     # Loops of the hull have either orientation, so neighbours may disagree on it: signs are free.
@@ -141,7 +141,7 @@ def test_textures_hold_the_model(count, seed):
     rng = np.random.default_rng(seed)
     vertices = rng.normal(size=(3 * count, 3))
     albedo = rng.uniform(size=(3 * count, 3))
-    model = el.Model(vertices, np.arange(3 * count).reshape(-1, 3), albedo)
+    model = el.viewer.Model(vertices, np.arange(3 * count).reshape(-1, 3), albedo)
     points, normals, colours = corners_of(model_textures.textures(model))
     wanted = model.vertices[model.triangles]
     order = [np.abs(points - one).max(axis=(1, 2)).argmin() for one in wanted]
@@ -162,7 +162,7 @@ def test_a_triangle_costs_few_bytes():
     rows = np.concatenate(
         [np.stack([cell, right, cell + 200], 1), np.stack([right, right + 200, cell + 200], 1)]
     )
-    data = model_textures.textures(el.Model(points.reshape(3, -1).T, rows))
+    data = model_textures.textures(el.viewer.Model(points.reshape(3, -1).T, rows))
     text = sum(len(data[name]["texels"]) for name in ("nodes", "triangles", "corners"))
     assert text / len(rows) < 60
 
@@ -174,14 +174,14 @@ trimesh = pytest.importorskip("trimesh", reason="needs trimesh")
 def test_files_hold_the_same_cube(tmp_path, kind):
     path = tmp_path / f"cube.{kind}"
     trimesh.Trimesh(*cube(), process=False).export(path)
-    model = el.Model.open(path, scale=2)
+    model = el.viewer.Model.open(path, scale=2)
     np.testing.assert_allclose(model.size, 2)
     assert len(model.triangles) == 12
     np.testing.assert_allclose(model.albedo, 0.7, atol=0.3)
 
 
 def test_a_scene_keeps_its_places_and_colours(tmp_path):
-    model = el.Model.open(gltf(tmp_path / "one.gltf"))
+    model = el.viewer.Model.open(gltf(tmp_path / "one.gltf"))
     np.testing.assert_allclose(model.size, [2, 2, 0])
     np.testing.assert_allclose(model.albedo[0, 0], [1, 0.5, 0.25], atol=0.003)
 
@@ -198,7 +198,7 @@ def test_textures_and_colours_of_files_become_albedos(tmp_path):
     path.write_text(f"mtllib one.mtl\nusemtl one\n{points}{corners}f 1/1 2/2 3/3\n")
     half = decode_srgb(np.array(188 / 255))
     wanted = [[0, 0, 1], [half, half, half], [0, half, 0]]
-    np.testing.assert_allclose(el.Model.open(path).albedo[0], wanted, atol=1e-6)
+    np.testing.assert_allclose(el.viewer.Model.open(path).albedo[0], wanted, atol=1e-6)
 
 
 HOSTILE = {
@@ -228,22 +228,22 @@ CHANGES = {
 def test_a_damaged_file_is_refused_by_name(tmp_path, name):
     (tmp_path / name).write_bytes(HOSTILE[name])
     with pytest.raises(el.EnvLightsError, match=name) as refusal:
-        el.Model.open(tmp_path / name)
+        el.viewer.Model.open(tmp_path / name)
     assert not isinstance(refusal.value, FileNotFoundError)
 
 
 @pytest.mark.parametrize("name", CHANGES)
 def test_a_hostile_scene_is_refused(tmp_path, name):
     with pytest.raises(el.EnvLightsError):
-        el.Model.open(gltf(tmp_path / "one.gltf", **CHANGES[name]))
+        el.viewer.Model.open(gltf(tmp_path / "one.gltf", **CHANGES[name]))
 
 
 def test_a_missing_file_is_not_found(tmp_path):
     with pytest.raises(FileNotFoundError, match=r"none\.glb"):
-        el.Model.open(tmp_path / "none.glb")
+        el.viewer.Model.open(tmp_path / "none.glb")
 
 
 @pytest.mark.parametrize("source", [3, None, object(), b"x"])
 def test_what_is_no_file_is_refused(source):
     with pytest.raises(el.EnvLightsError, match="must be a path"):
-        el.Model.open(source)
+        el.viewer.Model.open(source)

@@ -53,7 +53,7 @@ def page_of(path, model):
 @pytest.mark.parametrize(("with_model", "without"), [(3, 2), (1, 0)], ids=["alone", "and a ball"])
 def test_a_cube_hides_as_much_as_the_box_of_the_page(tmp_path, with_model, without):
     """The mean over the frames is that of the closed form: noise alone differs."""
-    page = page_of(tmp_path / "page.html", el.Model(*cube(side=0.8), [0, 0, 0]))
+    page = page_of(tmp_path / "page.html", el.viewer.Model(*cube(side=0.8), [0, 0, 0]))
     job = {"state": STATE, "frames": FRAMES, "size": [WIDTH, HEIGHT]}
     job |= {"withModel": with_model, "without": without}
     answer = run(page, COMPARE, job)
@@ -89,7 +89,7 @@ def test_rays_of_the_shader_meet_the_same_triangles_as_rays_against_all(tmp_path
     middles = rng.uniform(-0.5, 0.5, (60, 1, 3))
     corners = middles + rng.normal(size=(60, 3, 3)) * rng.choice([0.1, 0.5], (60, 1, 1))
     rows = np.arange(180).reshape(-1, 3)
-    model = el.Model(corners.reshape(-1, 3), rows, [1, 1, 1])
+    model = el.viewer.Model(corners.reshape(-1, 3), rows, [1, 1, 1])
     page = page_of(tmp_path / "page.html", model)
     state = {"elevation": 0.4, "only": 3, "flatFloor": True, "bare": True}
     answer = run(page, SHADE, {"state": state, "size": [WIDTH, HEIGHT]})
@@ -109,7 +109,7 @@ def test_rays_of_the_shader_meet_the_same_triangles_as_rays_against_all(tmp_path
 
 
 def test_the_page_of_a_model_refines_and_asks_for_nothing(tmp_path):
-    page = page_of(tmp_path / "page <b>.html", el.Model(*cube(), scale=1000))
+    page = page_of(tmp_path / "page <b>.html", el.viewer.Model(*cube(), scale=1000))
     script = """async () => {
       while (envlights.scene.frames < 2) await new Promise((then) => setTimeout(then, 50));
       return [envlights.scene.sums, document.querySelector(".panel").textContent];

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import envlights as el
-from envlights._srgb import encode_srgb
+from envlights._common.srgb import encode_srgb
 from tests.conftest import real_maps
 from tests.viewer.browser import needs_browser, run
 

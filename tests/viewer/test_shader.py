@@ -5,7 +5,7 @@ import pytest
 
 import envlights as el
 from envlights import _native
-from envlights._srgb import encode_srgb
+from envlights._common.srgb import encode_srgb
 from tests.viewer import things
 from tests.viewer.browser import needs_browser, run
 

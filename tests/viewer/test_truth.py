@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import envlights as el
-from envlights._srgb import decode_srgb
-from envlights.scene.path_traced import Still
+from envlights._common.srgb import decode_srgb
+from envlights.scene.mitsuba.path_traced import Still
 from envlights.viewer import truth
 from tests.cli.test_cli import run as command
 from tests.viewer.browser import needs_browser, run

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import envlights as el
-from envlights._srgb import decode_srgb
+from envlights._common.srgb import decode_srgb
 from envlights.viewer import data, page
 from tests.cli.test_cli import run
 

@@ -7,11 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights._arrays import seal
-from envlights._check import reals, texts
-from envlights._light_arrays import LARGEST_LIGHT, radii
+from envlights._common.arrays import seal
+from envlights._common.check import reals, texts
 from envlights._native import EnvLightsError
 from envlights.cards import geometry
+from envlights.rigs.light_arrays import LARGEST_LIGHT, radii
 
 #: Shapes of a card. Points and others are facing squares around a light.
 SHAPES = ("rectangle", "tube", "disc", "point", "other")

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._result import Result
+from envlights._common.result import Result
 from envlights.cards import geometry
-from envlights.light import azimuths, elevations
+from envlights.rigs.light import azimuths, elevations
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -6,10 +6,10 @@ import os
 from pathlib import Path
 from typing import NamedTuple
 
-from envlights._links import LinkedParts, save_with_map
 from envlights._native import EnvLightsError
 from envlights.cards.cards import Cards
-from envlights.envmap import EnvMap
+from envlights.environment.envmap import EnvMap
+from envlights.rigs.links import LinkedParts, save_with_map
 
 
 class _Fields(NamedTuple):
@@ -76,7 +76,7 @@ class CardSplit(_Fields, LinkedParts):
         >>> import envlights as el
         >>> matrix = np.transpose([[-2, 0, 0], [0, -1, 0], [1, 0.5, 1]])
         >>> cards = el.Cards(["rectangle"], [matrix], [[3, 2, 1]])
-        >>> parts = el.CardSplit(cards, el.EnvMap(np.ones((8, 16, 3))))
+        >>> parts = el.cards.CardSplit(cards, el.EnvMap(np.ones((8, 16, 3))))
         >>> with tempfile.TemporaryDirectory() as folder:
         ...     written = parts.save(Path(folder, "rest.exr"), Path(folder, "room.usda"))
         ...     [path.name for path in written]

@@ -9,14 +9,14 @@ from typing import Any, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights import _html, _native, _thumbnails
-from envlights._arrays import seal
-from envlights._check import amount, count, flag, reals, rotation, texts
-from envlights._light_arrays import amounts, row_of, rows_of
+from envlights import _native
+from envlights._common import html
+from envlights._common.arrays import seal
+from envlights._common.check import amount, count, flag, reals, rotation, texts
+from envlights._common.result import Result
+from envlights._common.tables import MOST_ROWS, Table
+from envlights._common.units import OWN_SCALE, checked_units
 from envlights._native import EnvLightsError
-from envlights._result import Result
-from envlights._tables import MOST_ROWS, Table
-from envlights._units import OWN_SCALE, checked_units
 from envlights.cards import geometry
 from envlights.cards.arrays import (
     FLAT,
@@ -30,9 +30,11 @@ from envlights.cards.arrays import (
     uniform_radiance,
 )
 from envlights.cards.card import Card
-from envlights.envmap import EnvMap
-from envlights.light import azimuths, elevations
-from envlights.lights import Lights, Rows, brightest_first, rgb_cell, rgb_heading
+from envlights.environment import thumbnails
+from envlights.environment.envmap import EnvMap
+from envlights.rigs.light import azimuths, elevations
+from envlights.rigs.light_arrays import amounts, row_of, rows_of
+from envlights.rigs.lights import Lights, Rows, brightest_first, rgb_cell, rgb_heading
 
 #: Distance of cards without a place, in radii of the scene: images differ from those with cards at
 #: infinity by 0.3 % at most.
@@ -339,7 +341,7 @@ class Cards(Result):
         rows = [self._cells(row) for row in range(min(len(self), MOST_ROWS))]
         hidden = len(self) - len(rows)
         rest = f"{hidden} more {'card' if hidden == 1 else 'cards'}" if hidden else ""
-        colours = _thumbnails.hex_of(self.irradiance[:MOST_ROWS])
+        colours = thumbnails.hex_of(self.irradiance[:MOST_ROWS])
         return Table([*columns, rgb_heading(self.units)], rows, rest, colours)
 
     def _cells(self, row: int) -> list[str]:
@@ -359,7 +361,7 @@ class Cards(Result):
 
     def _html_parts(self) -> tuple[str, ...]:
         notes = "\n".join(f"note: {note}" for note in self.notes)
-        parts = (_html.lines(notes),) if notes else ()
+        parts = (html.lines(notes),) if notes else ()
         return (self.table().html(), *parts) if len(self) else parts
 
     def to_dict(self) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from envlights import _native
 from envlights.cards.arrays import SHAPES
 from envlights.cards.cards import Cards
-from envlights.envmap import EnvMap
+from envlights.environment.envmap import EnvMap
 
 
 def cut(

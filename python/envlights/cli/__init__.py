@@ -9,12 +9,12 @@ from typing import Any
 
 import click
 
+from envlights._common.errors import FileError
 from envlights._native import EnvLightsError
 from envlights.cli.examples import with_examples
 from envlights.cli.quiet import with_quiet
 from envlights.cli.refusal_words import with_options
 from envlights.cli.standard_streams import with_standard_streams
-from envlights.io.errors import FileError
 
 #: Subcommands with their help. The file of a subcommand is imported when it is called.
 _COMMANDS = {

@@ -8,14 +8,14 @@ from inspect import signature
 
 import click
 
+from envlights.batches.batch import batch
+from envlights.batches.columns import COLUMNS
+from envlights.batches.executors import NAMES
+from envlights.batches.result import Batch
+from envlights.batches.tables import SUFFIXES, check_table
+from envlights.batches.work import METHODS
 from envlights.cli.outputs import default_of
 from envlights.cli.settings import settings_from, settings_option
-from envlights.many.batch import batch
-from envlights.many.columns import COLUMNS
-from envlights.many.executors import NAMES
-from envlights.many.result import Batch
-from envlights.many.tables import SUFFIXES, check_table
-from envlights.many.work import METHODS
 
 
 @click.command("batch")

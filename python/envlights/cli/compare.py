@@ -10,12 +10,7 @@ import click
 from envlights._native import EnvLightsError
 from envlights.cli.outputs import check_output, default_of, say_written
 from envlights.comparison.compare import Comparison, compare
-from envlights.comparison.folders import (
-    TABLE_FILES,
-    FolderComparison,
-    compare_folders,
-    save_table,
-)
+from envlights.comparison.folders import TABLE_FILES, FolderComparison, compare_folders, save_table
 from envlights.comparison.protocol import PROTOCOLS
 
 

@@ -11,14 +11,14 @@ from typing import Any
 import click
 import numpy as np
 
-from envlights._map_pixels import PROJECTION
 from envlights.cli.map_input import MapCommand, MapFile, map_argument
 from envlights.cli.numbers import numbers
 from envlights.cli.outputs import default_of, say_written
-from envlights.envmap import EnvMap
-from envlights.io.image_output import COMPRESSIONS, MAP_SUFFIXES
-from envlights.layouts.picture import check_picture_path
-from envlights.layouts.records import REGISTRATIONS
+from envlights.environment.envmap import EnvMap
+from envlights.environment.files.image_output import COMPRESSIONS, MAP_SUFFIXES
+from envlights.environment.layouts.picture import check_picture_path
+from envlights.environment.layouts.records import REGISTRATIONS
+from envlights.environment.map_pixels import PROJECTION
 
 
 def layout_option(what: str) -> Callable[[Any], Any]:

@@ -1,4 +1,4 @@
-"""`envlights demo`: the functions of `envlights.demo`; Matplotlib is imported when it runs."""
+"""`envlights demo`: the functions of `envlights.cli.demonstration`; Matplotlib is imported when it runs."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from pathlib import Path
 
 import click
 
+from envlights._common.files import NO_MATPLOTLIB, PICTURES, can_draw
 from envlights.cli.outputs import print_rig, say_written, verbose_option
-from envlights.io.files import NO_MATPLOTLIB, PICTURES, can_draw
 
 
 @click.command("demo")
@@ -30,7 +30,7 @@ def command(what: str, folder: str, verbose: bool, as_json: bool) -> None:
     map: fit lights to a hall with three bright windows. transfer: learn the indirect light in a
     room from 64 lamps, and predict it for a new lamp.
     """
-    from envlights.demo import demo, demo_transfer
+    from envlights.cli.demonstration import demo, demo_transfer
 
     if what == "map":
         print_rig(demo(folder), as_json, verbose)

@@ -8,26 +8,24 @@ from pathlib import Path
 
 import click
 
+from envlights._common.files import PICTURES
 from envlights._native import EnvLightsError
-from envlights.cli.detection_input import SETTINGS, detection_settings
+from envlights.batches.work import check_options
+from envlights.cli.detection_input import METHODS, SETTINGS, detection_settings
 from envlights.cli.map_input import MapCommand, MapFile, map_argument
 from envlights.cli.outputs import (
     OUTPUTS,
     check_output,
-    default_of,
     output_option,
     print_losses,
     say_written,
     verbose_option,
 )
 from envlights.cli.settings import settings_option
-from envlights.detection.article_steps import SAMPLINGS
-from envlights.detection.detect import METHODS, detect
 from envlights.detection.lights import DetectedLights
-from envlights.envmap import EnvMap
+from envlights.environment.envmap import EnvMap
 from envlights.export.targets import SUFFIXES
-from envlights.io.files import PICTURES
-from envlights.many.work import check_options
+from envlights.papers.loghin_steps import SAMPLINGS
 
 
 @click.command("detect", cls=MapCommand)
@@ -36,19 +34,19 @@ from envlights.many.work import check_options
     "-n",
     "--max-lights",
     type=int,
-    help="Largest number of lights; extra lights are merged (tree) or dropped (article).",
+    help="Largest number of lights; extra lights are merged (tree) or dropped (loghin).",
 )
 @click.option(
     "--method",
     type=click.Choice(list(METHODS)),
-    default=default_of(detect, "method"),
+    default="tree",
     show_default=True,
-    help="Method of detection; article: the steps of Loghin (2021).",
+    help="Method of detection; loghin: the steps of Loghin (2021).",
 )
 @click.option(
     "--sampling",
     type=click.Choice(list(SAMPLINGS)),
-    help="Sequence of the samples of --method article; hammersley by default.",
+    help="Sequence of the samples of --method loghin; hammersley by default.",
 )
 @settings_option("method", SETTINGS)
 @output_option(OUTPUTS)
@@ -67,13 +65,13 @@ def command(
     """Find the lights of MAP (.hdr, .exr, .png, .jpg, .tif)."""
     for output in outputs:
         check_output(output, (*SUFFIXES, *PICTURES), {"the map": map_file.path})
-    if sampling is not None and method != "article":
-        raise EnvLightsError(f"--sampling is an option of --method article; got {method}")
+    if sampling is not None and method != "loghin":
+        raise EnvLightsError(f"--sampling is an option of --method loghin; got {method}")
     options = {"max_lights": max_lights, **detection_settings(settings, method)}
     options |= {} if sampling is None else {"sampling": sampling}
-    check_options("detect", {"method": method, **options})
+    check_options("detect", options, METHODS[method])
     env = map_file.open()
-    lights = detect(env, method, **options)
+    lights = METHODS[method](env, **options)
     for output in outputs:
         _write(env, lights, output)
     text = lights.verbose() if verbose else str(lights)

@@ -6,8 +6,11 @@ from collections.abc import Iterable
 from typing import Any
 
 from envlights.cli.settings import settings_from, settings_of
-from envlights.detection.detect import METHODS
+from envlights.detection.detect import detect
+from envlights.papers import loghin
 
+#: Detectors, by the name of the option ``--method``.
+METHODS = {"tree": detect, "loghin": loghin.detect}
 #: Parameters with an option of their own.
 _OWN = ("max_lights", "sampling")
 #: Names of the settings of all methods.

@@ -9,13 +9,13 @@ from typing import Any
 
 import click
 
+from envlights._common.files import PICTURES
 from envlights.cli.fit_input import curve_arguments, curve_options
 from envlights.cli.map_input import MapCommand, MapFile, map_argument
 from envlights.cli.numbers import whole_numbers
 from envlights.cli.outputs import check_output, output_option, say_written
 from envlights.comparison.folders import TABLE_FILES, save_table
 from envlights.fitting.error_curve import ErrorCurve, error_curve
-from envlights.io.files import PICTURES
 
 
 @click.command("error-curve", cls=MapCommand)

@@ -8,12 +8,12 @@ from pathlib import Path
 import click
 
 from envlights._native import EnvLightsError
-from envlights._targets import save
 from envlights.cli.outputs import check_output, print_losses, say_written, strict_option
 from envlights.cli.standard_streams import STANDARD_INPUT
 from envlights.detection.lights_file import load_lights
-from envlights.envmap import EnvMap
+from envlights.environment.envmap import EnvMap
 from envlights.export.targets import SUFFIXES, TARGETS
+from envlights.rigs.targets import save
 
 
 def _table() -> str:

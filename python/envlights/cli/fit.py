@@ -8,7 +8,8 @@ from typing import Any
 
 import click
 
-from envlights._targets import target_of
+from envlights._common.files import PICTURES
+from envlights.batches.work import check_options
 from envlights.cli.fit_input import (
     fixed_of,
     radius_of,
@@ -35,13 +36,12 @@ from envlights.cli.outputs import (
     verbose_option,
 )
 from envlights.cli.sun_input import sun_options
-from envlights.envmap import EnvMap
+from envlights.environment.envmap import EnvMap
 from envlights.export.targets import SUFFIXES
 from envlights.fitting.ambient_terms import AMBIENTS, AUTO
 from envlights.fitting.fit import fit
-from envlights.io.files import PICTURES
-from envlights.many.work import check_options
-from envlights.rig import Rig
+from envlights.rigs.rig import Rig
+from envlights.rigs.targets import target_of
 from envlights.sun.choice import AnySun
 
 

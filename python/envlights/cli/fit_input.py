@@ -8,6 +8,7 @@ from typing import Any
 
 import click
 
+from envlights.batches.work import check_options
 from envlights.cli.map_input import radiance_or_name, unseen_option
 from envlights.cli.numbers import numbers
 from envlights.cli.outputs import default_of
@@ -15,9 +16,8 @@ from envlights.detection.lights_file import SUFFIXES, load_lights
 from envlights.fitting.ambient_terms import AMBIENTS, AUTO
 from envlights.fitting.fit import fit
 from envlights.fitting.map_fit import OBJECTIVES
-from envlights.lights import Lights
-from envlights.many.work import check_options
-from envlights.rig import Rig
+from envlights.rigs.lights import Lights
+from envlights.rigs.rig import Rig
 
 
 def shape_options(function: Callable[..., None]) -> Callable[..., None]:

@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 import click
 
 from envlights.cli.numbers import numbers
-from envlights.envmap import EnvMap
-from envlights.layouts.records import REGISTRATIONS
+from envlights.environment.envmap import EnvMap
+from envlights.environment.layouts.records import REGISTRATIONS
 
 #: Heading of the options on how a file is read, in the help.
 _HEADING = "Options on how MAP is read"

@@ -10,7 +10,7 @@ import click
 
 from envlights._native import EnvLightsError
 from envlights.cli.outputs import check_output, say_written
-from envlights.envmap import EnvMap
+from envlights.environment.envmap import EnvMap
 
 #: Formats that can hold radiance above the clip level.
 MAPS = (".exr", ".hdr")

@@ -12,12 +12,12 @@ from typing import Any
 
 import click
 
+from envlights._common.errors import FileError
+from envlights._common.files import NO_MATPLOTLIB, PICTURES, can_draw, check_writable
+from envlights._common.printable import printable
 from envlights._native import EnvLightsError
-from envlights._printable import printable
 from envlights.cli.standard_streams import is_standard_output
-from envlights.io.errors import FileError
-from envlights.io.files import NO_MATPLOTLIB, PICTURES, can_draw, check_writable
-from envlights.rig import Rig
+from envlights.rigs.rig import Rig
 
 #: Help of ``-o`` for subcommands that write lights.
 OUTPUTS = (

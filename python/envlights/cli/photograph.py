@@ -10,6 +10,7 @@ from typing import Any
 import click
 import numpy as np
 
+from envlights._common.files import PICTURES
 from envlights.cli.outputs import (
     OUTPUTS,
     check_output,
@@ -19,11 +20,10 @@ from envlights.cli.outputs import (
     verbose_option,
 )
 from envlights.cli.settings import settings_from, settings_of, settings_option
-from envlights.detection.article_steps import SAMPLINGS
-from envlights.detection.photograph import detect_photograph
-from envlights.detection.photograph_lights import PhotographLights
 from envlights.export.targets import SUFFIXES
-from envlights.io.files import PICTURES
+from envlights.papers.loghin_steps import SAMPLINGS
+from envlights.papers.photograph import detect_photograph
+from envlights.papers.photograph_lights import PhotographLights
 
 #: Parameters without an option of their own.
 _SETTINGS = settings_of(

@@ -11,9 +11,9 @@ from typing import Any
 
 import click
 
-from envlights._links import paths_of, plan, save_with_map
-from envlights._map_pixels import PROJECTION
+from envlights._common.files import PICTURES
 from envlights._native import EnvLightsError
+from envlights.batches.work import check_options
 from envlights.cards.card_split import CardSplit, at_place
 from envlights.cli.convert import layout_option, write_map
 from envlights.cli.detection_input import detection_settings
@@ -28,14 +28,14 @@ from envlights.cli.outputs import (
 )
 from envlights.cli.settings import settings_of, settings_option
 from envlights.cli.sun_input import reading_options, sun_options
-from envlights.detection.component_tree import detect_tree
-from envlights.detection.split import Split, split
-from envlights.envmap import EnvMap
-from envlights.excess import Limit, limit
+from envlights.detection.detect import detect
+from envlights.environment.envmap import EnvMap
+from envlights.environment.files.image_output import MAP_SUFFIXES
+from envlights.environment.map_pixels import PROJECTION
 from envlights.export.targets import SUFFIXES
-from envlights.io.files import PICTURES
-from envlights.io.image_output import MAP_SUFFIXES
-from envlights.many.work import check_options
+from envlights.rigs.links import paths_of, plan, save_with_map
+from envlights.splitting.limit import Limit, limit
+from envlights.splitting.split import Split, split
 from envlights.sun.choice import AnySun, sun_of
 from envlights.sun.result import Sun
 from envlights.sun.sun_split import SunSplit, with_sun
@@ -76,7 +76,7 @@ _Parts = Split | CardSplit | Limit | SunSplit
     help="Distance of the cards from the origin in scenes. Default: 1000 times --radius.",
 )
 @click.option("--radius", type=float, help="Radius of the scene that the cards light. Default: 1.")
-@settings_option("detection", settings_of([detect_tree], ("max_lights",)))
+@settings_option("detection", settings_of([detect], ("max_lights",)))
 @sun_options
 @reading_options
 @layout_option("the map without the lights")

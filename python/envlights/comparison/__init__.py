@@ -20,9 +20,27 @@
 | comparison of two folders                      | `folders.py`              |
 """
 
+from envlights.comparison.compare import Comparison
+from envlights.comparison.folders import FolderComparison
+from envlights.comparison.image_errors import ImageErrors, image_errors
+from envlights.comparison.light_set_difference import LightSetDifference
+from envlights.comparison.light_sets import compare_lights
 from envlights.comparison.protocol import PROTOCOLS, Camera, Material, Protocol
+from envlights.comparison.vector_angle import vector_angle
 
-__all__ = ["PROTOCOLS", "Camera", "Material", "Protocol"]
+__all__ = [
+    "PROTOCOLS",
+    "Camera",
+    "Comparison",
+    "FolderComparison",
+    "ImageErrors",
+    "LightSetDifference",
+    "Material",
+    "Protocol",
+    "compare_lights",
+    "image_errors",
+    "vector_angle",
+]
 
 
 def __dir__() -> list[str]:

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights import _html
-from envlights._check import amount
+from envlights._common import html
+from envlights._common.check import amount
+from envlights._common.result import Result
 from envlights._native import EnvLightsError
-from envlights._result import Result
 from envlights.comparison import spectra
 from envlights.comparison.image_errors import ImageErrors, errors_table
 from envlights.comparison.light_set_difference import LightSetDifference
@@ -39,9 +39,9 @@ from envlights.comparison.wording import (
 from envlights.kernels.gloss import LEAST_ROUGHNESS
 
 if TYPE_CHECKING:
-    from envlights.envmap import EnvMap
-    from envlights.lights import Lights
-    from envlights.rig import Rig
+    from envlights.environment.envmap import EnvMap
+    from envlights.rigs.lights import Lights
+    from envlights.rigs.rig import Rig
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -58,7 +58,7 @@ class Comparison(Result):
     """Difference of the lights: those of rigs, and those that `detect` finds in maps."""
 
     vector_angle: float | None
-    """Angle between the irradiance vectors in degrees; see `envlights.vector_angle`."""
+    """Angle between the irradiance vectors in degrees; see `envlights.comparison.vector_angle`."""
 
     by_degree: NDArray[np.float64] = field(repr=False)
     """Inner products of the linear maps by degree, (4, degree): T T, T G, G G and (G - T)^2."""
@@ -116,7 +116,7 @@ class Comparison(Result):
         return [line, lights, *self.notes]
 
     def _html_parts(self) -> tuple[str, ...]:
-        return errors_table(dict(self.spheres)).html(), _html.lines("\n".join(self._lines()))
+        return errors_table(dict(self.spheres)).html(), html.lines("\n".join(self._lines()))
 
     def to_dict(self) -> dict[str, Any]:
         """Plain numbers, texts and lists, for example for JSON."""

@@ -11,16 +11,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights import _html
+from envlights._common import html
+from envlights._common.errors import FileError, MissingFileError
+from envlights._common.files import as_path, write_atomically
+from envlights._common.progress import progress_bar
+from envlights._common.result import Result
+from envlights._common.tables import Table, frame_of
 from envlights._native import EnvLightsError
-from envlights._progress import progress_bar
-from envlights._result import Result
-from envlights._tables import Table, frame_of
 from envlights.comparison.compare import Comparison, compare
 from envlights.comparison.protocol import Protocol, as_protocol
 from envlights.detection.lights_file import SUFFIXES as LIGHT_FILES
-from envlights.io.errors import FileError, MissingFileError
-from envlights.io.files import as_path, write_atomically
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -104,7 +104,7 @@ class FolderComparison(Result):
 
     def _html_parts(self) -> tuple[str, ...]:
         table = (self.table().html(),) if self.comparisons else ()
-        return (*table, _html.lines("\n".join(self._remarks())))
+        return (*table, html.lines("\n".join(self._remarks())))
 
     def to_dict(self) -> dict[str, Any]:
         """Plain numbers and texts, for example for JSON."""

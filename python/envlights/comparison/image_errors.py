@@ -8,10 +8,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights._check import check_choice, describe, first_not_finite, reals
+from envlights._common.check import check_choice, describe, first_not_finite, reals
+from envlights._common.result import Result
+from envlights._common.tables import Table
 from envlights._native import EnvLightsError
-from envlights._result import Result
-from envlights._tables import Table
 from envlights.comparison.angles import degrees_between
 
 
@@ -227,7 +227,7 @@ def image_errors(
     >>> import numpy as np
     >>> import envlights as el
     >>> grey = np.ones((2, 2, 3))
-    >>> el.image_errors(grey, 2 * grey)
+    >>> el.comparison.image_errors(grey, 2 * grey)
     <ImageErrors: RMSE 1, si-RMSE 0, RGB angle 0°>
     """
     check_choice("channels", channels, ("mean", "sum"))

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from envlights._result import Result
-from envlights._tables import MOST_ROWS, Table
+from envlights._common.result import Result
+from envlights._common.tables import MOST_ROWS, Table
 
 #: Degrees above which flux counts as unmatched.
 UNMATCHED_DEG = 30.0

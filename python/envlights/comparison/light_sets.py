@@ -7,14 +7,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._check import count, describe
+from envlights._common.check import count, describe
 from envlights._native import EnvLightsError
 from envlights.comparison.angles import degrees_between
 from envlights.comparison.common_rotation import rotation_degrees
 from envlights.comparison.light_set_difference import UNMATCHED_DEG, LightSetDifference, Movement
 from envlights.detection.lights import DetectedLights
 from envlights.kernels.transport import transport_plan
-from envlights.lights import Lights, brightest_first
+from envlights.rigs.lights import Lights, brightest_first
 
 
 def compare_lights(truth: Lights, guess: Lights, *, strongest: int = 256) -> LightSetDifference:

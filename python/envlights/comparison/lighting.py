@@ -10,16 +10,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from envlights._common.files import as_path
 from envlights.comparison import harmonics
 from envlights.comparison.angles import degrees_between
 from envlights.detection.detect import detect
 from envlights.detection.lights_file import SUFFIXES, load_lights
-from envlights.envmap import AnyMap, EnvMap, as_envmap
-from envlights.io.files import as_path
+from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
 from envlights.kernels.image import LUMINANCE
 from envlights.kernels.probe import irradiance, rig_irradiance
-from envlights.lights import Lights
-from envlights.rig import Rig
+from envlights.rigs.lights import Lights
+from envlights.rigs.rig import Rig
 
 #: Lighting that can be compared.
 AnyLighting = AnyMap | Rig | Lights

@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from envlights._check import amount, check_choice, count, describe, reals
+from envlights._common.check import amount, check_choice, count, describe, reals
 from envlights._native import EnvLightsError
 from envlights.kernels.gloss import LEAST_ROUGHNESS
 
@@ -101,7 +101,7 @@ class Protocol:
 
     >>> from dataclasses import replace
     >>> import envlights as el
-    >>> replace(el.Protocol.named("stylelight"), channels="mean").camera.size
+    >>> replace(el.comparison.Protocol.named("stylelight"), channels="mean").camera.size
     280
     """
 

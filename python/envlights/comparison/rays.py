@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._arrays import seal
+from envlights._common.arrays import seal
 from envlights.comparison.protocol import Camera
 from envlights.kernels.sampling import halton
 from envlights.kernels.sphere import direction_to_uv

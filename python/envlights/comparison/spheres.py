@@ -8,7 +8,7 @@ from functools import reduce
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._blocks import blocks
+from envlights._common.blocks import blocks
 from envlights.comparison import rays, spectra
 from envlights.comparison.image_errors import (
     ImageErrors,

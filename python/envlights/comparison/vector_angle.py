@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._peaks import PixelIntegrals
 from envlights.comparison.angles import degrees_between
-from envlights.envmap import AnyMap, EnvMap, as_envmap
+from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
+from envlights.environment.peaks import PixelIntegrals
 
 #: Vectors shorter than this fraction of the map's flux are 0: single precision of the pixels gives
 #: them a random direction.
@@ -54,10 +54,10 @@ def vector_angle(truth: AnyMap, guess: AnyMap) -> float | None:
     --------
     >>> import envlights as el
     >>> env = el.synthetic.hall(64).radiance
-    >>> el.vector_angle(env, env)
+    >>> el.comparison.vector_angle(env, env)
     0.0
     >>> lamp = el.Lights([[1, 0, 0]], [[3, 2, 1]]).to_map(64)
-    >>> round(el.vector_angle(lamp, np.roll(lamp.radiance, 32, axis=1)), 6)
+    >>> round(el.comparison.vector_angle(lamp, np.roll(lamp.radiance, 32, axis=1)), 6)
     90.0
     """
     one, other = (_irradiance_vector(as_envmap(env)) for env in (truth, guess))

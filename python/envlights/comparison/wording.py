@@ -9,9 +9,9 @@ import numpy as np
 from envlights.comparison.image_errors import ImageErrors
 from envlights.comparison.light_set_difference import LightSetDifference
 from envlights.comparison.protocol import Protocol
-from envlights.envmap import EnvMap
-from envlights.lights import Lights
-from envlights.rig import Rig
+from envlights.environment.envmap import EnvMap
+from envlights.rigs.lights import Lights
+from envlights.rigs.rig import Rig
 
 
 def notes_of_size(sides: Mapping[str, EnvMap | Rig | Lights], rows: int) -> list[str]:

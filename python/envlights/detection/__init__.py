@@ -3,7 +3,7 @@
 | step                                                   | file                |
 |--------------------------------------------------------|---------------------|
 | lights with their measurements, and the report         | `lights.py`         |
-| detection by the component tree                        | `component_tree.py` |
+| detection by the component tree                        | `detect.py` |
 | detection by the steps of Loghin (2021)                | `loghin.py`         |
 | - steps 3 to 9, for maps and photographs               | `article_steps.py`  |
 | detection in a photograph by these steps               | `photograph.py`     |
@@ -20,3 +20,10 @@
 
 The kernels are in `src/kernels/detect/` and `src/kernels/split/`.
 """
+
+from envlights.detection.lights import DetectedLights, DetectionReport
+
+__all__ = [
+    "DetectedLights",
+    "DetectionReport",
+]

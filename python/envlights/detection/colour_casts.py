@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights.envmap import EnvMap
+from envlights.environment.envmap import EnvMap
 from envlights.kernels import image as images
 from envlights.kernels.sphere import direction_to_uv
-from envlights.light import place_of
+from envlights.rigs.light import place_of
 
 #: Least fraction of the peak luminance of a pixel that counts as the peak.
 _AT_PEAK = 0.99

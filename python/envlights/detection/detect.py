@@ -1,129 +1,253 @@
-"""`detect`: the lights of a map."""
+"""Detection by the component tree."""
 
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable
-from typing import Any, Literal, overload
+import math
+import time
+from typing import Any, NamedTuple
 
-from envlights._check import check_choice
-from envlights.detection.component_tree import detect_tree
-from envlights.detection.lights import DetectedLights
-from envlights.detection.loghin import detect_article
-from envlights.envmap import AnyMap
+import numpy as np
+from numpy.typing import NDArray
 
-#: Detectors by name.
-METHODS: dict[str, Callable[..., DetectedLights]] = {
-    "tree": detect_tree,
-    "article": detect_article,
-}
+from envlights import _native
+from envlights._common.check import LARGEST_COUNT, amount, count
+from envlights.detection import wording
+from envlights.detection.colour_casts import colour_cast_notes
+from envlights.detection.lights import DetectedLights, DetectionReport
+from envlights.detection.members import Members
+from envlights.environment.envmap import AnyMap, EnvMap, apply_to_map
+from envlights.environment.map_pixels import checked_white
+
+#: Smallest number of columns of the reduced map.
+_LEAST_COLUMNS = 16
 
 
-# Declare the options for type checkers; `detect` itself only passes them on.
-@overload
+class TreeOptions(NamedTuple):
+    """Options of the kernel; the signature of `detect` has their defaults."""
+
+    working_columns: int
+    threshold: float | None
+    rise: float
+    prominence: float
+    extent: float
+    gap: float
+    min_flux_share: float
+    min_worth: float
+    max_lights: int
+    white: float | None
+
+
 def detect(
     env: AnyMap,
-    method: Literal["tree"] = ...,
     *,
-    max_lights: int | None = ...,
-    min_flux_share: float = ...,
-    min_worth: float = ...,
-    threshold: float | None = ...,
-    rise: float = ...,
-    prominence: float = ...,
-    gap_deg: float = ...,
-    extent: float = ...,
-    working_width: int = ...,
-    white: float | None = ...,
-) -> DetectedLights: ...
+    max_lights: int | None = None,
+    min_flux_share: float = 0.0,
+    min_worth: float = 0.0005,
+    threshold: float | None = None,
+    rise: float = 2.5,
+    prominence: float = 4.0,
+    gap_deg: float = 0.8,
+    extent: float = 0.1,
+    working_width: int = 1024,
+    white: float | None = None,
+) -> DetectedLights:
+    r"""Lights of a map: the branches of its component tree.
 
-
-@overload
-def detect(
-    env: AnyMap,
-    method: Literal["article"],
-    *,
-    max_lights: int | None = ...,
-    working_width: int = ...,
-    reduction: str = ...,
-    blur_px: float = ...,
-    samples_per_pixel: float = ...,
-    window_px: int = ...,
-    threshold: float = ...,
-    suppression_deg: float = ...,
-    tolerance: float = ...,
-    ceiling: float = ...,
-    merge_cap_deg: float | None = ...,
-    relative: bool = ...,
-    move_to_maximum: bool = ...,
-    sphere: bool = ...,
-    sampling: str = ...,
-) -> DetectedLights: ...
-
-
-@overload
-def detect(env: AnyMap, method: str, **options: Any) -> DetectedLights: ...
-
-
-def detect(env: AnyMap, method: str = "tree", **options: Any) -> DetectedLights:
-    """Lights of a map.
+    Pixels above a threshold, which is chosen from the map's histogram, are connected from the
+    brightest down, across the seam and the poles. Where two regions meet, the dimmer one stays a
+    light of its own if its peak is `prominence` times the level at which they meet. Each light is
+    then measured in the map's own pixels. The method goes back to Loghin (2021).
+    Loghin tests the straight line between two samples; the tree finds the brightest path.
 
     Parameters
     ----------
     env : EnvMap, path-like or array_like, shape (height, 2 * height, 3)
         The map.
-    method : {"tree", "article"}
-        "tree": a component tree, with each light measured on the sphere; see `detect_tree`.
-        "article": the method of Loghin (2021), on samples; see `detect_article`.
     max_lights : int, optional
-        Largest number of lights. The tree merges neighbours; the article drops the dimmest.
-    working_width : int
-        Largest number of columns of the reduced map in which lights are searched.
-    min_flux_share, min_worth, rise, prominence, gap_deg, extent, white
-        Options of the tree: the limits and the extent of lights; see `detect_tree`.
+        Largest number of lights. Neighbours are merged until it is reached, the pair with the
+        least cost first (Ward 1963); no flux is dropped. `papers.loghin.detect` drops lights instead.
+    min_flux_share : float
+        Lights with a smaller fraction of the map's flux are dropped.
+    min_worth : float
+        Least product of a light's fraction of the map's flux and its contrast, the ratio of its
+        peak to the local background. 0 lists all lights. Clipped maps have a rule of their own;
+        see Notes.
     threshold : float, optional
-        Luminance above which a pixel is bright. By default the tree chooses it from the map, and
-        the article has 0.8.
-    reduction, blur_px, samples_per_pixel, window_px, suppression_deg, tolerance, \
-ceiling, merge_cap_deg, relative, move_to_maximum, sphere, sampling
-        Options of the article: samples, levels and merging; see `detect_article`.
+        Luminance above which a pixel is bright. By default it is chosen from the map. To use the
+        threshold of another map, give ``other.report.threshold``.
+    rise : float
+        Least ratio of a light's peak to the threshold. A light extends down to the threshold.
+    prominence : float
+        Least ratio of a light's peak to its saddle; 1 keeps every local maximum apart.
+    gap_deg : float
+        Dark gaps of up to this many degrees do not divide a light. Wider window bars do not divide
+        a window, see Notes; 0 keeps all panes apart.
+    extent : float
+        A light ends where its luminance has fallen to this fraction of its peak.
+    working_width : int
+        Largest number of columns of the reduced map in which lights are searched. A clipped map is
+        reduced to half of them, and further if more than 12 % of the sphere is bright.
+    white : float, optional
+        Largest value that the map can hold, in place of `EnvMap.white`.
 
     Returns
     -------
     DetectedLights
-        Brightest first.
+        Brightest first; `report` holds the threshold with its reason, and what was dropped.
 
     Raises
     ------
     EnvLightsError
-        If `env` is not a map, the method is not known or an option is out of its range.
+        If `env` is not a map or an option is out of its range.
+
+    Notes
+    -----
+    Two lights that do not touch are panes of one window if the bar between them
+
+    - is at most 2.5 degrees wide, and at most half as wide as the panes,
+    - lies along at least a quarter of their sides, and
+    - has at most 0.8 of their luminance,
+
+    and if their mean luminances differ by at most a factor of 4. The joined light has the flux of
+    its panes. The rule is ours.
+
+    The threshold is the same everywhere in the map. A window that is three times as bright as the
+    wall around it is missed if the sky is brighter.
+
+    Clipped maps, such as 8-bit pictures, have rules of their own, because their threshold would
+    often lie above the clip level. Luminance :math:`y`, in units of the clip level, is expanded to
+    :math:`y / (1.02 - y)` first, so that the clip level becomes 50. Pixels of 0.985 and more form
+    clipped regions; the depth of a pixel is its angle to the rim. A light is divided where its
+    clipped region has a neck of less than half its depth, and points to the centroid of its region,
+    weighted by the square of the depth. Clipping makes the fluxes of lights similar, so lights are
+    ordered by `DetectedLights.weight` instead: the expanded flux, divided by the 3/4 power of the
+    solid angle, times :math:`e^{1.5 \sin}` of the elevation. Lights with less than 1 % of the
+    total weight are dropped; clipped regions on the floor are dropped too. The
+    `direction_uncertainty` is calibrated on pictures of HDR maps. Irradiance and flux are lower
+    bounds. The rules are ours; the expansion inverts that of Schlick (1994).
+
+    Of a map that shows a part of the sphere (`EnvMap.seen`), only this part has lights, and only it
+    counts for the threshold and for the background of a light. Lights that touch its border are
+    flagged by `DetectedLights.is_cut`.
+
+    Some pictures are tone-mapped so that their brightest pixels pile up between 0.7 of the largest
+    possible value and that value. This pile is then the clip level. Other pictures whose
+    maximum is below the largest possible value are not clipped, and are treated as any other map.
 
     Examples
     --------
+    Two lamps, the second across the seam:
+
     >>> import envlights as el
-    >>> lamp = el.synthetic.Disc((0, 0, 1), 5.0, (9, 9, 9))
-    >>> env = el.EnvMap(el.synthetic.scene(256, background=[0.1] * 3, shapes=[lamp]).radiance)
-    >>> lights = detect(env)
-    >>> len(lights), round(float(lights.angular_radius[0]) * 57.3, 1)
-    (1, 5.0)
+    >>> lamps = [el.synthetic.Disc((1, 1, 0), 4.0, (9, 9, 9)),
+    ...          el.synthetic.Disc((0, 0, -1), 2.0, (9, 6, 3))]
+    >>> lights = detect(el.synthetic.scene(256, background=[0.1] * 3, shapes=lamps).radiance)
+    >>> lights.direction.round(2) + 0.0
+    array([[ 0.71,  0.71,  0.  ],
+           [ 0.  ,  0.  , -1.  ]])
     """
-    check_choice("method", method, tuple(METHODS))
-    return METHODS[method](env, **options)
+    lights, _ = _detect(
+        env,
+        max_lights=max_lights,
+        min_flux_share=min_flux_share,
+        min_worth=min_worth,
+        threshold=threshold,
+        rise=rise,
+        prominence=prominence,
+        gap_deg=gap_deg,
+        extent=extent,
+        working_width=working_width,
+        white=white,
+    )
+    return lights
 
 
-def _options(method: str) -> dict[str, inspect.Parameter]:
-    """Parameters of a detector, without the map."""
-    _, *options = inspect.signature(METHODS[method]).parameters.values()
-    return {option.name: option for option in options}
+def detect_with_luminance(
+    env: AnyMap, **options: Any
+) -> tuple[DetectedLights, NDArray[np.float32]]:
+    """Lights of `detect`, and the luminance of the reduced map."""
+    arguments = inspect.signature(detect).bind(env, **options)
+    arguments.apply_defaults()
+    env, *_ = arguments.args
+    return _detect(env, **arguments.kwargs)
 
 
-def _signature() -> inspect.Signature:
-    """Signature for `help` and completion: all options, with the defaults of the first method."""
-    *fixed, _ = inspect.signature(detect).parameters.values()
-    options: dict[str, inspect.Parameter] = {}
-    for method in METHODS:
-        options = {**options, **_options(method), **options}
-    return inspect.signature(detect).replace(parameters=[*fixed, *options.values()])
+def _detect(env: AnyMap, **arguments: Any) -> tuple[DetectedLights, NDArray[np.float32]]:
+    start = time.perf_counter()
+    options = _options(**arguments)
+
+    def detection_in(world: EnvMap) -> _native.TreeDetection:
+        white = world.white if options.white is None else options.white
+        is_border = world.registration == "border-sampled"
+        options_of_map = options._replace(white=white)
+        return _native.detect_tree(world.radiance, is_border, options_of_map, world.seen)
+
+    world, detection = apply_to_map(env, detection_in)
+    casts = colour_cast_notes(world, detection.peak_direction, detection.peak_luminance)
+    notes = (*world.notes, *casts)
+    lights = _lights(detection, notes, time.perf_counter() - start, world.units)
+    return lights, detection.luminance
 
 
-detect.__signature__ = _signature()  # type: ignore[attr-defined]
+def _options(
+    *,
+    max_lights: int | None,
+    min_flux_share: float,
+    min_worth: float,
+    threshold: float | None,
+    rise: float,
+    prominence: float,
+    gap_deg: float,
+    extent: float,
+    working_width: int,
+    white: float | None,
+) -> TreeOptions:
+    """Checked options."""
+    return TreeOptions(
+        working_columns=count("working_width", working_width, least=_LEAST_COLUMNS),
+        threshold=None if threshold is None else amount("threshold", threshold),
+        rise=amount("rise", rise, least=1.0),
+        prominence=amount("prominence", prominence, least=1.0),
+        extent=amount("extent", extent, most=1.0),
+        gap=math.radians(amount("gap_deg", gap_deg, most=90.0)),
+        min_flux_share=amount("min_flux_share", min_flux_share, most=1.0),
+        min_worth=amount("min_worth", min_worth),
+        max_lights=LARGEST_COUNT if max_lights is None else count("max_lights", max_lights, 1),
+        white=None if white is None else checked_white(white),
+    )
+
+
+def _lights(
+    detection: _native.TreeDetection, notes: tuple[str, ...], seconds: float, units: str
+) -> DetectedLights:
+    clipped = detection.clipped
+    report = DetectionReport(
+        method="tree",
+        threshold=detection.threshold,
+        reason=wording.reason_of_tree(detection),
+        working_size=detection.working_size,
+        clip_level=clipped and clipped.clip_level,
+        skipped=wording.dropped_by_tree(detection),
+        notes=(*wording.joined_panes(detection), *wording.cut_lights(detection), *notes),
+        details=wording.details_of_tree(detection),
+        seconds={"detect": seconds},
+    )
+    return DetectedLights(
+        detection.direction,
+        detection.irradiance,
+        flux=detection.flux,
+        peak_direction=detection.peak_direction,
+        solid_angle=detection.solid_angle,
+        elongation=detection.elongation,
+        orientation=detection.orientation,
+        peak_luminance=detection.peak_luminance,
+        flux_share=detection.flux_share,
+        is_clipped=detection.is_clipped,
+        members=Members(detection.pixel, detection.light_of_pixel),
+        report=report,
+        weight=clipped and clipped.weight,
+        direction_uncertainty=clipped and clipped.direction_uncertainty,
+        is_cut=detection.is_cut,
+        units=units,
+    )

@@ -10,21 +10,21 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights import _html
-from envlights._arrays import seal
-from envlights._check import amount, counts, flag, reals, rotation, texts
-from envlights._light_arrays import light_arrays, rotate, row_of, rows_of
+from envlights._common import html
+from envlights._common.arrays import seal
+from envlights._common.check import amount, counts, flag, reals, rotation, texts
+from envlights._common.result import Result
+from envlights._common.tables import MOST_ROWS
+from envlights._common.times import time_lines
+from envlights._common.units import OWN_SCALE, checked_units, statement
 from envlights._native import EnvLightsError
-from envlights._result import Result
-from envlights._tables import MOST_ROWS
-from envlights._times import time_lines
-from envlights._units import OWN_SCALE, checked_units, statement
 from envlights.detection import measurements
 from envlights.detection.members import LeftOut, Members
-from envlights.io.own_json import read_json
 from envlights.kernels.sphere import FRAME
-from envlights.light import DetectedLight, remarks_of
-from envlights.lights import Lights, Rows, brightest_first, place_cells, rgb_cell, rgb_heading
+from envlights.rigs.light import DetectedLight, remarks_of
+from envlights.rigs.light_arrays import light_arrays, rotate, row_of, rows_of
+from envlights.rigs.lights import Lights, Rows, brightest_first, place_cells, rgb_cell, rgb_heading
+from envlights.rigs.own_json import read_json
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -193,7 +193,7 @@ class DetectedLights(Lights):
     """Report of the detection."""
 
     weight: NDArray[np.float64] | None = None
-    """Weights that order the lights of a clipped map, shape (n,); see `detect_tree`.
+    """Weights that order the lights of a clipped map, shape (n,); see `detect`.
 
     None for other maps, whose lights are ordered by flux."""
 
@@ -205,7 +205,7 @@ class DetectedLights(Lights):
     is_cut: NDArray[np.bool_] = None  # type: ignore[assignment]
     """True for a light at the border of the seen part of the map, shape (n,).
 
-    Its irradiance and flux are then lower bounds. `detect_article` flags no light."""
+    Its irradiance and flux are then lower bounds. `papers.loghin.detect` flags no light."""
 
     def __post_init__(self) -> None:
         checked_units(self.units)
@@ -334,7 +334,7 @@ class DetectedLights(Lights):
         return f"{table}\n\n{self._together()}"
 
     def _html_parts(self) -> tuple[str, ...]:
-        return (*super()._html_parts(), _html.lines(f"{self._together()}\n{self.report}"))
+        return (*super()._html_parts(), html.lines(f"{self._together()}\n{self.report}"))
 
     def _together(self) -> str:
         return f"together: {100 * self.flux_share.sum():.3g} % of all light in the map"

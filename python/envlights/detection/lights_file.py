@@ -7,11 +7,11 @@ import json
 import os
 from collections.abc import Callable
 
+from envlights._common.files import as_path
 from envlights.detection.lights import DetectedLights
-from envlights.io.csv_table import read_csv
-from envlights.io.files import as_path
-from envlights.lights import Lights
-from envlights.rig import Rig
+from envlights.rigs.csv_table import read_csv
+from envlights.rigs.lights import Lights
+from envlights.rigs.rig import Rig
 
 #: Suffixes of the package's own files.
 SUFFIXES = (".json", ".csv")

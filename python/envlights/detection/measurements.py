@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._check import reals
-from envlights._light_arrays import LARGEST_LIGHT, amounts, axes_of_lights
+from envlights._common.check import reals
+from envlights.rigs.light_arrays import LARGEST_LIGHT, amounts, axes_of_lights
 
 #: Arrays of the file: vectors, numbers, and numbers that clipped maps alone have.
 VECTORS = ("direction", "irradiance", "flux", "peak_direction", "orientation")

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._arrays import seal
+from envlights._common.arrays import seal
+from envlights._common.result import Result
 from envlights._native import EnvLightsError
-from envlights._result import Result
-from envlights.io.images import MOST_PIXELS
+from envlights.environment.files.images import MOST_PIXELS
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -30,7 +30,6 @@ Each target has a file with two functions: one with its name, which returns the 
 and one with `save_` and its name, which writes a file. `save` selects the target by the suffix.
 """
 
-from envlights._targets import Target, save, target_of
 from envlights.export.axes import AXES, Axes
 from envlights.export.blender import add_to_blender, blender, save_blender
 from envlights.export.csv import csv, save_csv
@@ -44,7 +43,8 @@ from envlights.export.radiance import radiance, save_radiance
 from envlights.export.targets import TARGETS
 from envlights.export.three import save_three, three
 from envlights.export.usd import save_usd, usd
-from envlights.io.csv_table import read_csv
+from envlights.rigs.csv_table import read_csv
+from envlights.rigs.targets import Target, save, target_of
 
 __all__ = [
     "AXES",

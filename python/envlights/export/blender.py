@@ -9,17 +9,17 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from envlights._common.files import as_path
 from envlights._native import EnvLightsError
 from envlights.cards import Cards
-from envlights.envmap import EnvMap
+from envlights.environment.envmap import EnvMap
 from envlights.export import blender_cards
 from envlights.export.axes import AXES
 from envlights.export.files import check_link, panorama, save_scene
 from envlights.export.scene import Scene, scene_of
-from envlights.io.files import as_path
-from envlights.light import POLES, angle_cells
-from envlights.lights import Lights
-from envlights.rig import Rig
+from envlights.rigs.light import POLES, angle_cells
+from envlights.rigs.lights import Lights
+from envlights.rigs.rig import Rig
 
 #: Runs in Blender 4.2 and newer. A second run replaces the objects of the first.
 _SCRIPT = '''\

@@ -6,12 +6,12 @@ import os
 
 import numpy as np
 
-from envlights._printable import printable
+from envlights._common.printable import printable
 from envlights.export.files import save_scene
 from envlights.export.scene import check_rig
-from envlights.io.csv_table import AMBIENTS, FORMAT, HEADER, SCALE
-from envlights.lights import Lights
-from envlights.rig import Rig
+from envlights.rigs.csv_table import AMBIENTS, FORMAT, HEADER, SCALE
+from envlights.rigs.lights import Lights
+from envlights.rigs.rig import Rig
 
 _FRAME = (
     "# right-handed, +y up; image centre +z, left quarter +x; x, y, z: towards the light;"

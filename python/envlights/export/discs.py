@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights.envmap import EnvMap
+from envlights.environment.envmap import EnvMap
 from envlights.export.scene import Scene
-from envlights.lights import Lights
+from envlights.rigs.lights import Lights
 
 #: Rows in the radius of the smallest disc, and limits on the rows of the map. With 64 rows,
 #: Radiance loses 0.9 % of a disc of 46 degrees at its rim.

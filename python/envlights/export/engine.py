@@ -14,15 +14,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights._check import describe
+from envlights._common.check import describe
 from envlights._native import EnvLightsError
-from envlights.ambient import turned_ambient
-from envlights.envmap import EnvMap
+from envlights.environment.envmap import EnvMap
 from envlights.export.axes import AXES, Axes, Matrix
 from envlights.export.files import check_link, panorama, save_scene
 from envlights.export.scene import Scene, scene_of
-from envlights.lights import Lights
-from envlights.rig import Rig
+from envlights.kernels.ambient import turned_ambient
+from envlights.rigs.lights import Lights
+from envlights.rigs.rig import Rig
 
 _FORMAT, _VERSION = "envlights engine", 1
 _UNITS = (

@@ -11,12 +11,12 @@ from unicodedata import category
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._check import describe
+from envlights._common.check import describe
+from envlights._common.files import as_path, check_writable, write_atomically
 from envlights._native import EnvLightsError
-from envlights._targets import PANORAMA
-from envlights.envmap import EnvMap
-from envlights.io.files import as_path, check_writable, write_atomically
-from envlights.io.image_output import write_exr, write_hdr
+from envlights.environment.envmap import EnvMap
+from envlights.environment.files.image_output import write_exr, write_hdr
+from envlights.rigs.targets import PANORAMA
 
 #: Control characters of ASCII and of Latin 1.
 CONTROLS = tuple(map(chr, (*range(32), *range(127, 160))))

@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights.cards import Cards
-from envlights.envmap import EnvMap
+from envlights.environment.envmap import EnvMap
 from envlights.export import gltf_cards
 from envlights.export.axes import AXES
 from envlights.export.files import check_link, panorama, save_scene
 from envlights.export.panels import distant_and_panels
 from envlights.export.scene import check_rig, scene_of, statement_of
-from envlights.lights import Lights
-from envlights.rig import Rig
+from envlights.rigs.lights import Lights
+from envlights.rigs.rig import Rig
 
 _EXTENSION = "KHR_lights_punctual"
 #: Direction in which a light of glTF shines if its node has no rotation.

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._html import png
-from envlights._srgb import encode_srgb
+from envlights._common.html import png
+from envlights._common.srgb import encode_srgb
 from envlights.export.panels import Panel
 
 _STRENGTH = "KHR_materials_emissive_strength"

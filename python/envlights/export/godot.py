@@ -8,13 +8,13 @@ import os
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights._srgb import encode_srgb
-from envlights.envmap import EnvMap
+from envlights._common.srgb import encode_srgb
+from envlights.environment.envmap import EnvMap
 from envlights.export.axes import AXES
 from envlights.export.files import CONTROLS, check_link, panorama, save_scene
 from envlights.export.scene import CASTERS, Scene, at_most, scene_of
-from envlights.lights import Lights
-from envlights.rig import Rig
+from envlights.rigs.lights import Lights
+from envlights.rigs.rig import Rig
 
 #: Directional lights that Godot draws; it drops any others.
 DIRECTIONAL_LIGHTS = 8

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights.envmap import EnvMap
+from envlights.environment.envmap import EnvMap
 from envlights.kernels import sphere
 
 

@@ -16,17 +16,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import kernels
+from envlights._common.files import as_path
 from envlights._native import EnvLightsError
 from envlights.cards import Cards
-from envlights.envmap import EnvMap
+from envlights.environment.envmap import EnvMap
 from envlights.export import mitsuba_cards
 from envlights.export.discs import MOST_ROWS, rows_for, split_by_size
 from envlights.export.files import check_link, save_scene, texture_name
 from envlights.export.panels import crop_names
 from envlights.export.scene import Scene, scene_of
-from envlights.io.files import as_path
-from envlights.lights import Lights
-from envlights.rig import Rig
+from envlights.rigs.lights import Lights
+from envlights.rigs.rig import Rig
 
 #: End of the name of a map with its rows as Mitsuba reads them.
 TEXTURE = ".ambient.mitsuba.exr"

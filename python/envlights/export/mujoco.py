@@ -14,14 +14,14 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights._check import amount
-from envlights.envmap import EnvMap
+from envlights._common.check import amount
+from envlights.environment.envmap import EnvMap
 from envlights.export.axes import AXES
 from envlights.export.files import save_scene
 from envlights.export.scene import CASTERS, Scene, at_most, mean_radiance, scene_of
 from envlights.kernels.sampling import icosphere
-from envlights.lights import Lights
-from envlights.rig import Rig
+from envlights.rigs.lights import Lights
+from envlights.rigs.rig import Rig
 
 #: Lights beside the headlight: OpenGL has eight, and MuJoCo ignores any others.
 LAMPS = 7

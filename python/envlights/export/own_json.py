@@ -5,10 +5,10 @@ from __future__ import annotations
 import json
 import os
 
-from envlights._units import statement
+from envlights._common.units import statement
 from envlights.export.files import save_scene
-from envlights.lights import LIGHTS_HEADER, Lights
-from envlights.rig import Rig
+from envlights.rigs.lights import LIGHTS_HEADER, Lights
+from envlights.rigs.rig import Rig
 
 
 def save_json(rig: Rig | Lights, path: str | os.PathLike[str]) -> None:

@@ -7,12 +7,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._targets import Crops
 from envlights.cards import Card, Cards
-from envlights.envmap import EnvMap
+from envlights.environment.envmap import EnvMap
 from envlights.export.axes import AXES
 from envlights.export.look_up import looked_up
-from envlights.lights import Lights
+from envlights.rigs.lights import Lights
+from envlights.rigs.targets import Crops
 
 #: Least rows and columns of a texture that shows the map behind a card of one colour.
 _HIDDEN_TEXELS = 16

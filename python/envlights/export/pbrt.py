@@ -7,18 +7,18 @@ import os
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from envlights._common.files import as_path
 from envlights.cards import Cards
-from envlights.envmap import EnvMap
+from envlights.environment.envmap import EnvMap
+from envlights.environment.layouts.layout import Layout, equirectangular
+from envlights.environment.resample import resample
 from envlights.export.axes import AXES
 from envlights.export.discs import split_by_size, with_discs
 from envlights.export.files import check_link, save_scene, texture_name
 from envlights.export.panels import Panel, crop_names
 from envlights.export.scene import Scene, scene_of
-from envlights.io.files import as_path
-from envlights.layouts.layout import Layout, equirectangular
-from envlights.lights import Lights
-from envlights.resampling import resample
-from envlights.rig import Rig
+from envlights.rigs.lights import Lights
+from envlights.rigs.rig import Rig
 
 #: Angular radius in radians below which a light has no size in pbrt: 0.7 degrees, which is four
 #: pixels in the largest map of discs.

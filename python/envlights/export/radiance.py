@@ -7,17 +7,17 @@ import os
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights._check import describe
-from envlights._light_arrays import LARGEST_LIGHT
+from envlights._common.check import describe
 from envlights._native import EnvLightsError
-from envlights.envmap import EnvMap
+from envlights.environment.envmap import EnvMap
 from envlights.export.axes import AXES
 from envlights.export.discs import split_by_size, with_discs
 from envlights.export.files import CONTROLS, check_link, save_scene, texture_name
 from envlights.export.look_up import looked_up
 from envlights.export.scene import Scene, scene_of
-from envlights.lights import Lights
-from envlights.rig import Rig
+from envlights.rigs.light_arrays import LARGEST_LIGHT
+from envlights.rigs.lights import Lights
+from envlights.rigs.rig import Rig
 
 #: Angular radius in radians above which a light is drawn into the sky. Radiance samples a source
 #: near its centre only: the error is 0.9 % for a radius of 0.25, and 2.2 % for 0.6.

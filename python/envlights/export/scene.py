@@ -8,21 +8,21 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights._blocks import in_blocks
-from envlights._capabilities import HARMONIC_MEAN, ROWS
-from envlights._check import describe
+from envlights._common.blocks import in_blocks
+from envlights._common.check import describe
+from envlights._common.printable import printable
+from envlights._common.units import PHOTOMETRIC
 from envlights._native import EnvLightsError
-from envlights._printable import printable
-from envlights._units import PHOTOMETRIC
-from envlights.ambient import ambient_rows
 from envlights.cards import Cards
-from envlights.envmap import EnvMap, as_envmap
+from envlights.environment.decoders.source import is_source
+from envlights.environment.envmap import EnvMap, as_envmap
 from envlights.export.panels import Panel, distant_and_panels
 from envlights.export.units import UNITS
-from envlights.io.source import is_source
+from envlights.kernels.ambient import ambient_rows
 from envlights.kernels.sphere import pixel_solid_angles
-from envlights.lights import Lights
-from envlights.rig import Rig
+from envlights.rigs.capabilities import HARMONIC_MEAN, ROWS
+from envlights.rigs.lights import Lights
+from envlights.rigs.rig import Rig
 
 #: Lights that cast shadows, the brightest, in renderers that draw the scene again for each of them.
 CASTERS = 3

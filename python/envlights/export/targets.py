@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from envlights._capabilities import Capabilities
-from envlights._targets import PANORAMA, Target, register
 from envlights.export.blender import save_blender
 from envlights.export.csv import save_csv
 from envlights.export.engine import save_unity, save_unreal
@@ -22,6 +20,8 @@ from envlights.export.scene import CASTERS, PANELS
 from envlights.export.three import save_three
 from envlights.export.units import UNITS
 from envlights.export.usd import save_usd
+from envlights.rigs.capabilities import Capabilities
+from envlights.rigs.targets import PANORAMA, Target, register
 
 _TARGETS = (
     Target(

@@ -9,16 +9,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights.ambient import turned_ambient
 from envlights.cards import Cards
-from envlights.envmap import EnvMap
+from envlights.environment.envmap import EnvMap
 from envlights.export import three_cards
 from envlights.export.axes import AXES
 from envlights.export.files import save_scene
 from envlights.export.scene import scene_of
 from envlights.export.three_things import colour_of, image_of, texture_of, thing_of
-from envlights.lights import Lights
-from envlights.rig import Rig
+from envlights.kernels.ambient import turned_ambient
+from envlights.rigs.lights import Lights
+from envlights.rigs.rig import Rig
 
 #: Distance of lights from the origin, for their shadow cameras; it does not change their light.
 _DISTANCE = 10.0

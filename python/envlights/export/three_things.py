@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._srgb import encode_srgb
+from envlights._common.srgb import encode_srgb
 
 #: Constants of three.js: FloatType, RGBAFormat, LinearFilter.
 _FLOATS = {

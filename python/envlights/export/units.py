@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from envlights._units import PHOTOMETRIC, statement
+from envlights._common.units import PHOTOMETRIC, statement
 
 #: Lumens per watt: the maximum of the photopic eye, 683 (SI), and that of white light in Radiance.
 _SI, _RADIANCE = 683.0, 179.0

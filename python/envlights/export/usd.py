@@ -10,17 +10,17 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from envlights._common.files import as_path
 from envlights._native import EnvLightsError
 from envlights.cards import Cards
-from envlights.envmap import EnvMap
+from envlights.environment.envmap import EnvMap
 from envlights.export import usd_cards
 from envlights.export.axes import AXES
 from envlights.export.files import panorama, save_scene
 from envlights.export.scene import Scene, scene_of
 from envlights.export.usd_text import asset, colour, prim
-from envlights.io.files import as_path
-from envlights.lights import Lights
-from envlights.rig import Rig
+from envlights.rigs.lights import Lights
+from envlights.rigs.rig import Rig
 
 _HEAD = """#usda 1.0
 (

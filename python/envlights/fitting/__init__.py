@@ -16,5 +16,11 @@
 | the fit of Madsen et al. (2003), for comparison                     | `madsen.py`  |
 
 `src/kernels/fit/` holds the search. The report belongs to the rig and has its own module,
-`envlights.report`.
+`envlights.rigs.report`.
 """
+
+from envlights.fitting.error_curve import ErrorCurve
+
+__all__ = [
+    "ErrorCurve",
+]

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 from numpy.typing import ArrayLike
 
-from envlights._unseen import Unseen
-from envlights.lights import Lights
-from envlights.rig import Rig
+from envlights.environment.unseen import Unseen
+from envlights.rigs.lights import Lights
+from envlights.rigs.rig import Rig
 
 
 @dataclass(frozen=True)

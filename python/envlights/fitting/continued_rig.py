@@ -11,9 +11,9 @@ from envlights.fitting.arguments import FitArguments
 from envlights.fitting.map_fit import MapSamples
 from envlights.fitting.options import FitOptions
 from envlights.fitting.reduction import Reduction
-from envlights.lights import Lights, brightest_first
-from envlights.report import FitReport
-from envlights.rig import Rig
+from envlights.rigs.lights import Lights, brightest_first
+from envlights.rigs.report import FitReport
+from envlights.rigs.rig import Rig
 
 
 def continue_rig(

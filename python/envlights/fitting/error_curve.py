@@ -10,17 +10,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from envlights import _html
-from envlights._check import counts
+from envlights._common import html
+from envlights._common.check import counts
+from envlights._common.result import Result
+from envlights._common.tables import Table, frame_of
 from envlights._native import EnvLightsError
-from envlights._result import Result
-from envlights._tables import Table, frame_of
-from envlights._unseen import Unseen
-from envlights.envmap import AnyMap
+from envlights.environment.envmap import AnyMap
+from envlights.environment.unseen import Unseen
 from envlights.fitting.arguments import FitArguments
 from envlights.fitting.map_fit import fit_map_by_count
 from envlights.kernels import gloss
-from envlights.rig import Rig
+from envlights.rigs.rig import Rig
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -108,7 +108,7 @@ class ErrorCurve(Result):
         return "\n".join([str(self._table()), *self._lines()])
 
     def _html_parts(self) -> tuple[str, ...]:
-        return self._table().html(), _html.lines("\n".join(self._lines()))
+        return self._table().html(), html.lines("\n".join(self._lines()))
 
     def _lines(self) -> list[str]:
         """Lines below the table: the metal, and rising errors with shadows."""

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from envlights import _native
-from envlights._check import check_choice, reals
+from envlights._common.check import check_choice, reals
 from envlights._native import EnvLightsError
-from envlights._unseen import Unseen
-from envlights.envmap import AnyMap
+from envlights.environment.envmap import AnyMap
+from envlights.environment.unseen import Unseen
 from envlights.fitting import wording
 from envlights.fitting.ambient_terms import AMBIENTS
 from envlights.fitting.arguments import FitArguments
@@ -21,8 +21,8 @@ from envlights.fitting.options import FitOptions
 from envlights.fitting.request import STARTS_WITHOUT_MAP, request_of
 from envlights.fitting.result import rig_of
 from envlights.fitting.sun_light import fit_with_sun
-from envlights.lights import Lights
-from envlights.rig import Rig
+from envlights.rigs.lights import Lights
+from envlights.rigs.rig import Rig
 from envlights.sun.choice import AnySun
 from envlights.sun.sun_split import with_sun
 

@@ -9,12 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _native
-from envlights._check import check_choice, flag
+from envlights._common.check import check_choice, flag
+from envlights._common.notes import LOG, log
 from envlights._native import FitAnswer
-from envlights._notes import LOG, log
-from envlights._targets import shown_by, target_names
-from envlights._unseen import checked_unseen
-from envlights.envmap import AnyMap, EnvMap, apply_to_map
+from envlights.environment.envmap import AnyMap, EnvMap, apply_to_map
+from envlights.environment.unseen import checked_unseen
 from envlights.fitting import wording
 from envlights.fitting.ambient_terms import (
     AMBIENTS,
@@ -29,7 +28,8 @@ from envlights.fitting.options import FitOptions
 from envlights.fitting.reduction import Reduction, is_file, reduction_of, reduction_of_file
 from envlights.fitting.request import Request, check_radius, request_for
 from envlights.fitting.result import rig_of
-from envlights.rig import Rig
+from envlights.rigs.rig import Rig
+from envlights.rigs.targets import shown_by, target_names
 
 #: Errors that lights with sizes can minimise.
 OBJECTIVES = ("mixed", "shadows", "probe")

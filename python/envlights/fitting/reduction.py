@@ -6,12 +6,12 @@ import os
 from typing import NamedTuple, TypeGuard
 
 from envlights import _native
+from envlights._common.units import OWN_SCALE
 from envlights._native import ReducedMap
-from envlights._units import OWN_SCALE
-from envlights._unseen import Unseen
-from envlights.envmap import AnyMap, EnvMap
+from envlights.environment.envmap import AnyMap, EnvMap
+from envlights.environment.files.reduced_file import reduce_file
+from envlights.environment.unseen import Unseen
 from envlights.fitting.unseen_part import fill_for_fit
-from envlights.io.reduced_file import reduce_file
 from envlights.kernels.probe import WORKING_COLUMNS
 
 #: Fraction of the flux of a channel from which a cell of the reduced map becomes a point source.

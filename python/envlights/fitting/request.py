@@ -9,16 +9,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native
-from envlights._check import amount, check_choice, count, reals
+from envlights._common.check import amount, check_choice, count, reals
 from envlights._native import GLOSS_DEGREE, EnvLightsError, FitAnswer
 from envlights.detection.detect import detect
-from envlights.envmap import EnvMap
+from envlights.environment.envmap import EnvMap
 from envlights.fitting.arguments import FitArguments
 from envlights.fitting.unseen_part import above_horizon
 from envlights.kernels import gloss, sphere
-from envlights.lights import Lights
-from envlights.report import SHOWN_ROUGHNESS
-from envlights.rig import Rig
+from envlights.rigs.lights import Lights
+from envlights.rigs.report import SHOWN_ROUGHNESS
+from envlights.rigs.rig import Rig
 
 #: Names of starts for a map, and for a measured probe.
 STARTS = ("greedy", "detect", "even")

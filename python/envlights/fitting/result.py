@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from envlights._common.units import OWN_SCALE
 from envlights._native import FitAnswer
-from envlights._report_fields import StopReason
-from envlights._units import OWN_SCALE
 from envlights.fitting.request import Request
-from envlights.lights import Lights, brightest_first
-from envlights.report import FitReport
-from envlights.rig import Rig
+from envlights.rigs.lights import Lights, brightest_first
+from envlights.rigs.report import FitReport
+from envlights.rigs.report_fields import StopReason
+from envlights.rigs.rig import Rig
 
 
 def rig_of(

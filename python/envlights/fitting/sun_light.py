@@ -14,20 +14,20 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._check import count, flag
+from envlights._common.check import count, flag
 from envlights._native import EnvLightsError
-from envlights._targets import shown_by, target_names
-from envlights._unseen import Unseen
-from envlights.envmap import EnvMap
+from envlights.environment.envmap import EnvMap
+from envlights.environment.unseen import Unseen
 from envlights.fitting.arguments import FitArguments
 from envlights.fitting.map_fit import fit_map
 from envlights.fitting.request import Request, request_for
 from envlights.fitting.unseen_part import above_horizon, fill_for_fit
 from envlights.kernels import gloss
 from envlights.kernels.sphere import pixel_directions, pixel_solid_angles
-from envlights.lights import Lights, brightest_first
-from envlights.report import FitReport
-from envlights.rig import Rig
+from envlights.rigs.lights import Lights, brightest_first
+from envlights.rigs.report import FitReport
+from envlights.rigs.rig import Rig
+from envlights.rigs.targets import shown_by, target_names
 from envlights.sun.sun_split import SunSplit
 
 #: Columns of the sky for the ratios of RMS irradiance. The sky has no sun, so that 64 columns give

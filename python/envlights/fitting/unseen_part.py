@@ -6,10 +6,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from envlights import _unseen
-from envlights._blocks import in_blocks
-from envlights._unseen import PartialMap, Unseen
-from envlights.envmap import EnvMap
+from envlights._common.blocks import in_blocks
+from envlights.environment.envmap import EnvMap
+from envlights.environment.unseen import (
+    PartialMap,
+    Unseen,
+    checked_unseen,
+    choice_of,
+    share_above_horizon,
+)
 from envlights.kernels.probe import relative_rms, working_irradiance
 from envlights.kernels.sampling import icosphere
 from envlights.kernels.sphere import pixel_directions
@@ -33,12 +38,12 @@ class FilledMap(NamedTuple):
 
 def fill_for_fit(env: EnvMap, floor: bool, unseen: Unseen) -> FilledMap:
     """Fill a map; a floor hides the lower half of the sphere, so nothing there is missing."""
-    _unseen.checked_unseen(unseen)
+    checked_unseen(unseen)
     if env.seen is None:
         return FilledMap(env, 1.0, 0.0)
     part = PartialMap(env.radiance, env.seen, env.is_border_sampled)
-    share = _unseen.share_above_horizon(part) if floor else part.share
-    choice = _unseen.choice_of(unseen, share)
+    share = share_above_horizon(part) if floor else part.share
+    choice = choice_of(unseen, share)
     harmonic = env.filled("harmonic")
     filled = harmonic if choice == "harmonic" else env.filled(choice)
     return FilledMap(filled, share, _difference(env.filled("black"), harmonic, floor))

@@ -8,13 +8,7 @@ kernel reads it.
 
 from envlights.kernels import gloss
 from envlights.kernels.harmonics import harmonic_irradiance, harmonic_radiance
-from envlights.kernels.image import (
-    blur,
-    luminance,
-    reduced_luminance,
-    resize_bilinear,
-    uv_to_pixel,
-)
+from envlights.kernels.image import blur, luminance, reduced_luminance, resize_bilinear, uv_to_pixel
 from envlights.kernels.loghin import (
     bresenham_line,
     merge_along_lines,

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _native
-from envlights._check import amount, check_choice, count
+from envlights._common.check import amount, check_choice, count
 from envlights._native import EnvLightsError
 
 #: Least roughness of the quadrature.

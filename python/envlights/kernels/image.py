@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native
-from envlights._check import amount, count, flag, float_image, reals
+from envlights._common.check import amount, count, flag, float_image, reals
 
 #: Rec.709 weights of linear red, green and blue in luminance.
 LUMINANCE = np.array(_native.LUMINANCE)

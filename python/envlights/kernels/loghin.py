@@ -1,6 +1,6 @@
 """The steps of Loghin (2021), for maps and for plane images.
 
-`envlights.detect_article` combines them for a map. For a plane image the samples come from
+`envlights.papers.loghin.detect` combines them for a map. For a plane image the samples come from
 `halton` instead of the sphere:
 
 >>> import numpy as np
@@ -30,7 +30,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native
-from envlights._check import amount, count, flag, float_image, reals, whole_numbers, whole_pixels
+from envlights._common.check import (
+    amount,
+    count,
+    flag,
+    float_image,
+    reals,
+    whole_numbers,
+    whole_pixels,
+)
 
 
 class LineRule(NamedTuple):

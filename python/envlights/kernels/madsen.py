@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native
-from envlights._check import amount, colour, count, flag, float_image, reals
+from envlights._common.check import amount, colour, count, flag, float_image, reals
 
 _WHITE = (1.0, 1.0, 1.0)
 
@@ -187,7 +187,7 @@ def probe_residual(
     See Also
     --------
     probe_jacobian : its derivatives.
-    envlights.fit_paper : all of the paper's steps from a map to lights.
+    envlights.papers.madsen.fit : all of the paper's steps from a map to lights.
 
     Examples
     --------

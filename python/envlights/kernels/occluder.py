@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native
-from envlights._check import colour, flag, reals
+from envlights._common.check import colour, flag, reals
 from envlights._native import EnvLightsError
-from envlights.occluders import Stage
+from envlights.kernels.solids import Stage
 
 
 def hidden_shares(
@@ -56,7 +56,7 @@ def hidden_shares(
     --------
     A ball at the height h hides :math:`h R^2 / d^3` of the sky from a floor, and all of a sun:
 
-    >>> from envlights.occluders import Ball, Stage
+    >>> from envlights.kernels.solids import Ball, Stage
     >>> stage = Stage.floor(Ball((0, 2, 0), 1), [[0, 0, 0]])
     >>> hidden_shares(stage, [[0, 1, 0]], [0.005]).round(9)
     array([[0.25, 1.  ]])
@@ -87,7 +87,7 @@ def form_factors(stage: Stage) -> NDArray[np.float64]:
 
     Examples
     --------
-    >>> from envlights.occluders import Ball, Box, Stage
+    >>> from envlights.kernels.solids import Ball, Box, Stage
     >>> solids = [Ball((0, 2, 0), 1), Box((9, 1, 0), (1, 1, 1))]
     >>> form_factors(Stage.floor(solids, [[0, 0, 0]])).round(4)
     array([[0.25  , 0.0023]])
@@ -160,7 +160,7 @@ def reflected_irradiance(
     --------
     A dark ball on a white floor casts a shadow; a white ball brightens it:
 
-    >>> from envlights.occluders import Ball, Stage
+    >>> from envlights.kernels.solids import Ball, Stage
     >>> stage = Stage.floor(Ball((0, 1, 0), 1), [[1, 0, 0]])
     >>> lit = dict(directions=[[0, 1, 0]], irradiance=[[1, 1, 1]], angular_radius=[0.1])
     >>> for albedo in (0, 1):

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native
-from envlights._check import amount, colour, count, flag, float_image, reals
+from envlights._common.check import amount, colour, count, flag, float_image, reals
 from envlights._native import EnvLightsError
 
 #: Default width of the map that `working_irradiance` makes.

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native
-from envlights._check import amount, float_image, reals
+from envlights._common.check import amount, float_image, reals
 
 
 def rough_reflection(

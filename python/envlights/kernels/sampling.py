@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native
-from envlights._check import count, counts, reals
+from envlights._common.check import count, counts, reals
 
 
 def radical_inverse(index: int, base: int = 2) -> float:

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native
-from envlights._blocks import in_blocks
-from envlights._check import count, flag, reals
+from envlights._common.blocks import in_blocks
+from envlights._common.check import count, flag, reals
 
 #: Name of the frame in files.
 FRAME = "right-handed, +y up; image centre +z, left quarter +x; towards the light"

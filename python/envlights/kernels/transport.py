@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native
-from envlights._check import reals
+from envlights._common.check import reals
 
 
 def transport_plan(

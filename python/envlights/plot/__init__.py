@@ -42,8 +42,8 @@ Fonts, colours of text and lines, and the ground are those of the style (`rcPara
 the call, and nothing global is changed. `save` and `Picture.savefig` embed fonts of Type 42.
 """
 
+from envlights._common.files import NO_MATPLOTLIB, can_draw
 from envlights._native import EnvLightsError
-from envlights.io.files import NO_MATPLOTLIB, can_draw
 
 __all__ = [
     "Picture",

@@ -10,12 +10,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from envlights.detection.article_steps import square_points
 from envlights.detection.lights import DetectedLights
-from envlights.detection.loghin import detect_article
-from envlights.envmap import AnyMap, EnvMap, as_envmap
+from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
 from envlights.kernels import image as images
 from envlights.kernels import loghin, sampling, sphere
+from envlights.papers.loghin import detect
+from envlights.papers.loghin_steps import square_points
 from envlights.plot.globe import draw_globe, on_page
 from envlights.plot.ground import degrees, draw_ground, expose, working
 from envlights.plot.markers import RIM, draw_discs, draw_numbers, sizes_for
@@ -72,7 +72,7 @@ def article_picture(
     figsize, dpi, transparent
         Size, resolution and ground of a new figure; see `envlights.plot`.
     **options
-        Options of `detect_article`.
+        Options of `papers.loghin.detect`.
 
     Returns
     -------
@@ -87,7 +87,7 @@ def article_picture(
     """
     env = as_envmap(env)
     page = open_page(Placement(ax, figsize, dpi, transparent), grid(2, 2), (13, 8))
-    lights = detect_article(env, **options)
+    lights = detect(env, **options)
     defaults = {name: each.default for name, each in _parameters().items()}
     steps = _steps(env, lights, {**defaults, **options})
     globe, bright, survivors, merged = page.panels
@@ -105,12 +105,12 @@ def article_picture(
 
 
 def _parameters() -> dict[str, inspect.Parameter]:
-    _, *options = inspect.signature(detect_article).parameters.values()
+    _, *options = inspect.signature(detect).parameters.values()
     return {option.name: option for option in options}
 
 
 def _steps(env: EnvMap, lights: DetectedLights, options: dict[str, Any]) -> _Steps:
-    """Recompute the intermediate directions of `detect_article`."""
+    """Recompute the intermediate directions of `papers.loghin.detect`."""
     height, width = lights.report.working_size
     luminance = images.resize_bilinear(images.luminance(env.radiance), height, width, wrap=True)
     points = square_points(options["sampling"], luminance, options["samples_per_pixel"])

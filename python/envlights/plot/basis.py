@@ -9,7 +9,7 @@ from matplotlib import rcParams
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from envlights._check import count
+from envlights._common.check import count
 from envlights.plot.figure import check_is, hide_frame
 from envlights.plot.page import AnyAxes, Placement, Size, open_page
 from envlights.transfer import TransferModel

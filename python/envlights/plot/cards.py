@@ -10,12 +10,12 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from envlights import _thumbnails
 from envlights.cards import geometry
 from envlights.cards.card import Card
 from envlights.cards.card_split import CardSplit
 from envlights.cards.cards import Cards
-from envlights.envmap import AnyMap, EnvMap, as_envmap
+from envlights.environment import thumbnails
+from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
 from envlights.export.look_up import looked_up
 from envlights.kernels.image import LUMINANCE
 from envlights.plot.ball import ball
@@ -214,13 +214,13 @@ def _mirror(maps: Iterable[EnvMap], eye: NDArray[np.float64], white: float) -> N
     towards = 2 * (view.normals @ eye)[:, None] * view.normals - eye
     towards /= np.linalg.norm(towards, axis=1, keepdims=True)
     seen = np.sum([looked_up(each, towards) for each in maps], axis=0)
-    return view.image(_thumbnails.expose(seen, white) / 255)
+    return view.image(thumbnails.expose(seen, white) / 255)
 
 
 def _draw_texture(axes: Axes, card: Card, white: float) -> None:
     """Draw a texture with the sides of its card."""
     width, height = np.linalg.norm(card.matrix[:, :2], axis=0)
-    codes = _thumbnails.expose(card.texture, white)
+    codes = thumbnails.expose(card.texture, white)
     extent = (0.0, float(width), 0.0, float(height))
     axes.imshow(codes, extent=extent, interpolation="nearest")
 

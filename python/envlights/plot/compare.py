@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from envlights.envmap import AnyMap, as_envmap
+from envlights.environment.envmap import AnyMap, as_envmap
 from envlights.plot.curve import mark_percents
 from envlights.plot.figure import check_are_rigs
 from envlights.plot.ground import draw_small_ground, expose, working
@@ -22,7 +22,7 @@ from envlights.plot.probe import (
     viewpoint,
 )
 from envlights.plot.wording import entitle
-from envlights.rig import Rig
+from envlights.rigs.rig import Rig
 
 
 def rigs_picture(

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 from numpy.typing import NDArray
 
-from envlights._check import check_choice, texts
+from envlights._common.check import check_choice, texts
 from envlights._native import EnvLightsError
 from envlights.fitting.error_curve import ErrorCurve
 from envlights.plot.figure import check_is

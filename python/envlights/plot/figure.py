@@ -11,10 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from envlights._check import amount, flag
+from envlights._common.check import amount, flag
+from envlights._common.files import PICTURES, as_path, write_atomically
 from envlights._native import EnvLightsError
-from envlights.io.files import PICTURES, as_path, write_atomically
-from envlights.rig import Rig
+from envlights.rigs.rig import Rig
 
 #: Options that leave the time of drawing out of a file.
 _WITHOUT_DATE: dict[str, dict[str, Any]] = {

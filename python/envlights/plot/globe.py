@@ -7,16 +7,16 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from envlights import _thumbnails
-from envlights._srgb import encode_srgb
-from envlights.envmap import AnyMap, EnvMap, as_envmap
+from envlights._common.srgb import encode_srgb
+from envlights.environment import thumbnails
+from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
 from envlights.kernels import sphere
-from envlights.lights import Lights
 from envlights.plot.ball import axes_of, ball, draw_rim
 from envlights.plot.figure import check_is, hide_frame
 from envlights.plot.ground import working
 from envlights.plot.markers import draw_discs, sizes_for
 from envlights.plot.page import AnyAxes, Placement, Size, grid, open_page
+from envlights.rigs.lights import Lights
 
 #: Extent of a map whose degrees have the size of those of a globe.
 _AS_MAP = (0.0, 180.0, 0.0, 180.0)
@@ -86,7 +86,7 @@ def draw_globe(axes: Axes, env: EnvMap, eye: NDArray[np.float64]) -> None:
     u, v = sphere.direction_to_uv(seen.normals).T
     columns = np.minimum((u * width).astype(int), width - 1)
     rows = np.minimum((v * height).astype(int), height - 1)
-    colours = encode_srgb(radiance[rows, columns] / _thumbnails.white_of(radiance)[0])
+    colours = encode_srgb(radiance[rows, columns] / thumbnails.white_of(radiance)[0])
     axes.imshow(seen.image(colours), extent=(-1, 1, -1, 1), interpolation="antialiased")
     draw_rim(axes, (0, 0), 1)
     axes.set(xlim=(-1.08, 1.08), ylim=(-1.08, 1.08))

@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.colors import Normalize
 from numpy.typing import NDArray
 
-from envlights import _thumbnails
-from envlights.envmap import EnvMap
+from envlights.environment import thumbnails
+from envlights.environment.envmap import EnvMap
 from envlights.kernels import sphere
 from envlights.kernels.image import LUMINANCE
 from envlights.plot.wording import LETTER, font_size, is_narrow, points_per_unit
@@ -32,7 +32,7 @@ def working(env: EnvMap) -> NDArray[np.float32]:
     """Radiance of a map, averaged to fewer than 2048 columns."""
     # Skip pixels of a very large map before averaging.
     step = max(env.width // (4 * _COLUMNS), 1)
-    return _thumbnails.shrink(env.radiance[::step, ::step], _COLUMNS).astype(np.float32)
+    return thumbnails.shrink(env.radiance[::step, ::step], _COLUMNS).astype(np.float32)
 
 
 class Ground(NamedTuple):
@@ -50,9 +50,9 @@ class Ground(NamedTuple):
 
 def expose(radiance: NDArray[np.float32]) -> Ground:
     """Expose a map, in the form of `working`, so that its lamps are visible."""
-    white, darker = _thumbnails.white_of(radiance)
+    white, darker = thumbnails.white_of(radiance)
     words = f"white is luminance {white:.3g}; {100 * darker:.3g} % of the sphere is darker"
-    return Ground(_thumbnails.expose(radiance, white), white, words)
+    return Ground(thumbnails.expose(radiance, white), white, words)
 
 
 def draw_ground(axes: Axes, codes: NDArray[np.uint8]) -> None:
@@ -78,7 +78,7 @@ def draw_map(axes: Axes, env: EnvMap) -> str:
 def draw_luminance(axes: Axes, env: EnvMap) -> str:
     """Draw luminance in stops relative to the white of `draw_map`; return a sentence on it."""
     radiance = working(env)
-    white, _ = _thumbnails.white_of(radiance)
+    white, _ = thumbnails.white_of(radiance)
     # Black lies below every stop.
     ratio = np.maximum(radiance @ LUMINANCE / white, np.finfo(float).tiny)
     image = axes.imshow(

@@ -11,9 +11,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from envlights._check import flag
+from envlights._common.check import flag
 from envlights.detection.lights import DetectedLights
-from envlights.envmap import AnyMap, as_envmap
+from envlights.environment.envmap import AnyMap, as_envmap
 from envlights.plot.figure import check_is
 from envlights.plot.ground import degrees, draw_luminance, draw_map
 from envlights.plot.markers import (
@@ -38,7 +38,7 @@ from envlights.plot.probe import (
     viewpoint,
 )
 from envlights.plot.wording import entitle
-from envlights.rig import Rig, error_line, parts_line
+from envlights.rigs.rig import Rig, error_line, parts_line
 
 #: Colour of the mark of the viewer.
 _EYE = "deepskyblue"

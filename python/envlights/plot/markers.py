@@ -14,10 +14,10 @@ from matplotlib.patheffects import withStroke
 from matplotlib.transforms import ScaledTranslation
 from numpy.typing import NDArray
 
-from envlights._thumbnails import colours_of
-from envlights.lights import Lights
+from envlights.environment.thumbnails import colours_of
 from envlights.plot.ground import EXTENT, degrees
 from envlights.plot.wording import LETTER, font_size, is_narrow, points_per_unit, width_of
+from envlights.rigs.lights import Lights
 from envlights.scene.surface import tangent_frames
 
 #: Area of the disc of the largest light, and the least area, in square points, on a wide map.

@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from envlights._common.srgb import encode_srgb
 from envlights._native import EnvLightsError
-from envlights._srgb import encode_srgb
 from envlights.plot.figure import check_is, hide_frame
 from envlights.plot.page import AnyAxes, Placement, Size, grid, open_page
 from envlights.plot.wording import entitle
@@ -53,7 +53,7 @@ def overlay_picture(
     --------
     >>> import envlights as el
     >>> rig = el.fit(el.synthetic.hall(64).radiance, lights=2, floor=True)
-    >>> overlay = el.shadow_overlay(rig, el.Ball((0, 0.5, 0), 0.5), columns=64)
+    >>> overlay = el.shadow_overlay(rig, el.scene.Ball((0, 0.5, 0), 0.5), columns=64)
     >>> overlay_picture(overlay).axes[0].get_title()
     'all shadows'
     """

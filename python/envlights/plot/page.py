@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
 
-from envlights._check import amount, describe, flag
+from envlights._common.check import amount, describe, flag
 from envlights._native import EnvLightsError
 from envlights.plot.figure import Picture, dots
 from envlights.plot.wording import entitle_figure

@@ -10,11 +10,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from envlights._check import flag
+from envlights._common.check import flag
 from envlights._native import EnvLightsError
-from envlights.detection.photograph import detect_photograph
-from envlights.detection.photograph_lights import PhotographLights
-from envlights.detection.photograph_pixels import AnyPhotograph
+from envlights.papers.photograph import detect_photograph
+from envlights.papers.photograph_lights import PhotographLights
+from envlights.papers.photograph_pixels import AnyPhotograph
 from envlights.plot.markers import RIM, draw_discs, draw_legend, draw_numbers, sizes_for
 from envlights.plot.page import AnyAxes, Placement, Size, grid, open_page
 from envlights.plot.steps import draw_bright, draw_links, draw_survivors

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from envlights import _native
 from envlights._native import EnvLightsError
 from envlights.detection.lights import DetectedLights
-from envlights.envmap import AnyMap, EnvMap, as_envmap
+from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
+from envlights.environment.repair import PLATEAU_COLUMNS, PLATEAU_GAP
 from envlights.plot.figure import check_is
 from envlights.plot.ground import EXTENT, degrees, draw_frame, draw_map
 from envlights.plot.markers import (
@@ -27,7 +28,6 @@ from envlights.plot.markers import (
 )
 from envlights.plot.page import AnyAxes, Placement, Size, grid, open_page
 from envlights.plot.wording import entitle
-from envlights.repair import PLATEAU_COLUMNS, PLATEAU_GAP
 
 #: Colour of clipped pixels: red, green, blue, alpha.
 _CLIPPED = (0.0, 0.75, 1.0, 0.5)
@@ -54,7 +54,7 @@ def plateau_picture(
     env : EnvMap, path-like or array_like, shape (height, 2 * height, 3)
         Map with a clip level: of 8 or 16 bits, or made with `white`.
     lights : DetectedLights
-        The result of `detect_tree` on it.
+        The result of `detect` on it.
     ax : Axes or sequence of Axes, optional
         Two axes to draw in; see `envlights.plot`.
     figsize, dpi, transparent

@@ -13,9 +13,9 @@ from matplotlib.image import AxesImage
 from matplotlib.ticker import StrMethodFormatter
 from numpy.typing import NDArray
 
-from envlights._srgb import encode_srgb
-from envlights._unseen import ENOUGH_SEEN
-from envlights.envmap import EnvMap
+from envlights._common.srgb import encode_srgb
+from envlights.environment.envmap import EnvMap
+from envlights.environment.unseen import ENOUGH_SEEN
 from envlights.fitting.unseen_part import above_horizon
 from envlights.kernels import sphere
 from envlights.kernels.image import LUMINANCE
@@ -23,7 +23,7 @@ from envlights.kernels.probe import working_irradiance
 from envlights.plot.ball import Ball, ball, draw_ball, draw_rim
 from envlights.plot.figure import hide_frame
 from envlights.plot.wording import entitle, fits_upright
-from envlights.rig import Rig
+from envlights.rigs.rig import Rig
 
 #: Ratio of the largest differences of two probes from which one linear scale hides the smaller.
 _APART = 5.0

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from matplotlib.figure import Figure
 
-from envlights.envmap import AnyMap, as_envmap
+from envlights.environment.envmap import AnyMap, as_envmap
 from envlights.plot.figure import check_are_rigs
 from envlights.plot.page import AnyAxes, Placement, Size, grid, open_page
 from envlights.plot.probe import draw_probe, shaded_ball, viewpoint, white_for
 from envlights.plot.wording import entitle
-from envlights.rig import Rig
+from envlights.rigs.rig import Rig
 
 
 def probes(

@@ -8,8 +8,8 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from numpy.typing import ArrayLike, NDArray
 
+from envlights._common.srgb import encode_srgb
 from envlights._native import EnvLightsError
-from envlights._srgb import encode_srgb
 from envlights.plot.ball import axes_of
 from envlights.plot.figure import hide_frame
 from envlights.plot.page import AnyAxes, Placement, Size, grid, open_page

@@ -9,19 +9,19 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from envlights._check import check_choice, count
-from envlights._srgb import encode_srgb
-from envlights.envmap import AnyMap, as_envmap
+from envlights._common.check import check_choice, count
+from envlights._common.srgb import encode_srgb
+from envlights.environment.envmap import AnyMap, as_envmap
 from envlights.kernels import sphere
 from envlights.kernels.image import LUMINANCE
 from envlights.plot.figure import check_are_rigs, hide_frame
 from envlights.plot.page import AnyAxes, Page, Placement, Size, grid, open_page
 from envlights.plot.probe import viewpoint
 from envlights.plot.wording import entitle
-from envlights.rig import Rig, parts_line
+from envlights.rigs.rig import Rig, parts_line
 from envlights.scene.closed_still import closed_still
-from envlights.scene.path_traced import Still
-from envlights.scene.still_life import still_life
+from envlights.scene.mitsuba.path_traced import Still
+from envlights.scene.mitsuba.still_life import still_life
 
 #: Renderers of the scene.
 RENDERERS = ("any", "mitsuba", "closed form")

@@ -6,10 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from envlights import _thumbnails
-from envlights.detection.removed_lights import RemovedLights
-from envlights.detection.split import Split
-from envlights.envmap import AnyMap, EnvMap, as_envmap
+from envlights.environment import thumbnails
+from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
 from envlights.kernels.image import LUMINANCE
 from envlights.plot.figure import check_is
 from envlights.plot.ground import degrees, draw_ground, expose, working
@@ -25,6 +23,8 @@ from envlights.plot.markers import (
 )
 from envlights.plot.page import AnyAxes, Placement, Size, grid, open_page
 from envlights.plot.wording import entitle
+from envlights.splitting.removed_lights import RemovedLights
+from envlights.splitting.split import Split
 
 
 def split_picture(
@@ -69,8 +69,8 @@ def split_picture(
     whole, rest = working(env), working(parts.rest)
     ground = expose(whole)
     draw_ground(on_map, ground.codes)
-    draw_ground(on_rest, _thumbnails.expose(rest, ground.white))
-    draw_ground(on_removed, _thumbnails.expose(np.maximum(whole - rest, 0), ground.white))
+    draw_ground(on_rest, thumbnails.expose(rest, ground.white))
+    draw_ground(on_removed, thumbnails.expose(np.maximum(whole - rest, 0), ground.white))
     _draw_marks(on_removed, lights)
     brightest, left = _brightest(env), _brightest(parts.rest)
     title = f"the map: white is luminance {ground.white:.3g}, the brightest pixel {brightest}"

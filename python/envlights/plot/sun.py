@@ -11,9 +11,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from envlights._srgb import encode_srgb
-from envlights._units import in_lux
-from envlights.envmap import AnyMap, as_envmap
+from envlights._common.srgb import encode_srgb
+from envlights._common.units import in_lux
+from envlights.environment.envmap import AnyMap, as_envmap
 from envlights.fitting.fit import fit
 from envlights.kernels import sphere
 from envlights.kernels.image import LUMINANCE
@@ -24,7 +24,7 @@ from envlights.plot.outlines import outlines
 from envlights.plot.page import AnyAxes, Placement, Size, open_page
 from envlights.plot.probe import viewpoint
 from envlights.plot.wording import entitle
-from envlights.rig import Rig, parts_line
+from envlights.rigs.rig import Rig, parts_line
 from envlights.scene.closed_still import closed_still
 from envlights.sun.choice import AUTO, AnySun, sun_of
 from envlights.sun.result import Sun
@@ -76,7 +76,7 @@ def sun(
     --------
     >>> import envlights as el
     >>> env = el.EnvMap(np.full((64, 128, 3), 0.5))
-    >>> noon = el.Sun("sun", direction=[0.6, 0.8, 0], irradiance=[4, 4, 4])
+    >>> noon = el.sun.Sun("sun", direction=[0.6, 0.8, 0], irradiance=[4, 4, 4])
     >>> figure = el.plot.sun(env, noon)
     >>> [axes.get_title().splitlines()[0] for axes in figure.axes[1:]]
     ['the map as it is', 'with the sun as a light']

@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
 
+from envlights._common.srgb import encode_srgb
 from envlights._native import EnvLightsError
-from envlights._srgb import encode_srgb
 from envlights.kernels.image import LUMINANCE
 from envlights.plot.figure import check_is, hide_frame
 from envlights.plot.page import AnyAxes, Placement, Size, grid, open_page

@@ -30,18 +30,22 @@ Images hold the radiance that a surface reflects, albedo / pi times irradiance. 
 indirect light add up to the radiance of a diffuse surface.
 """
 
+from envlights.kernels.solids import Ball, Box, Polyhedron
 from envlights.scene.bake import BakedPairs, bake
 from envlights.scene.direct import DirectLight
 from envlights.scene.floor_shadow import shadow_overlay
 from envlights.scene.gather import gather
-from envlights.scene.mitsuba_scene import MitsubaScene, Rendering
+from envlights.scene.mitsuba.scene import MitsubaScene, Rendering
 from envlights.scene.overlay import ShadowOverlay
 from envlights.scene.surface import Surface
 
 __all__ = [
     "BakedPairs",
+    "Ball",
+    "Box",
     "DirectLight",
     "MitsubaScene",
+    "Polyhedron",
     "Rendering",
     "ShadowOverlay",
     "Surface",

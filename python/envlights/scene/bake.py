@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._check import count
+from envlights._common.check import count
+from envlights._common.progress import progress_bar
 from envlights._native import EnvLightsError
-from envlights._progress import progress_bar
 from envlights.scene.direct import AnyLights, as_rig
 from envlights.scene.gather import DIRECT, check_blocks
-from envlights.scene.mitsuba_scene import MitsubaScene
-from envlights.transfer.database import ImagePairs
+from envlights.scene.mitsuba.scene import MitsubaScene
+from envlights.transfer.files.database import ImagePairs
 from envlights.transfer.prior import TransferPrior
 
 
@@ -71,7 +71,7 @@ def bake(
     Examples
     --------
     >>> import envlights as el
-    >>> yard = el.MitsubaScene(el.synthetic.courtyard(), lightmap=16)
+    >>> yard = el.scene.MitsubaScene(el.synthetic.courtyard(), lightmap=16)
     >>> pairs = bake(yard, el.synthetic.rigs(8), samples=16)
     >>> model = el.TransferModel.fit(pairs.direct, pairs.indirect, prior=pairs.prior)
     >>> (new,) = el.synthetic.rigs(1, seed=1)

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights.occluders import Ball, Box, Polyhedron, Solid
+from envlights.kernels.solids import Ball, Box, Polyhedron, Solid
 
 #: Values of `Sight.own` that are no solid.
 FLOOR, NOTHING = -1, -2

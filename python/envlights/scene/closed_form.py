@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import kernels
-from envlights.occluders import Stage
-from envlights.rig import Rig
+from envlights.kernels.solids import Stage
+from envlights.rigs.rig import Rig
 from envlights.scene.camera import NOTHING, Camera, Sight, first_surfaces
-from envlights.scene.path_traced import SolidsOnFloor
+from envlights.scene.mitsuba.path_traced import SolidsOnFloor
 
 #: Irradiance of surfaces under a rig, (n, 3).
 Shading = Callable[[Rig, SolidsOnFloor, Sight], NDArray[np.float64]]

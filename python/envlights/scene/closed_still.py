@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights._native import EnvLightsError
-from envlights.occluders import Ball, Box
-from envlights.rig import Rig
+from envlights.kernels.solids import Ball, Box
+from envlights.rigs.rig import Rig
 from envlights.scene.camera import Camera
 from envlights.scene.closed_form import closed_form
-from envlights.scene.path_traced import SolidsOnFloor
-from envlights.scene.still_life import CAMERA, REFLECTANCE, SIZE, size_of
+from envlights.scene.mitsuba.path_traced import SolidsOnFloor
+from envlights.scene.mitsuba.still_life import CAMERA, REFLECTANCE, SIZE, size_of
 
 
 def closed_still(rig: Rig, azimuth: float, width: int = SIZE[0]) -> NDArray[np.float64]:

@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import kernels
-from envlights._check import count
+from envlights._common.check import count
 from envlights._native import EnvLightsError
 from envlights.detection.lights import DetectedLights
-from envlights.lights import Lights
-from envlights.occluders import Solid, Stage, solids_of
-from envlights.rig import Rig
+from envlights.kernels.solids import Solid, Stage, solids_of
+from envlights.rigs.lights import Lights
+from envlights.rigs.rig import Rig
 from envlights.scene.disc import visible_share
 from envlights.scene.sky import Blocked, sky_transfer
 from envlights.scene.solids import blocked_by, hidden_harmonics
@@ -108,7 +108,8 @@ class DirectLight:
         --------
         A ball hides a light behind it, and a quarter of a constant sky:
 
-        >>> from envlights import Ball, Lights, Rig, Surface
+        >>> from envlights import Lights, Rig
+        >>> from envlights.scene import Ball, Surface
         >>> floor = Surface([[[0, 0, 0]]], [[[0, 1, 0]]], [[[1, 1, 1]]])
         >>> light = DirectLight.of_solids(floor, Ball((0, 2, 0), 1))
         >>> rig = Rig([1, 2, 3], Lights([[0, 1, 0]], [[4, 4, 4]], [0.3]), error=0.0)

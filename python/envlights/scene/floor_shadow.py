@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import kernels
-from envlights._check import colour, count, one_or_more, reals
+from envlights._common.check import colour, count, one_or_more, reals
 from envlights._native import EnvLightsError
-from envlights.occluders import Ball, Solid, Stage, solids_of
-from envlights.rig import Rig
+from envlights.kernels.solids import Ball, Solid, Stage, solids_of
+from envlights.rigs.rig import Rig
 from envlights.scene.direct import AnyLights, as_rig
 from envlights.scene.overlay import ShadowOverlay
 from envlights.scene.solids import source_light
@@ -87,7 +87,7 @@ def shadow_overlay(
     --------
     >>> import envlights as el
     >>> rig = el.fit(el.synthetic.hall(64).radiance, lights=2, floor=True)
-    >>> shadow = shadow_overlay(rig, el.Box((0, 0.5, 0), (0.5, 0.5, 0.5)), columns=64)
+    >>> shadow = shadow_overlay(rig, el.scene.Box((0, 0.5, 0), (0.5, 0.5, 0.5)), columns=64)
     >>> shadow.ratio.shape, shadow.single.shape
     ((64, 64, 3), (3, 64, 64, 3))
     """

@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import kernels
-from envlights._check import count, flag
+from envlights._common.check import count, flag
+from envlights._common.progress import progress_bar
 from envlights._native import EnvLightsError
-from envlights._progress import progress_bar
 from envlights.scene.sky import cosine_hemisphere
 from envlights.scene.surface import Surface, tangent_frames
 from envlights.transfer.prior import MOST_RAYS, TransferPrior
@@ -91,7 +91,7 @@ def gather(
     (Howell, *A Catalog of Radiation Heat Transfer Configuration Factors*, C-11):
 
     >>> import numpy as np
-    >>> from envlights import Surface
+    >>> from envlights.scene import Surface
     >>> z, x = np.mgrid[0:16, 0:32] / 16 + 1 / 32
     >>> top = x > 1
     >>> place = np.stack([x % 1, top, z], axis=-1)

@@ -9,14 +9,14 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights import _html
-from envlights._arrays import freeze
-from envlights._check import check_choice, reals
+from envlights._common import html
+from envlights._common.arrays import freeze
+from envlights._common.check import check_choice, reals
+from envlights._common.files import as_path
+from envlights._common.result import Result
+from envlights._common.srgb import encode_srgb
 from envlights._native import EnvLightsError
-from envlights._result import Result
-from envlights._srgb import encode_srgb
-from envlights.io.files import as_path
-from envlights.io.image_output import write_codes, write_exr
+from envlights.environment.files.image_output import write_codes, write_exr
 
 #: Ways to draw the shadow over the picture of a floor, from exact to rough.
 BLENDINGS = ("multiply", "alpha", "black", "product", "codes")
@@ -41,7 +41,7 @@ class ShadowOverlay(Result):
     --------
     >>> import envlights as el
     >>> rig = el.Rig([0.1, 0.1, 0.1], el.Lights([[0.6, 0.8, 0]], [[2, 2, 2]]), error=0.0)
-    >>> el.shadow_overlay(rig, el.Ball((0, 0.5, 0), 0.5), [[0, 0, 0], [1, 0, 0]]).ratio.round(4)
+    >>> el.shadow_overlay(rig, el.scene.Ball((0, 0.5, 0), 0.5), [[0, 0, 0], [1, 0, 0]]).ratio.round(4)
     array([[0.    , 0.    , 0.    ],
            [0.9853, 0.9853, 0.9853]])
     """
@@ -213,8 +213,8 @@ class ShadowOverlay(Result):
             step = -(-self.ratio.shape[1] // _COLUMNS)
             floor = self.over()[::step, ::step] / (self.radiance.max() or 1.0)
             codes = np.rint(255 * encode_srgb(floor)).astype(np.uint8)
-            yield _html.picture(codes, "floor with the shadows")
-        yield _html.lines(str(self))
+            yield html.picture(codes, "floor with the shadows")
+        yield html.lines(str(self))
 
 
 def _background(values: ArrayLike) -> NDArray[np.float64]:

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights.envmap import EnvMap
+from envlights.environment.envmap import EnvMap
 from envlights.kernels import sphere
 from envlights.kernels.probe import working_irradiance
 from envlights.scene.camera import Ray
-from envlights.scene.path_traced import Texture
+from envlights.scene.mitsuba.path_traced import Texture
 
 #: Degrees below the horizon between which the floor is measured: further up stand things, further
 #: down is the tripod.

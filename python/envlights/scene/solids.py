@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import kernels
-from envlights.occluders import Ball, Solid, Stage
-from envlights.rig import Rig
+from envlights.kernels.solids import Ball, Solid, Stage
+from envlights.rigs.rig import Rig
 from envlights.scene.sky import Blocked, sky_transfer
 from envlights.scene.surface import Surface
 

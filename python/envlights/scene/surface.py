@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights._arrays import freeze
-from envlights._check import first_not_finite, reals
+from envlights._common.arrays import freeze
+from envlights._common.check import first_not_finite, reals
+from envlights._common.result import Result
 from envlights._native import EnvLightsError
-from envlights._result import Result
 
 #: Rays start this share of the scene's extent above a surface, or it would block itself.
 _LIFT = 1e-4

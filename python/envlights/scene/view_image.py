@@ -7,12 +7,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights.envmap import EnvMap
-from envlights.rig import Rig
+from envlights.environment.envmap import EnvMap
+from envlights.rigs.rig import Rig
 from envlights.scene.camera import FLOOR, NOTHING, Camera, Sight, first_surfaces
 from envlights.scene.closed_form import Shading, shade
+from envlights.scene.mitsuba.path_traced import SolidsOnFloor, Still, path_traced
 from envlights.scene.panorama_floor import DOME_RADIUS, background, radiance_at
-from envlights.scene.path_traced import SolidsOnFloor, Still, path_traced
 
 #: Points of a pixel along each side.
 _PER_SIDE = 3

@@ -102,7 +102,7 @@ def blender(rigs: Iterable[FrameRig], fps: float | None = None) -> str:
     --------
     >>> import envlights as el
     >>> lamp = el.Lights([[0, 1, 0]], [[3, 2, 1]], [0.25])
-    >>> script = blender([el.FrameRig([0, 0, 0], lamp, 0.0, ids=(2,))])
+    >>> script = blender([el.sequence.FrameRig([0, 0, 0], lamp, 0.0, ids=(2,))])
     >>> "    2: [" in script, "[0.0, 0.0, 1.0]" in script
     (True, True)
     """

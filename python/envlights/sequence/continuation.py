@@ -8,13 +8,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights.envmap import AnyMap
+from envlights.environment.envmap import AnyMap
 from envlights.fitting.arguments import FitArguments
 from envlights.fitting.continued_rig import continue_rig
 from envlights.fitting.map_fit import MapSamples, fit_reduction, reduce_for_fits
 from envlights.fitting.reduction import Reduction
-from envlights.lights import Lights
-from envlights.rig import Rig
+from envlights.rigs.lights import Lights
+from envlights.rigs.rig import Rig
 from envlights.sequence.steps import Steps
 from envlights.sequence.window import error_under, thin
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from envlights._units import statement
+from envlights._common.units import statement
 from envlights.sequence.frame_rig import FrameRig
 from envlights.sequence.light_tracks import checked_rigs
 
@@ -25,7 +25,7 @@ def csv(rigs: Iterable[FrameRig]) -> str:
     --------
     >>> import envlights as el
     >>> lamp = el.Lights([[0, 1, 0]], [[3, 2, 1]], [0.5])
-    >>> print(csv([el.FrameRig([0, 0, 0], lamp, 0.0, frame=8, ids=(2,))]).splitlines()[2])
+    >>> print(csv([el.sequence.FrameRig([0, 0, 0], lamp, 0.0, frame=8, ids=(2,))]).splitlines()[2])
     8,light,2,0.0,1.0,0.0,3.0,2.0,1.0,0.5
     """
     rigs = checked_rigs(rigs)

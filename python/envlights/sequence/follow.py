@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterable, Iterator
 
-from envlights._check import check_choice, check_progress, count
+from envlights._common.check import check_choice, check_progress, count
+from envlights._common.progress import progress_bar
 from envlights._native import EnvLightsError
-from envlights._progress import progress_bar
-from envlights._unseen import Unseen
-from envlights.envmap import AnyMap
+from envlights.environment.envmap import AnyMap
+from envlights.environment.unseen import Unseen
 from envlights.fitting.ambient_terms import AMBIENTS
 from envlights.fitting.arguments import FitArguments
 from envlights.fitting.map_fit import check_arguments
 from envlights.fitting.request import MOST_LIGHTS
-from envlights.report import SHOWN_ROUGHNESS
+from envlights.rigs.report import SHOWN_ROUGHNESS
 from envlights.sequence.continuation import Continuation
 from envlights.sequence.frame_rig import FrameRig
 from envlights.sequence.frames import AnyFrames, Frames, enumerate_maps, frames_of

@@ -6,10 +6,10 @@ import json
 import os
 from collections.abc import Iterable
 
+from envlights._common.files import as_path
 from envlights._native import EnvLightsError
 from envlights.export.files import save_scene
 from envlights.export.usd import crate
-from envlights.io.files import as_path
 from envlights.sequence.blender_keyframes import blender
 from envlights.sequence.csv_rows import csv
 from envlights.sequence.frame_rig import FrameRig

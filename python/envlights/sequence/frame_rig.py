@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from envlights._check import count, counts
+from envlights._common.check import count, counts
 from envlights._native import EnvLightsError
-from envlights.lights import Lights
-from envlights.rig import Rig
+from envlights.rigs.lights import Lights
+from envlights.rigs.rig import Rig
 
 
 @dataclass(frozen=True, eq=False, repr=False)

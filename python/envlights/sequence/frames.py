@@ -12,10 +12,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from envlights._check import describe
+from envlights._common.check import describe
+from envlights._common.errors import MissingFileError
 from envlights._native import EnvLightsError
-from envlights.envmap import AnyMap
-from envlights.io.errors import MissingFileError
+from envlights.environment.envmap import AnyMap
 from envlights.sequence.video import VIDEOS, video_frames
 
 #: Pattern or folder of files, path of a video, array of the shape (n, height, 2 * height, 3), or

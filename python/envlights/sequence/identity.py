@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights.lights import Lights
+from envlights.rigs.lights import Lights
 from envlights.sequence.assignment import assignment
 
 #: Degrees, and factor of flux, that cost as much as one light without a partner. Two lights are the

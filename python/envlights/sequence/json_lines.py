@@ -7,12 +7,12 @@ import os
 from collections.abc import Iterable
 from typing import Any
 
-from envlights._check import texts
+from envlights._common.check import texts
+from envlights._common.files import as_path
+from envlights._common.printable import printable_parts
 from envlights._native import EnvLightsError
-from envlights._printable import printable_parts
-from envlights.io.files import as_path
-from envlights.lights import lights_of
-from envlights.report import FitReport
+from envlights.rigs.lights import lights_of
+from envlights.rigs.report import FitReport
 from envlights.sequence.frame_rig import FrameRig
 from envlights.sequence.light_tracks import checked_rigs
 
@@ -26,7 +26,7 @@ def json_lines(rigs: Iterable[FrameRig], steadiness: int = 0, fps: float | None 
     --------
     >>> import envlights as el
     >>> lamp = el.Lights([[0, 1, 0]], [[3, 2, 1]], [0.5])
-    >>> text = json_lines([el.FrameRig([0, 0, 0], lamp, 0.0, ids=(2,))], fps=25.0)
+    >>> text = json_lines([el.sequence.FrameRig([0, 0, 0], lamp, 0.0, ids=(2,))], fps=25.0)
     >>> text.splitlines()[0]
     '{"format": "envlights rig sequence", "version": 1, "steadiness": 0, "fps": 25.0}'
     """

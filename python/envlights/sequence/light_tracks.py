@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._check import describe
+from envlights._common.check import describe
+from envlights._common.units import PHOTOMETRIC
 from envlights._native import EnvLightsError
-from envlights._units import PHOTOMETRIC
 from envlights.export.units import UNITS
 from envlights.sequence.frame_rig import FrameRig
 from envlights.sequence.steadiness import frame_rate

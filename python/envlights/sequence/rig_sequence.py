@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights import _html
-from envlights._check import count
+from envlights._common import html
+from envlights._common.check import count
+from envlights._common.result import Result
+from envlights._common.tables import MOST_ROWS, Table, frame_of
 from envlights._native import EnvLightsError
-from envlights._result import Result
-from envlights._tables import MOST_ROWS, Table, frame_of
 from envlights.kernels.image import LUMINANCE
 from envlights.sequence.formats import save
 from envlights.sequence.frame_rig import FrameRig
@@ -253,7 +253,7 @@ class RigSequence(Result):
         ]
 
     def _html_parts(self) -> tuple[str, ...]:
-        return self.table().html(), _html.lines("\n".join(self._lines()))
+        return self.table().html(), html.lines("\n".join(self._lines()))
 
 
 def _some(frames: list[int]) -> str:

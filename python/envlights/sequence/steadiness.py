@@ -7,7 +7,7 @@ import re
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._check import amount, count, describe
+from envlights._common.check import amount, count, describe
 from envlights._native import EnvLightsError
 
 #: Longest half-width; a window holds the rigs and the probes of its frames.

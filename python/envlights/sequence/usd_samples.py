@@ -49,7 +49,7 @@ def usd(rigs: Iterable[FrameRig], fps: float | None = None) -> str:
     --------
     >>> import envlights as el
     >>> lamp = el.Lights([[0, 1, 0]], [[3, 1.5, 0]], [0.1])
-    >>> text = usd([el.FrameRig([0, 0, 0], lamp, 0.0, frame=k, ids=(2,)) for k in (0, 1)])
+    >>> text = usd([el.sequence.FrameRig([0, 0, 0], lamp, 0.0, frame=k, ids=(2,)) for k in (0, 1)])
     >>> "float inputs:intensity.timeSamples = {0: 3.0, 1: 3.0}" in text
     True
     """

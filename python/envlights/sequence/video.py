@@ -7,9 +7,9 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from envlights._common.errors import DamagedFileError, MissingFileError
 from envlights._native import EnvLightsError
-from envlights.envmap import EnvMap
-from envlights.io.errors import DamagedFileError, MissingFileError
+from envlights.environment.envmap import EnvMap
 
 #: Suffixes of videos.
 VIDEOS = (".mp4", ".mov", ".mkv", ".webm", ".avi")

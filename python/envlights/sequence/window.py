@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from envlights import _native
 from envlights.fitting.map_fit import MapSamples
-from envlights.lights import Lights, brightest_first
-from envlights.report import FitReport
-from envlights.rig import Rig
+from envlights.rigs.lights import Lights, brightest_first
+from envlights.rigs.report import FitReport
+from envlights.rigs.rig import Rig
 from envlights.sequence.frame_rig import FrameRig
 from envlights.sequence.steadiness import window_weights
 

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._check import amount
+from envlights._common.check import amount
+from envlights._common.result import Result
 from envlights._native import EnvLightsError
-from envlights._result import Result
 
 #: Noon of 1 January 2000, from which the formula counts days.
 _EPOCH = datetime.datetime(2000, 1, 1, 12, tzinfo=datetime.timezone.utc)
@@ -54,9 +54,9 @@ class SunAt(Result):
     --------
     >>> import datetime, envlights as el
     >>> noon = datetime.datetime(2024, 6, 21, 12, tzinfo=datetime.timezone.utc)
-    >>> el.SunAt(noon, latitude=51.48, longitude=0.0)
+    >>> el.sun.SunAt(noon, latitude=51.48, longitude=0.0)
     <SunAt: elevation 62.0°, 179° from north>
-    >>> el.SunAt(noon, 51.48, 0.0, north=90).direction.round(2)
+    >>> el.sun.SunAt(noon, 51.48, 0.0, north=90).direction.round(2)
     array([-0.47,  0.88,  0.01])
     """
 

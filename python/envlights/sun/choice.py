@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights._check import describe
+from envlights._common.check import describe
 from envlights._native import EnvLightsError
-from envlights.envmap import EnvMap
-from envlights.light import elevations, place_of
+from envlights.environment.envmap import EnvMap
+from envlights.rigs.light import elevations, place_of
 from envlights.sun.almanac import SunAt
 from envlights.sun.find import find_sun
 from envlights.sun.result import Sun

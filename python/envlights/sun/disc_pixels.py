@@ -7,9 +7,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._peaks import PixelIntegrals
-from envlights.envmap import EnvMap
-from envlights.lights import Lights
+from envlights.environment.envmap import EnvMap
+from envlights.environment.peaks import PixelIntegrals
+from envlights.rigs.lights import Lights
 
 
 def add_disc(env: EnvMap, lights: Lights) -> NDArray[np.float32]:

@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights._check import amount, reals
+from envlights._common.check import amount, reals
 from envlights._native import EnvLightsError
-from envlights.envmap import AnyMap, EnvMap, as_envmap
+from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
 from envlights.sun.brightness import INTERVAL, WIDE_INTERVAL, sun_irradiance
 from envlights.sun.direction import SunPosition, fit_about, spot_position, sun_position
 from envlights.sun.float_map import sun_of_float_map

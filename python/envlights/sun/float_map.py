@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _native
-from envlights.detection.component_tree import detect_tree
+from envlights.detection.detect import detect
 from envlights.detection.lights import DetectedLights
-from envlights.envmap import EnvMap
+from envlights.environment.envmap import EnvMap
 from envlights.kernels.image import LUMINANCE
 from envlights.sun.direction import spot_position
 from envlights.sun.questions import SUN, points_of
@@ -27,7 +27,7 @@ NO_SUN = "no pixel is clipped, and no light of the map is like a sun"
 
 def sun_of_float_map(env: EnvMap) -> Sun:
     """Sun of a map without clipped pixels: one of its lights, or none."""
-    lights = detect_tree(env, max_lights=4)
+    lights = detect(env, max_lights=4)
     if not _is_compact(env, lights):
         return Sun("no", notes=(NO_SUN,), units=env.units)
     points = _points(env, lights.direction[0])

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from envlights._native import EnvLightsError
-from envlights._unseen import Unseen
-from envlights.envmap import EnvMap
+from envlights.environment.envmap import EnvMap
+from envlights.environment.unseen import Unseen
 from envlights.kernels.sphere import direction_to_uv
-from envlights.lights import Lights
+from envlights.rigs.lights import Lights
 from envlights.sun.choice import is_of_map, sun_of
 from envlights.sun.disc_pixels import add_disc
 from envlights.sun.sun_split import parts_of

@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights._arrays import seal
-from envlights._check import check_choice, rotation
-from envlights._result import Result
-from envlights._units import OWN_SCALE, checked_units, in_lux
+from envlights._common.arrays import seal
+from envlights._common.check import check_choice, rotation
+from envlights._common.result import Result
+from envlights._common.units import OWN_SCALE, checked_units, in_lux
 from envlights.kernels.image import LUMINANCE
-from envlights.light import azimuths, elevations
-from envlights.lights import Lights
+from envlights.rigs.light import azimuths, elevations
+from envlights.rigs.lights import Lights
 from envlights.sun import wording
 
 #: Angular radius of the sun and of the moon, in radians.

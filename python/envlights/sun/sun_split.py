@@ -8,14 +8,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from envlights._check import amount
-from envlights._links import LinkedParts
+from envlights._common.check import amount
 from envlights._native import EnvLightsError
-from envlights._unseen import Unseen
-from envlights.detection.split import split
-from envlights.envmap import AnyMap, EnvMap, as_envmap
+from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
+from envlights.environment.unseen import Unseen
 from envlights.kernels.image import LUMINANCE
-from envlights.lights import Lights
+from envlights.rigs.lights import Lights
+from envlights.rigs.links import LinkedParts
+from envlights.splitting.split import split
 from envlights.sun.choice import AUTO, AnySun, is_of_map, sun_of
 from envlights.sun.result import Sun
 
@@ -103,7 +103,7 @@ def with_sun(
     --------
     >>> import envlights as el
     >>> env = el.EnvMap(np.full((64, 128, 3), 0.5))
-    >>> sun = el.Sun("sun", direction=[0.6, 0.8, 0], irradiance=[4, 3.8, 3.4])
+    >>> sun = el.sun.Sun("sun", direction=[0.6, 0.8, 0], irradiance=[4, 3.8, 3.4])
     >>> lights, rest = el.with_sun(env, sun)
     >>> round(float(np.degrees(lights.angular_radius[0])), 3)
     0.265

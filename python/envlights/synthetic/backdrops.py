@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._blocks import blocks, in_blocks
+from envlights._common.blocks import blocks, in_blocks
 from envlights.kernels import sampling, sphere
 from envlights.kernels.image import LUMINANCE
 from envlights.synthetic.shapes import Lamp, Rectangle

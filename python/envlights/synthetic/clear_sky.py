@@ -8,16 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import kernels
-from envlights._check import amount, count, reals
+from envlights._common.check import amount, count, reals
 from envlights._native import EnvLightsError
-from envlights.envmap import EnvMap
+from envlights.environment.envmap import EnvMap
 from envlights.kernels.image import LUMINANCE
-from envlights.kernels.sphere import (
-    direction_to_uv,
-    pixel_directions,
-    pixel_solid_angles,
-)
-from envlights.lights import Lights
+from envlights.kernels.sphere import direction_to_uv, pixel_directions, pixel_solid_angles
+from envlights.rigs.lights import Lights
 from envlights.sun.disc_pixels import add_disc
 from envlights.sun.result import SUN_RADIUS
 from envlights.synthetic.scene import MOST_ROWS, SyntheticMap

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import kernels
-from envlights._check import count
-from envlights.lights import Lights
-from envlights.rig import Rig
-from envlights.scene.renderer import mitsuba
+from envlights._common.check import count
+from envlights.rigs.lights import Lights
+from envlights.rigs.rig import Rig
+from envlights.scene.mitsuba.renderer import mitsuba
 
 #: Largest number of rigs, whose pairs take days to bake.
 _MOST_RIGS = 20_000

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights._check import count
+from envlights._common.check import count
 from envlights.kernels import sampling, sphere
 from envlights.synthetic import backdrops
 from envlights.synthetic.scene import MOST_ROWS, SyntheticMap, scene

@@ -13,11 +13,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._check import count
-from envlights._interruptible import interruptible
+from envlights._common.check import count
+from envlights._common.interruptible import interruptible
 from envlights._native import EnvLightsError
 from envlights.synthetic.smoothstep import smoothstep
-from envlights.transfer.database import ImagePairs
+from envlights.transfer.files.database import ImagePairs
 
 #: Corners of the room, whose inner faces are used, and of the boxes, with outer faces; in metres.
 _ROOM = np.array([[-1.0, 0.0, -1.0], [1.0, 2.0, 1.0]])

@@ -14,14 +14,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights import _html, _thumbnails
-from envlights._arrays import convert
-from envlights._blocks import blocks, in_blocks
-from envlights._check import count, is_vector, reals
+from envlights._common import html
+from envlights._common.arrays import convert
+from envlights._common.blocks import blocks, in_blocks
+from envlights._common.check import count, is_vector, reals
+from envlights._common.result import Result
 from envlights._native import EnvLightsError
-from envlights._result import Result
+from envlights.environment import thumbnails
 from envlights.kernels import sphere
-from envlights.lights import Lights, brightest_first
+from envlights.rigs.lights import Lights, brightest_first
 from envlights.synthetic.shapes import Shape
 
 #: Largest number of rows; NumPy cannot index much larger maps.
@@ -60,7 +61,7 @@ class SyntheticMap(Result):
         return f"{width}x{height} pixels, {self.lights.in_short()}{note}"
 
     def _html_parts(self) -> tuple[str, ...]:
-        picture = _html.picture(_thumbnails.of_map(self.radiance), "the map")
+        picture = html.picture(thumbnails.of_map(self.radiance), "the map")
         return picture, self.lights.table().html()
 
     @property

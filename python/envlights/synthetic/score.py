@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights._check import reals
-from envlights._result import Result
+from envlights._common.check import reals
+from envlights._common.result import Result
 from envlights.kernels.image import LUMINANCE
 from envlights.synthetic.scene import SyntheticMap
 

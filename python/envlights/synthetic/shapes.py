@@ -9,8 +9,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights._blocks import in_blocks
-from envlights._check import reals
+from envlights._common.blocks import in_blocks
+from envlights._common.check import reals
 from envlights._native import EnvLightsError
 from envlights.kernels import sphere
 

@@ -14,9 +14,9 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._blocks import in_blocks
-from envlights._check import count
-from envlights._srgb import decode_srgb
+from envlights._common.blocks import in_blocks
+from envlights._common.check import count
+from envlights._common.srgb import decode_srgb
 from envlights.synthetic import backdrops, lamps
 from envlights.synthetic.scene import MOST_ROWS, Camera, SyntheticMap, normal_numbers, scene
 from envlights.synthetic.shapes import Lamp, PixelSun

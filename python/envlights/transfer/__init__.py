@@ -34,7 +34,7 @@ A model is learnt from pairs of images of one scene under many lights. These are
 | pairs on disk                                    | `database.py`      |
 """
 
-from envlights.transfer.database import FilePairs, read_pairs
+from envlights.transfer.files.database import FilePairs, read_pairs
 from envlights.transfer.model import TransferModel
 from envlights.transfer.prior import TransferPrior
 from envlights.transfer.report import TransferReport

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from envlights import _native
-from envlights._result import Result
+from envlights._common.result import Result
 
 #: Texels of a tile, and texels that share a scale, as the kernel defines them.
 TILE, SHARE = _native.BASIS_TILE, _native.BASIS_SHARE

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._check import count
+from envlights._common.check import count
 from envlights._native import EnvLightsError
 from envlights.transfer.compact import LARGEST, SHARE, TILE, CompactBasis, places_of
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._check import describe
+from envlights._common.check import describe
 from envlights._native import EnvLightsError
 
 #: Texels of a block: the rows of a few images fit into the cache.

@@ -11,17 +11,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights._check import amount, check_progress, flag
+from envlights._common.check import amount, check_progress, flag
 from envlights._native import EnvLightsError
-from envlights.transfer import archive, grow
-from envlights.transfer.around_prior import Learning, check_prior, train_around
-from envlights.transfer.basis import check_parameters
 from envlights.transfer.compact import compress
-from envlights.transfer.pair_summary import PairSummary
+from envlights.transfer.files import archive
+from envlights.transfer.files.pair_summary import PairSummary
 from envlights.transfer.pairs import as_array, image_stack, pairs_of
 from envlights.transfer.predictor import Predictor
 from envlights.transfer.prior import TransferPrior
-from envlights.transfer.training import nonnegative_priors, solve, train
+from envlights.transfer.training import grow
+from envlights.transfer.training.around_prior import Learning, check_prior, train_around
+from envlights.transfer.training.basis import check_parameters
+from envlights.transfer.training.train import nonnegative_priors, solve, train
 
 #: Largest number of directions without a request, of a model without a prior.
 _RANK = 64

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights._check import first_not_finite
+from envlights._common.check import first_not_finite
 from envlights._native import EnvLightsError
 
 

@@ -9,19 +9,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights import _html, _thumbnails
-from envlights._check import amount
-from envlights._check import count as whole_number
+from envlights._common import html
+from envlights._common.check import amount
+from envlights._common.check import count as whole_number
+from envlights._common.result import Result
 from envlights._native import EnvLightsError
-from envlights._result import Result
-from envlights.transfer import familiarity
-from envlights.transfer.basis import check_parameters
+from envlights.environment import thumbnails
 from envlights.transfer.compact import CompactBasis
 from envlights.transfer.consistency import check_fields
 from envlights.transfer.expand import check_range, expand, project, region_mask, truncate
-from envlights.transfer.pair_summary import PairSummary
+from envlights.transfer.files.pair_summary import PairSummary
 from envlights.transfer.pairs import image_stack, rgb_rows
 from envlights.transfer.report import TransferReport
+from envlights.transfer.training import familiarity
+from envlights.transfer.training.basis import check_parameters
 
 _PARAMETERS = {"rank", "ridge", "error", "nonnegative", "prior"}
 
@@ -241,7 +242,7 @@ class Predictor(Result):
         return str(self.report)
 
     def _html_parts(self) -> tuple[str, ...]:
-        picture = _html.picture(_thumbnails.of_signed(self.directions(4)), "first directions")
+        picture = html.picture(thumbnails.of_signed(self.directions(4)), "first directions")
         return (picture, *self.report._html_parts())
 
     def directions(self, most: int) -> NDArray[Any]:

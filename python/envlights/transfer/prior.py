@@ -18,11 +18,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights._check import count, flag
+from envlights._common.check import count, flag
+from envlights._common.result import Result
 from envlights._native import EnvLightsError
-from envlights._result import Result
-from envlights.transfer import prior_file
 from envlights.transfer.consistency import check_array, pixels_of
+from envlights.transfer.files import prior_file
 from envlights.transfer.pairs import image_stack, pairs_of, rgb_rows
 
 #: Largest number of rays from a texel, which two bytes can count.

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from envlights import _html
-from envlights._check import amount, count
-from envlights._result import Result
-from envlights._tables import Table
-from envlights._times import time_lines, times_of
+from envlights._common import html
+from envlights._common.check import amount, count
+from envlights._common.result import Result
+from envlights._common.tables import Table
+from envlights._common.times import time_lines, times_of
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -93,7 +93,7 @@ class TransferReport(Result):
         }
         rows = [[name, *_percentiles(errors)] for name, errors in kinds.items() if errors]
         table = Table(["relative error", "median", "90th percentile", "worst"], rows)
-        return table.html(), _html.lines("\n".join(f"note: {note}" for note in self.notes))
+        return table.html(), html.lines("\n".join(f"note: {note}" for note in self.notes))
 
     def __str__(self) -> str:
         lines = [

@@ -14,3 +14,11 @@
 | - light between them and their surroundings | `paths.glsl`               |
 | widget of Jupyter                           | `widget.py`, `widget.js`   |
 """
+
+from envlights.viewer.model import Model
+from envlights.viewer.page import View
+
+__all__ = [
+    "Model",
+    "View",
+]

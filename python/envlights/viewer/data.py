@@ -9,20 +9,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights import _thumbnails
-from envlights._srgb import encode_srgb
-from envlights.envmap import EnvMap
+from envlights._common.srgb import encode_srgb
+from envlights.environment import thumbnails
+from envlights.environment.envmap import EnvMap
 from envlights.fitting.fit import fit
 from envlights.kernels import sphere
 from envlights.kernels.image import LUMINANCE
 from envlights.kernels.probe import working_irradiance
-from envlights.lights import Lights
-from envlights.rig import Rig
-from envlights.scene.panorama_floor import (
-    floor_albedo,
-    floor_irradiance,
-    measured_floor_albedo,
-)
+from envlights.rigs.lights import Lights
+from envlights.rigs.rig import Rig
+from envlights.scene.panorama_floor import floor_albedo, floor_irradiance, measured_floor_albedo
 
 #: Largest number of lights that are fitted beforehand; the shader has an array of this length.
 MOST_LIGHTS = 8
@@ -108,9 +104,9 @@ def picture(env: EnvMap) -> dict[str, Any]:
     or white.
     """
     radiance = env.radiance
-    white, _ = _thumbnails.white_of(radiance)
+    white, _ = thumbnails.white_of(radiance)
     bright = _TOP * np.pi / float(floor_irradiance(env) @ LUMINANCE)
-    small = _thumbnails.shrink(radiance, _COLUMNS)
+    small = thumbnails.shrink(radiance, _COLUMNS)
     codes = np.round(255 * encode_srgb(small / (_HEADROOM * white))).astype(np.uint8)
     return {
         "map": address(codes),

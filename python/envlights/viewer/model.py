@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights import _check
+from envlights._common import check
 from envlights._native import EnvLightsError
 from envlights.viewer import model_file
 from envlights.viewer.model_file import ALBEDO, check_count
@@ -47,7 +47,7 @@ class Model:
     Examples
     --------
     >>> import envlights as el
-    >>> tent = el.Model([[0, 0, 0], [2, 0, 0], [1, 0, 2], [1, 3, 1]],
+    >>> tent = el.viewer.Model([[0, 0, 0], [2, 0, 0], [1, 0, 2], [1, 3, 1]],
     ...                 [[0, 1, 3], [1, 2, 3], [2, 0, 3]], scale=0.5)
     >>> tent
     Model(3 triangles, 1 x 1.5 x 1 m)
@@ -65,7 +65,7 @@ class Model:
         points = _points(vertices)
         rows = _triangles(triangles, len(points))
         colours = _corner_albedo(albedo, rows, len(points))
-        points = _on_floor(points, rows, _check.amount("scale", scale, least=1e-9, most=1e9), up)
+        points = _on_floor(points, rows, check.amount("scale", scale, least=1e-9, most=1e9), up)
         keep = _areas(points, rows) > 0
         if not keep.any():
             raise EnvLightsError(
@@ -105,7 +105,7 @@ class Model:
         Examples
         --------
         >>> import envlights as el
-        >>> chair = el.Model.open("chair.glb", scale=0.01)  # doctest: +SKIP
+        >>> chair = el.viewer.Model.open("chair.glb", scale=0.01)  # doctest: +SKIP
         """
         is_path = isinstance(source, str | os.PathLike)
         try:
@@ -119,7 +119,7 @@ class Model:
                 up=up,
             )
         except EnvLightsError as error:
-            where = f"cannot show {_check.describe(source)}: " if is_path else ""
+            where = f"cannot show {check.describe(source)}: " if is_path else ""
             raise type(error)(f"{where}{error}") from None
 
     @property
@@ -148,10 +148,10 @@ class Model:
 
 def _points(vertices: ArrayLike) -> NDArray[np.float64]:
     """Positions as a finite array, (n, 3)."""
-    points = _check.reals("vertices", vertices, 2)
+    points = check.reals("vertices", vertices, 2)
     if points.shape[1] != 3:
         raise EnvLightsError(f"vertices must have the shape (n, 3); got {points.shape}")
-    bad = _check.first_not_finite(points)
+    bad = check.first_not_finite(points)
     if bad is not None:
         raise EnvLightsError(
             f"vertices must be finite; vertex {bad[0]} holds {bad[2]}; remove or repair it"
@@ -178,7 +178,7 @@ def _triangles(triangles: ArrayLike, count: int) -> NDArray[np.int64]:
 
 def _corner_albedo(albedo: ArrayLike, rows: NDArray[np.int64], count: int) -> NDArray[np.float64]:
     """Albedo of each corner, (m, 3, 3)."""
-    values = _check.reals("albedo", albedo, np.ndim(albedo))
+    values = check.reals("albedo", albedo, np.ndim(albedo))
     if not (np.isfinite(values).all() and (values >= 0).all() and (values <= 1).all()):
         raise EnvLightsError(
             "albedo must be from 0 to 1; divide 8-bit codes by 255 and decode sRGB"
@@ -198,7 +198,7 @@ def _on_floor(
     points: NDArray[np.float64], rows: NDArray[np.int64], scale: float, up: str
 ) -> NDArray[np.float64]:
     """Points scaled and turned, with the box of the triangles centred on the floor."""
-    _check.check_choice("up", up, tuple(_UP))
+    check.check_choice("up", up, tuple(_UP))
     turned = scale * points @ _UP[up].T
     used = turned[rows.ravel()]
     lower, upper = used.min(axis=0), used.max(axis=0)

@@ -12,10 +12,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights import _check
+from envlights._common import check
+from envlights._common.errors import MissingFileError
+from envlights._common.srgb import decode_srgb
 from envlights._native import EnvLightsError
-from envlights._srgb import decode_srgb
-from envlights.io.errors import MissingFileError
 
 #: Largest number of triangles: 8 MB in the page, 11 MB as text.
 MOST_TRIANGLES = 200_000
@@ -61,8 +61,8 @@ def read(source: Any) -> list[Part]:
     trimesh = _library()
     if not is_path and not isinstance(source, trimesh.Trimesh | trimesh.Scene):
         raise EnvLightsError(
-            "a model must be a path, an object of trimesh or an envlights.Model;"
-            f" got {_check.describe(source)}"
+            "a model must be a path, an object of trimesh or an envlights.viewer.Model;"
+            f" got {check.describe(source)}"
         )
     suffix = _suffix(Path(os.fsdecode(source))) if is_path else ""
     try:
@@ -97,7 +97,7 @@ def _library() -> Any:
     except ImportError:
         raise EnvLightsError(
             "a model in a file needs the library trimesh; install envlights[models], or pass"
-            " envlights.Model(vertices, triangles)"
+            " envlights.viewer.Model(vertices, triangles)"
         ) from None
 
 

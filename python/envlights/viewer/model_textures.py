@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _native
+from envlights._common.srgb import encode_srgb
 from envlights._native import EnvLightsError
-from envlights._srgb import encode_srgb
 from envlights.viewer.model import Model
 
 #: Steps of the grid along the longest side of a model: one is 0.015 mm in a metre.

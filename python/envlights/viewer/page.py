@@ -15,14 +15,14 @@ from typing import Any
 
 import numpy as np
 
-from envlights._check import describe, flag
+from envlights._common.check import describe, flag
+from envlights._common.files import as_path
 from envlights._native import EnvLightsError
-from envlights._unseen import Unseen
-from envlights.envmap import AnyMap, EnvMap, as_envmap
+from envlights.environment.decoders.source import is_source, name_of
+from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
+from envlights.environment.unseen import Unseen
 from envlights.export.files import save_scene
-from envlights.io.files import as_path
-from envlights.io.source import is_source, name_of
-from envlights.rig import Rig
+from envlights.rigs.rig import Rig
 from envlights.viewer import data, model_textures, widget
 from envlights.viewer.model import Model
 from envlights.viewer.truth import check_renderer, with_truth

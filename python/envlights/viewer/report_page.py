@@ -6,10 +6,11 @@ import base64
 import io
 from html import escape
 
-from envlights import _html, plot
-from envlights.envmap import EnvMap
+from envlights import plot
+from envlights._common import html
+from envlights.environment.envmap import EnvMap
 from envlights.fitting.error_curve import ErrorCurve
-from envlights.rig import Rig
+from envlights.rigs.rig import Rig
 
 _STYLE = (
     "body{font:15px/1.5 sans-serif;max-width:60em;margin:2em auto;padding:0 1em}"
@@ -23,8 +24,8 @@ def report_page(env: EnvMap, rig: Rig, curve: ErrorCurve, title: str) -> str:
         "Map": env._repr_html_(),
         "Lights": rig._repr_html_() + _picture(env, rig),
         "Errors by number of lights": curve._repr_html_(),
-        "Report of the fit": _html.lines(rig.report.verbose()),
-        "Notes": _html.lines("\n".join(rig.notes or ("no notes",))),
+        "Report of the fit": html.lines(rig.report.verbose()),
+        "Notes": html.lines("\n".join(rig.notes or ("no notes",))),
     }
     body = "".join(f"<h2>{escape(name)}</h2>{content}" for name, content in sections.items())
     head = f'<meta charset="utf-8"><title>{escape(title)}</title><style>{_STYLE}</style>'

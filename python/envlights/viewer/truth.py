@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._srgb import encode_srgb
-from envlights.envmap import EnvMap
+from envlights._common.srgb import encode_srgb
+from envlights.environment.envmap import EnvMap
 from envlights.fitting.fit import fit
-from envlights.occluders import Ball, Box
+from envlights.kernels.solids import Ball, Box
 from envlights.scene.camera import Camera
+from envlights.scene.mitsuba.path_traced import SolidsOnFloor, Still
+from envlights.scene.mitsuba.renderer import mitsuba
 from envlights.scene.panorama_floor import CAMERA_HEIGHT, DOME_RADIUS
-from envlights.scene.path_traced import SolidsOnFloor, Still
-from envlights.scene.renderer import mitsuba
 from envlights.scene.view_image import true_view
 from envlights.viewer import data
 

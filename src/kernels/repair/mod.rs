@@ -1,4 +1,4 @@
-//! The clipped part of a map, and the light that was cut off there: the kernels of `envlights.repair`.
+//! The clipped part of a map, and the light that was cut off there: the kernels of `envlights.environment.repair`.
 //!
 //! | number                                             | file               |
 //! |----------------------------------------------------|--------------------|

@@ -5,8 +5,8 @@ from __future__ import annotations
 import click
 
 from envlights.cli.outputs import check_output, default_of, say_written
-from envlights.io.image_output import write_exr
-from envlights.io.images import read_image
+from envlights.environment.files.image_output import write_exr
+from envlights.environment.files.images import read_image
 from envlights.transfer.model import TransferModel
 
 

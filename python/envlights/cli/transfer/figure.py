@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import click
 
+from envlights._common.files import PICTURES
 from envlights.cli.outputs import check_output, say_written
-from envlights.io.files import PICTURES
-from envlights.io.images import read_image
+from envlights.environment.files.images import read_image
 from envlights.transfer.model import TransferModel
 
 

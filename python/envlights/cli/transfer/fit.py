@@ -6,11 +6,11 @@ import json
 
 import click
 
+from envlights._common.files import check_writable
 from envlights.cli.outputs import say_written
-from envlights.io.files import check_writable
-from envlights.transfer.database import read_pairs
+from envlights.transfer.files.database import read_pairs
+from envlights.transfer.files.npz_file import check_suffix
 from envlights.transfer.model import TransferModel
-from envlights.transfer.npz_file import check_suffix
 from envlights.transfer.prior import TransferPrior
 
 

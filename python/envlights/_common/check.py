@@ -1,0 +1,211 @@
+"""Checks of the arguments of public functions, before a kernel reads them."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import numbers
+import os
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from envlights._common.blocks import in_blocks
+from envlights._native import EnvLightsError
+
+#: Largest accepted count; an array with that many elements does not fit into memory.
+LARGEST_COUNT = 2**32 - 1
+
+
+#: Tolerance for the products of the rows of a rotation.
+_ROTATION_TOLERANCE = 1e-6
+
+#: Longest tuple or list that a refusal shows; of a longer one it shows the type.
+_FEW = 4
+
+
+def describe(value: object) -> str:
+    """Text for `value` in a refusal: numbers, text in quotes, short lists, or only the type."""
+    if isinstance(value, str | os.PathLike):
+        return f"'{value}'"
+    if value is None or isinstance(value, numbers.Number):
+        return str(value)
+    if isinstance(value, slice):
+        ends = (value.start, value.stop)
+        return ":".join("" if end is None else describe(end) for end in ends)
+    if isinstance(value, tuple | list) and len(value) <= _FEW:
+        return f"({', '.join(map(describe, value))})"
+    return f"an object of the type {type(value).__name__}"
+
+
+def for_kernels(array: ArrayLike, dtype: type[Any]) -> NDArray[Any]:
+    """`array` in C order with aligned numbers, as compiled code needs it."""
+    given = np.asanyarray(array)
+    is_ready = given.dtype == dtype and given.flags.c_contiguous and given.flags.aligned
+    if is_ready or given.ndim == 0:
+        return _laid_out(given, dtype)
+    return in_blocks(given.shape, lambda rows: _laid_out(given[rows], dtype))
+
+
+def _laid_out(array: NDArray[Any], dtype: type[Any]) -> NDArray[Any]:
+    return np.require(array, dtype, ["C_CONTIGUOUS", "ALIGNED"])
+
+
+def reals(name: str, values: ArrayLike, ndim: int) -> NDArray[np.float64]:
+    """`values` as a C-contiguous float64 array of `ndim` axes, or a refusal that names it."""
+    try:
+        array = np.asarray(values)
+    except ValueError as error:
+        raise EnvLightsError(f"{name} must be an array of real numbers; {error}") from None
+    if array.dtype.kind not in "fiu":
+        raise EnvLightsError(f"{name} must hold real numbers; got the dtype {array.dtype}")
+    if array.ndim != ndim:
+        raise EnvLightsError(f"{name} must have {ndim} axes; got the shape {array.shape}")
+    return for_kernels(array, np.float64)
+
+
+def is_vector(values: ArrayLike) -> bool:
+    """True if `values` have one axis; False for rows of several lengths, which `reals` refuses."""
+    with contextlib.suppress(ValueError):
+        return np.ndim(values) == 1
+    return False
+
+
+def one_or_more(name: str, values: ArrayLike) -> tuple[NDArray[np.float64], bool]:
+    """Rows of vectors, (n, 3), and True if `values` are a single vector, which becomes a row."""
+    is_one = is_vector(values) and np.size(values) > 0
+    array = reals(name, values, 1 if is_one else 2)
+    return (array[None], True) if is_one else (array, False)
+
+
+def count(name: str, value: object, least: int = 0, most: int = LARGEST_COUNT) -> int:
+    """`value` as an int from `least` to `most`, or a refusal that names it."""
+    is_whole = isinstance(value, numbers.Integral) and not isinstance(value, bool)
+    if not is_whole or int(value) < least:  # type: ignore[call-overload]
+        raise EnvLightsError(
+            f"{name} must be a whole number, {least} or more; got {describe(value)}"
+        )
+    if int(value) > most:  # type: ignore[call-overload]
+        raise EnvLightsError(f"{name} must be a whole number up to {most}; got {describe(value)}")
+    return int(value)  # type: ignore[call-overload, no-any-return]
+
+
+def counts(name: str, values: object) -> list[int]:
+    """`values` as a list of ints of at least 0, or a refusal that names them."""
+    if isinstance(values, str | bytes) or not isinstance(values, Iterable):
+        raise EnvLightsError(f"{name} must be a sequence of whole numbers; got {describe(values)}")
+    return [count(name, value) for value in values]
+
+
+def amount(name: str, value: object, least: float = 0.0, most: float = math.inf) -> float:
+    """`value` as a finite float from `least` to `most`, or a refusal that names it."""
+    number = math.nan
+    if isinstance(value, numbers.Real) and not isinstance(value, bool):
+        with contextlib.suppress(OverflowError):  # an int beyond every float
+            number = float(value)
+    if not (least <= number <= most and math.isfinite(number)):
+        limits = f"from {least:g} to {most:g}" if math.isfinite(most) else f"{least:g} or more"
+        limits += " (1 is 100 %)" if most == 1 else ""
+        raise EnvLightsError(f"{name} must be a finite number, {limits}; got {describe(value)}")
+    return number
+
+
+def first_not_finite(image: NDArray[Any]) -> tuple[int, int, Any] | None:
+    """Row, column and value of the first sample that is NaN or infinite, or None."""
+    bad = np.argwhere(~np.isfinite(image))
+    if not len(bad):
+        return None
+    row, column = bad[0][:2]
+    return row, column, image[tuple(bad[0])]
+
+
+def colour(name: str, values: ArrayLike) -> list[float]:
+    """Red, green and blue of a surface, none negative, or a refusal that names them."""
+    channels = reals(name, values, 1)
+    if channels.shape != (3,):
+        raise EnvLightsError(f"{name} must be three numbers; got the shape {channels.shape}")
+    return [amount(name, float(channel)) for channel in channels]
+
+
+def check_choice(name: str, value: object, choices: tuple[str, ...]) -> None:
+    """Refuse a `value` that is none of the `choices`."""
+    if not isinstance(value, str) or value not in choices:
+        wanted = " or ".join(map(describe, choices))
+        raise EnvLightsError(f"{name} must be {wanted}; got {describe(value)}")
+
+
+def flag(name: str, value: object) -> bool:
+    """`value` as a bool, or a refusal that names it."""
+    if not isinstance(value, bool | np.bool_):
+        raise EnvLightsError(f"{name} must be True or False; got {describe(value)}")
+    return bool(value)
+
+
+def check_progress(value: object) -> None:
+    """Refuse a `progress` that is neither a flag nor None."""
+    if value is not None:
+        flag("progress", value)
+
+
+def texts(name: str, values: object) -> list[str]:
+    """`values`, one text or several, as a list, or a refusal that names them."""
+    each = [values] if isinstance(values, str) or not isinstance(values, Iterable) else [*values]
+    for text in each:
+        if not isinstance(text, str):
+            raise EnvLightsError(f"{name} must be text; got {describe(text)}")
+    return [str(text) for text in each]
+
+
+def float_image(name: str, values: ArrayLike, ndim: int) -> NDArray[np.float32]:
+    """`values` as a C-contiguous float32 array of `ndim` axes, or a refusal that names it."""
+    is_ready = isinstance(values, np.ndarray) and values.dtype == np.float32
+    array = values if is_ready else reals(name, values, ndim)
+    if np.ndim(array) != ndim:
+        raise EnvLightsError(f"{name} must have {ndim} axes; got the shape {np.shape(array)}")
+    return for_kernels(array, np.float32)
+
+
+def whole_pixels(values: ArrayLike) -> NDArray[np.int64]:
+    """`values` as rows and columns, or a refusal."""
+    try:
+        array = np.asarray(values)
+    except ValueError as error:
+        raise EnvLightsError(f"pixels must be an array of whole numbers; {error}") from None
+    if array.dtype.kind not in "iu" or array.ndim != 2 or array.shape[1] != 2:
+        raise EnvLightsError(
+            f"pixels must be whole numbers of the shape (n, 2);"
+            f" got the dtype {array.dtype} and the shape {array.shape}"
+        )
+    return for_kernels(array, np.int64)
+
+
+def whole_numbers(name: str, values: ArrayLike) -> NDArray[np.int64]:
+    """`values` as a C-contiguous int64 array of one axis, or a refusal that names it."""
+    try:
+        array = np.asarray(values)
+    except ValueError as error:
+        raise EnvLightsError(f"{name} must be an array of whole numbers; {error}") from None
+    if array.ndim != 1 or (array.size and array.dtype.kind not in "iu"):
+        raise EnvLightsError(
+            f"{name} must hold whole numbers along one axis;"
+            f" got the dtype {array.dtype} and the shape {array.shape}"
+        )
+    return for_kernels(array, np.int64)
+
+
+def rotation(matrix: ArrayLike) -> NDArray[np.float64]:
+    """`matrix` as a rotation, (3, 3), or a refusal."""
+    if isinstance(matrix, numbers.Real) or is_vector(matrix):
+        raise EnvLightsError(
+            f"matrix must be a rotation of the shape (3, 3), not angles; got {describe(matrix)}"
+        )
+    turn = reals("matrix", matrix, 2)
+    if turn.shape != (3, 3):
+        raise EnvLightsError(f"matrix must have the shape (3, 3); got {turn.shape}")
+    if not np.allclose(turn @ turn.T, np.eye(3), rtol=0, atol=_ROTATION_TOLERANCE):
+        raise EnvLightsError("matrix must be a rotation; its rows must be orthonormal")
+    if np.linalg.det(turn) < 0:
+        raise EnvLightsError("matrix must be a rotation; it is a reflection")
+    return turn

@@ -1,0 +1,164 @@
+"""Safe writing of files: a failure leaves the old file, or none."""
+
+from __future__ import annotations
+
+import contextlib
+import importlib.util
+import os
+import shutil
+import stat
+import zlib
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from envlights._common.errors import FileError
+from envlights._native import EnvLightsError
+
+try:
+    import fcntl
+except ImportError:  # Windows
+    fcntl = None  # type: ignore[assignment]
+
+#: Formats of pictures, for checks without Matplotlib.
+PICTURES = (".png", ".pdf", ".svg")
+#: End of a refusal to draw without the library that draws.
+NO_MATPLOTLIB = (
+    "needs Matplotlib, which is not installed; install it with `pip install 'envlights[plot]'`"
+)
+
+
+def can_draw() -> bool:
+    """True if Matplotlib, from the extra `plot`, is installed."""
+    return importlib.util.find_spec("matplotlib") is not None
+
+
+def as_path(path: object) -> Path:
+    """`path` as a `Path`, or a refusal of anything that names no file."""
+    try:
+        result = Path(path)  # type: ignore[arg-type]
+        is_name = b"\0" not in os.fsencode(result)
+    except TypeError:
+        raise EnvLightsError(f"a path must be text; got {type(path).__name__}") from None
+    except UnicodeEncodeError:  # half of a surrogate pair
+        is_name = False
+    if not is_name:
+        raise EnvLightsError(
+            "a path must be text that can name a file; it holds a zero byte or half a character"
+        )
+    return result
+
+
+def check_writable(path: str | os.PathLike[str]) -> Path:
+    """Refuse a path where no file can be written, before work for it is lost.
+
+    A file without any write permission is refused even if its folder would allow a replacement.
+
+    Returns
+    -------
+    Path
+        `path` with links resolved.
+    """
+    try:
+        target = Path(os.path.realpath(as_path(path)))
+        obstacle = _obstacle(target)
+    except (OSError, ValueError) as error:  # a name that is too long, or names no file
+        obstacle = getattr(error, "strerror", None) or str(error)
+    if obstacle:
+        raise FileError(f"cannot write {path}: {obstacle}")
+    return target
+
+
+def _obstacle(target: Path) -> str:
+    """Reason why no file can be written at `target`; empty if there is none."""
+    with contextlib.suppress(FileNotFoundError, NotADirectoryError):
+        # Raises for an impossible name, for which `exists` is False since Python 3.14.
+        target.stat()
+    if not target.parent.is_dir():
+        return f"the folder {target.parent} does not exist"
+    if target.is_dir():
+        return "it is a folder; give the name of a file"
+    if target.exists() and not target.is_file():
+        return "it exists and is not a regular file"
+    if target.exists() and not (_has_write_mark(target) and os.access(target, os.W_OK)):
+        return "it exists and is marked read-only"
+    if not os.access(target.parent, os.W_OK | os.X_OK):
+        return f"the folder {target.parent} is read-only"
+    return ""
+
+
+def _has_write_mark(path: Path) -> bool:
+    return bool(path.stat().st_mode & (stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH))
+
+
+def write_atomically(path: str | os.PathLike[str], write: Callable[[Path], object]) -> None:
+    """Let `write` fill a temporary file beside `path`, then rename it in one step.
+
+    The temporary name has the suffix of `path`, from which image libraries take the format.
+    Temporary files of killed processes are removed.
+    """
+    target = check_writable(path)
+    try:
+        with _file_beside(target) as beside:
+            write(beside)
+            if target.exists():
+                shutil.copymode(target, beside)
+            # Flush to disk before the rename replaces the old file.
+            _flush(beside)
+            beside.replace(target)
+        _flush(target.parent)
+    except OSError as error:
+        raise FileError(f"cannot write {path}: {error.strerror or error}") from error
+
+
+@contextlib.contextmanager
+def _file_beside(target: Path) -> Iterator[Path]:
+    """Name of a temporary file in the folder of `target`, removed at the end."""
+    # Use a short name, because that of `target` may have the greatest length.
+    mark = f".{zlib.crc32(target.name.encode(errors='surrogateescape')):08x}"
+    beside = target.with_name(f"{mark}-{os.urandom(4).hex()[:7]}{target.suffix}")
+    for stale in target.parent.glob(f"{mark}-*"):
+        _clear(stale)
+    try:
+        with _locked_file(beside):
+            yield beside
+    finally:
+        with contextlib.suppress(OSError):
+            beside.unlink()
+
+
+@contextlib.contextmanager
+def _locked_file(beside: Path) -> Iterator[None]:
+    """Empty file `beside`, locked while this process writes it.
+
+    Another process may remove it as stale before it is locked; then it is created again. Windows
+    has neither such locks nor renames of open files, so there is no lock.
+    """
+    if fcntl is None:
+        yield
+        return
+    while True:
+        with beside.open("xb") as file:
+            fcntl.flock(file, fcntl.LOCK_EX)
+            if os.fstat(file.fileno()).st_nlink:
+                yield
+                return
+
+
+def _clear(stale: Path) -> None:
+    """Remove a file without a lock, because its process was killed."""
+    if fcntl is None:
+        return
+    with contextlib.suppress(OSError), stale.open("rb") as file:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        stale.unlink()
+
+
+def _flush(path: Path) -> None:
+    """Wait until a file, or the names in a folder, are on the disk, if the system supports it."""
+    if path.is_dir() and os.name == "nt":  # Windows opens no folder
+        return
+    file = os.open(path, os.O_RDWR if path.is_file() else os.O_RDONLY)
+    try:
+        os.fsync(file)
+    finally:
+        os.close(file)

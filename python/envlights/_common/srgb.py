@@ -1,0 +1,41 @@
+"""Transfer function of sRGB (IEC 61966-2-1), and its inverse.
+
+NumPy computes it, because compiled powers differ in the last place, which would change pictures.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights._common.codes import look_up
+
+
+def encode_srgb(linear: NDArray[np.floating]) -> NDArray[np.floating]:
+    """Codes from 0 to 1 of linear values, which are clipped to 0 .. 1 first."""
+    linear = np.clip(linear, 0, 1)
+    coded = 1.055 * linear ** (1 / 2.4) - 0.055
+    clipped: NDArray[np.floating] = np.where(linear <= 0.0031308, 12.92 * linear, coded).clip(0, 1)
+    return clipped
+
+
+def decode_srgb(coded: NDArray[np.floating]) -> NDArray[np.float32]:
+    """Linear values of sRGB codes in 0 .. 1."""
+    coded = np.asarray(coded, dtype=np.float64)
+    linear = np.where(coded <= 0.04045, coded / 12.92, ((coded + 0.055) / 1.055) ** 2.4)
+    return linear.astype(np.float32)
+
+
+def decode_codes(codes: NDArray[Any]) -> NDArray[np.float32]:
+    """Linear values of sRGB codes of 8 or 16 bits, (h, w, 3); the largest code is 1."""
+    return look_up(codes, _values(8 * codes.dtype.itemsize))
+
+
+@cache
+def _values(bits: int) -> NDArray[np.float32]:
+    """Linear value of each code."""
+    codes = np.arange(1 << bits)
+    return decode_srgb(codes / codes[-1])

@@ -1,0 +1,196 @@
+"""`batch`: the same work on many maps, with a row and a file for each."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import BrokenExecutor, Future
+from importlib.metadata import version
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from envlights._common.check import check_choice, check_progress, count, describe
+from envlights._common.files import as_path
+from envlights._common.progress import progress_bar
+from envlights._native import EnvLightsError
+from envlights.batches.executors import (
+    executor_of,
+    in_window,
+    jobs_of,
+    threads_of,
+    threads_restored,
+)
+from envlights.batches.functions import name_of
+from envlights.batches.journal import Journal
+from envlights.batches.result import Batch
+from envlights.batches.rows import plain
+from envlights.batches.sources import items_of, with_unique_names
+from envlights.batches.work import METHODS, Task, check_options, work_on
+
+#: Tasks that wait for each worker, so that none is idle while a row is written.
+_AHEAD = 2
+
+
+def batch(
+    maps: Any,
+    out: str | os.PathLike[str] | None = None,
+    *,
+    what: str | Callable[..., Any] = "fit",
+    suffix: str | None = ".json",
+    executor: Any = None,
+    jobs: int | None = None,
+    progress: bool | None = None,
+    **options: Any,
+) -> Batch:
+    """Fit, detect or split many maps, with a row of numbers and a file for each.
+
+    A map that fails costs its row, which has the reason. With a folder `out`, a batch that was
+    killed goes on where it stopped when it is started again: maps of the same content and options
+    are not done again, and those that failed are.
+
+    Parameters
+    ----------
+    maps : path-like, array_like or iterable
+        Files, folders (with those below them), patterns such as ``maps/**/*.hdr``, lists of paths
+        (``.txt``: one path on each line; ``.jsonl``: also objects with `path` and `name`),
+        addresses of fsspec, `EnvMap` or arrays; or an iterable of them, and of pairs of a name and
+        a map. An iterator is read as the work goes on, a few maps ahead.
+    out : path-like, optional
+        Folder of the files and of the rows, ``batch.jsonl``; it is made if it is missing. Maps in
+        it that `maps` finds by a folder or pattern are left out. Without `out`, the rows are kept
+        in memory and nothing is saved.
+    what : {"fit", "detect", "split", "error_curve"} or callable
+        Work on each map. A function gets an `EnvMap` and the options, and returns a dict of numbers
+        and texts, a rig, lights or another result. When its own text changes, all maps are done
+        again, but not when a function that it calls changes.
+    suffix : str, optional
+        Format of the file of each map, as in `Rig.save`; a split also writes its rest as ``.exr``.
+        None: no files.
+    executor : {"thread", "process"}, Executor or Client, optional
+        "thread", the default: threads of this process. "process": processes of its own, started by
+        spawn. Or an executor of `concurrent.futures`, `MPIPoolExecutor` of mpi4py, or a `Client` of
+        Dask, whose workers see the same files.
+    jobs : int, optional
+        Maps at once. When left out, the number of workers of the executor or of cores. Kernels get
+        an equal share of the threads of `el.threads`; with ``jobs=1``, all of them. Workers of
+        Dask use one thread each, those of MPI and other executors what they are set to.
+    progress : bool, optional
+        True: show a bar. When left out, one appears in a terminal or notebook after a second.
+    **options
+        Options of the method or of the function.
+
+    Returns
+    -------
+    Batch
+        Rows of all maps of `out`, sorted by name, and the failures.
+
+    Raises
+    ------
+    EnvLightsError
+        If a folder or pattern has no map, an option is unknown or out of its range, another batch
+        writes to `out`, or a worker process was killed; what is finished stays.
+
+    See Also
+    --------
+    label_arrays : arrays of one size for training.
+
+    Examples
+    --------
+    >>> import envlights as el
+    >>> halls = ((f"hall-{seed}", el.synthetic.plain(seed, 128).radiance) for seed in range(3))
+    >>> result = el.batch(halls, lights=2, jobs=1)
+    >>> result
+    <Batch: 3 maps, 0 failed>
+    >>> [len(row["lights"]) for row in result.rows()]
+    [2, 2, 2]
+    """
+    check_progress(progress)
+    method = _method(what, suffix, options)
+    jobs = jobs_of(executor, None if jobs is None else count("jobs", jobs, least=1, most=1024))
+    folder = None if out is None else _folder(out)
+    start = perf_counter()
+    with threads_restored(), executor_of(executor, jobs) as pool:
+        threads = threads_of(executor, jobs)
+        journal = Journal(folder)
+        try:
+            head = {
+                "what": method[0],
+                "options": method[1],
+                "suffix": suffix,
+                "version": _version(),
+            }
+            tasks = _tasks(maps, journal, what, options, folder, suffix, threads, method)
+            done = in_window(pool, work_on, tasks, _AHEAD * jobs)
+            counts = [
+                _keep(task, future, journal, head)
+                for task, future in progress_bar(done, "batch", "map", progress)
+            ]
+            text = journal.finish()
+        finally:
+            journal.close()
+    seconds = perf_counter() - start
+    return Batch("" if folder is None else str(folder), text, counts.count(False), seconds)
+
+
+def _version() -> str:
+    return version("envlights")
+
+
+def _method(what: Any, suffix: object, options: Mapping[str, Any]) -> tuple[str, str, str | None]:
+    """Name of the work, its options as text, and the suffix; they are the key of a row."""
+    if suffix is not None and not (isinstance(suffix, str) and suffix.startswith(".")):
+        raise EnvLightsError(f"suffix must be text that begins with a dot; got {describe(suffix)}")
+    if isinstance(what, str) or not callable(what):
+        check_choice("what", what, tuple(METHODS))
+        check_options(what, options)
+        name = what
+    else:
+        name = name_of(what)
+        options = {**getattr(what, "keywords", {}), **options}
+    return name, json.dumps(plain(options), sort_keys=True), suffix
+
+
+def _folder(out: str | os.PathLike[str]) -> Path:
+    folder = as_path(out).absolute()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise EnvLightsError(f"cannot make the folder {out}: {error.strerror}") from None
+    return folder
+
+
+def _tasks(
+    maps: Any,
+    journal: Journal,
+    what: str | Callable[..., Any],
+    options: Mapping[str, Any],
+    folder: Path | None,
+    suffix: str | None,
+    threads: int | None,
+    method: tuple[str, str, str | None],
+) -> Iterator[Task]:
+    """Work on each map, made when a worker is free."""
+    names = {source: entry.name for source, entry in journal.entries.items()}
+    out = None if folder is None else str(folder)
+    for name, source, content in with_unique_names(items_of(maps, folder), names):
+        known = journal.finished_hash(source, name, method)
+        yield Task(name, source, content, what, options, out, suffix, threads, known)
+
+
+def _keep(task: Task, future: Future[Any], journal: Journal, head: dict[str, Any]) -> bool:
+    """Write the row of a map; False if it was there already."""
+    try:
+        row = future.result()
+    except BrokenExecutor:
+        raise EnvLightsError(
+            "a worker process was killed, perhaps because the memory was full; start the batch"
+            " again with fewer jobs, and it goes on"
+        ) from None
+    except Exception as error:  # the executor could not run the task
+        row = {"name": task.name, "source": task.source, "sha256": None}
+        row["failure"] = f"{type(error).__name__}: {error}"
+    if row is not None:
+        journal.append({**row, **head})
+    return row is not None

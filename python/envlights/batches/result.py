@@ -1,0 +1,176 @@
+"""Result of a batch: rows of all maps, with their failures."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from envlights._common import html
+from envlights._common.errors import MissingFileError
+from envlights._common.files import as_path
+from envlights._common.printable import printable
+from envlights._common.result import Result
+from envlights._common.tables import MOST_ROWS, Table, frame_of
+from envlights._native import EnvLightsError
+from envlights.batches import columns
+from envlights.batches.journal import JOURNAL
+from envlights.batches.tables import save_table
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Batch(Result):
+    """Rows of the maps of a batch, sorted by name, and the reasons of failures.
+
+    The rows of a folder stay in its file and are read when they are needed.
+    """
+
+    folder: str
+    """Folder with the files and the rows; empty if the rows are in memory."""
+
+    lines: bytes = b""
+    """Rows as lines of JSON; empty if they are in the folder."""
+
+    unchanged: int = field(default=0, compare=False)
+    """Number of maps that were finished before, so that they were not done again."""
+
+    seconds: float = field(default=0.0, compare=False)
+    """Wall time of the batch."""
+
+    @classmethod
+    def load(cls, folder: str | os.PathLike[str]) -> Batch:
+        """Rows of the folder of an earlier batch.
+
+        Raises
+        ------
+        EnvLightsError
+            If there is no batch in the folder.
+        """
+        path = as_path(folder).absolute()
+        if not (path / JOURNAL).is_file():
+            raise MissingFileError(f"no batch is in the folder '{folder}': it has no {JOURNAL}")
+        return cls(str(path))
+
+    def rows(self) -> Iterator[dict[str, Any]]:
+        """Row of each map: a dict of plain values, with a list of its `lights`."""
+        if not self.folder:
+            yield from map(json.loads, self.lines.splitlines())
+            return
+        path = Path(self.folder) / JOURNAL
+        try:
+            with path.open("rb") as file:
+                yield from map(json.loads, file)
+        except FileNotFoundError:
+            raise MissingFileError(f"the rows of the batch are gone: there is no {path}") from None
+        except (OSError, ValueError) as error:
+            raise EnvLightsError(f"cannot read {path}: {printable(str(error))}") from None
+
+    @cached_property
+    def _summary(self) -> tuple[int, dict[str, str], dict[str, float]]:
+        """Number of maps, the failures, and the median of each error."""
+        number, failures = 0, dict[str, str]()
+        errors: dict[str, list[float]] = {name: [] for name in columns.ERRORS}
+        for row in self.rows():
+            number += 1
+            if row.get("failure"):
+                failures[row["name"]] = row["failure"]
+            for name, values in errors.items():
+                if row.get(name) is not None:
+                    values.append(row[name])
+        medians = {name: float(np.median(values)) for name, values in errors.items() if values}
+        return number, failures, medians
+
+    def __len__(self) -> int:
+        return self._summary[0]
+
+    @property
+    def failures(self) -> Mapping[str, str]:
+        """Class and sentence of the failure of each map that has one, by name."""
+        return self._summary[1]
+
+    @property
+    def medians(self) -> Mapping[str, float]:
+        """Median of each error over the maps that have it."""
+        return self._summary[2]
+
+    def in_short(self) -> str:
+        """Number of maps and of failures."""
+        number, failures, _ = self._summary
+        again = f", {self.unchanged} unchanged" if self.unchanged else ""
+        return f"{number} map{'' if number == 1 else 's'}, {len(failures)} failed{again}"
+
+    def __str__(self) -> str:
+        return "\n".join([self.in_short(), *self._lines()])
+
+    def _lines(self) -> list[str]:
+        """Medians of the errors, and the first dozen failures."""
+        medians = [
+            f"median {name.replace('_', ' ')} {100 * value:.3g} %"
+            for name, value in self.medians.items()
+        ]
+        failures = [f"failed: {name}: {reason}" for name, reason in self.failures.items()]
+        more = len(failures) - MOST_ROWS
+        rest = [f"{more} more failed"] if more > 0 else []
+        return [*medians, *failures[:MOST_ROWS], *rest]
+
+    def _html_parts(self) -> tuple[str, ...]:
+        medians = Table(
+            ["", *(name.replace("_", " ") for name in self.medians)],
+            [["median", *(f"{100 * value:.3g} %" for value in self.medians.values())]],
+        )
+        table = (medians.html(),) if self.medians else ()
+        return (*table, html.lines("\n".join(self._lines())))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Counts, medians and failures; `rows` has the numbers of each map."""
+        return {
+            "folder": self.folder,
+            "maps": len(self),
+            "unchanged": self.unchanged,
+            "medians": dict(self.medians),
+            "failures": dict(self.failures),
+        }
+
+    def table(self, of: str = "lights") -> Iterator[dict[str, Any]]:
+        """Flat rows, each with the same columns, of "lights" or of "maps"."""
+        return columns.flat_rows(self.rows(), of)
+
+    def to_frame(self, of: str = "lights") -> pd.DataFrame:
+        """Data frame with a row for each light or map; needs pandas, from the extra `frame`."""
+        rows = list(self.table(of))
+        names: Iterable[str] = dict.fromkeys(name for row in rows for name in row)
+        return frame_of({name: _array([row.get(name) for row in rows]) for name in names})
+
+    def save(self, path: str | os.PathLike[str], of: str = "lights") -> None:
+        """Write a table as ``.parquet`` (with pyarrow) or ``.jsonl``; a failure leaves no file.
+
+        Parameters
+        ----------
+        path : path-like
+            A file with the suffix ``.parquet`` or ``.jsonl``.
+        of : {"lights", "maps"}
+            A row for each light, or for each map, also for those that failed.
+        """
+        columns.check_kind(of)
+        save_table(path, list(self.table(of)), columns.COLUMNS[of])
+
+
+def _array(values: list[Any]) -> np.ndarray[Any, Any]:
+    """Column of a data frame; missing numbers are NaN, lists and texts stay objects."""
+    if all(isinstance(value, float | int | bool | None) for value in values):
+        if not any(value is None for value in values):
+            return np.array(values)
+        if not any(isinstance(value, bool) for value in values):
+            return np.array([np.nan if value is None else value for value in values])
+    column = np.empty(len(values), object)
+    column[:] = values
+    return column

@@ -1,0 +1,111 @@
+"""Row of a result: plain numbers and texts of a rig, of lights, or of a function of the user."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+
+from envlights._common.check import describe
+from envlights._common.result import Result
+from envlights._native import EnvLightsError
+from envlights.detection.lights import DetectedLights
+from envlights.rigs.capabilities import HARMONIC_MEAN
+from envlights.rigs.lights import Lights
+from envlights.rigs.rig import Rig
+
+#: Columns of a row before the result is known.
+HEAD = ("name", "source", "sha256", "what", "options", "version")
+
+
+def row_of(result: Any) -> dict[str, Any]:
+    """Numbers and texts of a result, with one entry for each of its lights."""
+    if isinstance(result, Rig):
+        return _of_rig(result)
+    if isinstance(result, Lights):
+        return _of_lights(result)
+    lights = getattr(result, "lights", None)
+    if isinstance(lights, Lights):  # a split, or an excess
+        rest = getattr(result, "rest", None)
+        return {**_of_lights(lights), "notes": note_codes(getattr(rest, "notes", ()))}
+    if isinstance(result, Mapping):
+        return {"values": plain(result)}
+    if isinstance(result, Result) and hasattr(result, "to_dict"):
+        return {"values": plain(result.to_dict())}
+    raise EnvLightsError(
+        "the function of a batch must return a dict, a rig, lights or another result; got"
+        f" {describe(result)}"
+    )
+
+
+def note_codes(notes: Iterable[Any]) -> list[str]:
+    """Code of each note; the text of a note without a code."""
+    return [str(getattr(note, "code", note)) for note in notes]
+
+
+def _of_rig(rig: Rig) -> dict[str, Any]:
+    report = rig.report
+    lights = _each_light(rig.lights, tolerances=report.direction_tolerances)
+    mean = HARMONIC_MEAN * rig.ambient[0] if rig.ambient.ndim == 2 else rig.ambient
+    return {
+        "error": rig.error,
+        "shadow_error": report.shadow_error,
+        "gloss_error": report.gloss_error(),
+        "ambient": mean.tolist(),
+        "units": rig.units,
+        "notes": note_codes(rig.notes),
+        "lights": lights,
+    }
+
+
+def _of_lights(lights: Lights) -> dict[str, Any]:
+    report = getattr(lights, "report", None)
+    notes = lights.notes if report is None else report.notes
+    return {"units": lights.units, "notes": note_codes(notes), "lights": _each_light(lights)}
+
+
+def _each_light(lights: Lights, tolerances: Iterable[float] = ()) -> list[dict[str, Any]]:
+    """Numbers of each light, brightest first; None for those that the method does not measure."""
+    columns: dict[str, Any] = {
+        "direction": lights.direction.tolist(),
+        "irradiance": lights.irradiance.tolist(),
+        "angular_radius": lights.angular_radius.tolist(),
+        "share": lights.share.tolist(),
+    }
+    if isinstance(lights, DetectedLights):
+        columns |= {"is_clipped": lights.is_clipped.tolist(), "is_cut": lights.is_cut.tolist()}
+        if lights.direction_uncertainty is not None:
+            columns["direction_uncertainty"] = lights.direction_uncertainty.tolist()
+    if tolerances := list(tolerances):
+        columns["direction_tolerance"] = tolerances
+    return [
+        {name: plain(values[row]) for name, values in columns.items()} for row in range(len(lights))
+    ]
+
+
+def plain(value: Any) -> Any:
+    """`value` of numbers, texts, lists and dictionaries alone; numbers that are not finite: None.
+
+    Raises
+    ------
+    EnvLightsError
+        If it holds anything else.
+    """
+    if isinstance(value, np.ndarray | np.generic):
+        return plain(value.tolist())
+    if value is None or isinstance(value, str | bool | int):
+        return value
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, Mapping):
+        return {str(name): plain(each) for name, each in value.items()}
+    if isinstance(value, list | tuple | range | set | frozenset):
+        return [plain(each) for each in value]
+    if hasattr(value, "to_dict"):
+        return plain(value.to_dict())
+    raise EnvLightsError(
+        "a row holds numbers, texts, lists and dictionaries of them; got"
+        f" {describe(value)}; return its numbers instead"
+    )

@@ -1,0 +1,193 @@
+"""Maps of a batch, one after the other: from files, folders, patterns, lists of paths, arrays."""
+
+from __future__ import annotations
+
+import glob
+import json
+import os
+import re
+import zlib
+from collections.abc import Iterable, Iterator, Mapping
+from importlib import import_module
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from envlights._common.check import describe
+from envlights._common.errors import MissingFileError
+from envlights._common.printable import printable
+from envlights._native import EnvLightsError
+from envlights.environment.decoders.source import ADDRESS
+from envlights.environment.envmap import EnvMap
+
+#: Suffixes of the maps that are taken from a folder.
+MAPS = (".exr", ".hdr", ".pic", ".rgbe", ".png", ".jpg", ".jpeg", ".tif", ".tiff")
+#: Suffixes of lists of paths.
+_LISTS = (".txt", ".jsonl")
+#: Characters of a pattern.
+_PATTERN = re.compile(r"[*?\[]")
+
+
+class Item(NamedTuple):
+    """A map of a batch, not read yet."""
+
+    name: str
+    """Name of its row and of its file, without suffix."""
+
+    source: str
+    """Path or address; the name of an array."""
+
+    content: Any
+    """Path, address, files of a cube, `EnvMap` or array."""
+
+
+def items_of(maps: Any, out: Path | None = None) -> Iterator[Item]:
+    """Maps of the first argument of `batch`, each made when it is needed.
+
+    Folders and patterns leave out the files of the folder `out`, where a split saves maps.
+    """
+    is_one = isinstance(maps, str | os.PathLike | EnvMap | np.ndarray | Mapping)
+    if not is_one and not isinstance(maps, Iterable):
+        raise EnvLightsError(
+            f"maps must be paths, folders, patterns, arrays or an iterator; got {describe(maps)}"
+        )
+    for number, entry in enumerate([maps] if is_one else maps):
+        yield from _items_of_entry(number, entry, out)
+
+
+def _items_of_entry(number: int, entry: Any, out: Path | None) -> Iterator[Item]:
+    name = f"map-{number:06}"
+    if isinstance(entry, tuple) and len(entry) == 2 and isinstance(entry[0], str):
+        name, entry = printable(entry[0]), entry[1]
+        source = os.fsdecode(entry) if isinstance(entry, str | os.PathLike) else name
+        yield Item(_file_name(name), source, entry)
+    elif isinstance(entry, str | os.PathLike):
+        yield from _items_of_text(os.fsdecode(entry), out)
+    else:
+        yield Item(name, name, entry)
+
+
+def _file_name(name: str) -> str:
+    """`name`, or a refusal of one that would leave the folder of the files."""
+    parts = re.split(r"[/\\]", name)
+    if any(part in ("", ".", "..") for part in parts):
+        raise EnvLightsError(f"the name of a map must name a file in the folder; got '{name}'")
+    return name
+
+
+def _items_of_text(text: str, out: Path | None) -> Iterator[Item]:
+    """Maps of a path, a folder, a pattern, a list of paths or an address."""
+    if ADDRESS.match(text):
+        for address in _addresses(text):
+            yield Item(_stem(address), address, address)
+    elif Path(text).is_dir():
+        yield from _items_of_folder(Path(text), out)
+    elif Path(text).suffix.lower() in _LISTS and Path(text).is_file():
+        yield from _items_of_list(Path(text))
+    elif _PATTERN.search(text) and not Path(text).exists():
+        for path in _matches(text, out):
+            yield from _items_of_text(path, out)
+    else:
+        yield Item(_stem(text), text, text)
+
+
+def _stem(path: str) -> str:
+    name = path.replace("\\", "/").rstrip("/").rpartition("/")[2]
+    return printable(Path(name).stem) or "map"
+
+
+def _items_of_folder(folder: Path, out: Path | None) -> Iterator[Item]:
+    """Maps in a folder and in the folders below it, sorted by path."""
+    found = (path for path in folder.rglob("*") if path.suffix.lower() in MAPS)
+    paths = sorted(path for path in found if not _is_below(path, out))
+    if not paths:
+        raise EnvLightsError(
+            f"the folder '{folder}' holds no map{_outside(out)}; a map has one of the suffixes"
+            f" {', '.join(MAPS)}"
+        )
+    for path in paths:
+        below = path.relative_to(folder).with_suffix("").as_posix()
+        yield Item(printable(below), str(path), str(path))
+
+
+def _is_below(path: str | Path, folder: Path | None) -> bool:
+    """True if `path` is `folder` or lies in it."""
+    return folder is not None and Path(path).resolve().is_relative_to(folder.resolve())
+
+
+def _outside(out: Path | None) -> str:
+    """End of a refusal if the folder of the results was left out."""
+    return "" if out is None else f" outside of the folder of the results, '{out}'"
+
+
+def _matches(pattern: str, out: Path | None) -> list[str]:
+    found = glob.glob(pattern, recursive=True)  # noqa: PTH207
+    paths = sorted(path for path in found if not _is_below(path, out))
+    if not paths:
+        raise MissingFileError(f"no file matches the pattern '{pattern}'{_outside(out)}")
+    return paths
+
+
+def _addresses(text: str) -> list[str]:
+    """Addresses that match a pattern of fsspec; an address without a pattern is one map."""
+    if not _PATTERN.search(text):
+        return [text]
+    try:
+        fsspec = import_module("fsspec")
+    except ImportError:
+        raise EnvLightsError(
+            f"cannot list {printable(text)}: addresses are listed by fsspec, which is not"
+            " installed; install it, or give paths"
+        ) from None
+    files, path = fsspec.core.url_to_fs(text)
+    paths = sorted(files.glob(path))
+    if not paths:
+        raise MissingFileError(f"no file matches the pattern '{printable(text)}'")
+    return [files.unstrip_protocol(each) for each in paths]
+
+
+def _items_of_list(path: Path) -> Iterator[Item]:
+    """Maps of a list with a path on each line, or an object with `path` and perhaps `name`."""
+    with path.open(encoding="utf-8") as lines:
+        for number, line in enumerate(lines, 1):
+            text = line.strip()
+            if text and not text.startswith("#"):
+                yield from _items_of_line(path, number, text)
+
+
+def _items_of_line(path: Path, number: int, text: str) -> Iterator[Item]:
+    data: Any = text
+    if path.suffix.lower() == ".jsonl":
+        try:
+            data = json.loads(text)
+        except ValueError:
+            data = None
+    entry = {"path": data} if isinstance(data, str) else data
+    if not isinstance(entry, dict) or not isinstance(entry.get("path"), str):
+        raise EnvLightsError(
+            f"line {number} of {path} must be a path, or an object with the key 'path';"
+            f" got {printable(text[:80])}"
+        )
+    place = entry["path"]
+    source = place if ADDRESS.match(place) else str(path.parent / place)
+    yield Item(_file_name(printable(str(entry.get("name") or _stem(source)))), source, source)
+
+
+def with_unique_names(items: Iterable[Item], known: Mapping[str, str]) -> Iterator[Item]:
+    """Items with different names: those of known sources, else with a mark of the source.
+
+    A path that comes again is left out.
+    """
+    sources = {name: source for source, name in known.items()}
+    used: set[str] = set()
+    for item in items:
+        if item.source in used:
+            if isinstance(item.content, str):
+                continue
+            raise EnvLightsError(f"two maps of the batch have the name '{item.name}'")
+        used.add(item.source)
+        name = known.get(item.source, item.name)
+        while sources.setdefault(name, item.source) != item.source:
+            name = f"{name}-{zlib.crc32(item.source.encode('utf-8', 'surrogateescape')):08x}"
+        yield item._replace(name=name)

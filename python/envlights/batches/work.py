@@ -1,0 +1,158 @@
+"""Work on one map: read, hash, fit and save it. It runs on the workers, so it can be pickled."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from pathlib import Path
+from time import perf_counter
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from envlights import _native
+from envlights._common.printable import printable
+from envlights._native import EnvLightsError
+from envlights.batches.rows import row_of
+from envlights.detection.detect import detect
+from envlights.environment.decoders.source import ADDRESS, is_source, named_source
+from envlights.environment.envmap import EnvMap, as_envmap
+from envlights.environment.files.image_output import MAP_SUFFIXES
+from envlights.fitting.error_curve import error_curve
+from envlights.fitting.fit import fit
+from envlights.splitting.split import split
+
+#: Methods by name.
+METHODS: dict[str, Callable[..., Any]] = {
+    "fit": fit,
+    "detect": detect,
+    "split": split,
+    "error_curve": error_curve,
+}
+#: Bytes of a file that are hashed at once.
+_BLOCK = 2**20
+
+
+class Task(NamedTuple):
+    """Work on one map."""
+
+    name: str
+    source: str
+    content: Any
+    what: str | Callable[..., Any]
+    """Name of a method, or a function of the user."""
+
+    options: Mapping[str, Any]
+    folder: str | None
+    """Folder of the file that is saved; None: nothing is saved."""
+
+    suffix: str | None
+    threads: int | None
+    """Threads of the kernels; None leaves them."""
+
+    known: str | None
+    """SHA-256 of the content whose row is there already."""
+
+
+def work_on(task: Task) -> dict[str, Any] | None:
+    """Row of a map, with the reason of a failure; None if its row is there already."""
+    start = perf_counter()
+    row: dict[str, Any] = {"name": task.name, "source": task.source, "sha256": None}
+    try:
+        _set_threads(task.threads)
+        content, row["sha256"] = _with_hash(task.content)
+        if row["sha256"] == task.known:
+            return None
+        result = _apply(task, content)
+        row |= row_of(result)
+        row["file"] = _save(task, result)
+    except Exception as error:  # any failure costs one row, not the batch
+        row["failure"] = f"{type(error).__name__}: {printable(str(error))}"
+    row["seconds"] = round(perf_counter() - start, 6)
+    return row
+
+
+def _set_threads(number: int | None) -> None:
+    if number is not None and _native.threads(None) != number:
+        _native.threads(number)
+
+
+def _apply(task: Task, content: Any) -> Any:
+    if isinstance(task.what, str):
+        return METHODS[task.what](content, **task.options)
+    return task.what(as_envmap(content), **task.options)
+
+
+def _with_hash(content: Any) -> tuple[Any, str]:
+    """Content that can be read twice, and its SHA-256."""
+    digest = hashlib.sha256()
+    content = _readable(content)
+    for part in _parts(content):
+        digest.update(part)
+    return content, digest.hexdigest()
+
+
+def _readable(content: Any) -> Any:
+    """`content`, with the bytes behind an address or a file object read once."""
+    is_remote = isinstance(content, str) and ADDRESS.match(content)
+    if is_remote or hasattr(content, "read"):
+        return named_source(content).content()
+    return content
+
+
+def _parts(content: Any) -> Iterator[Any]:
+    """Bytes that determine a map, in blocks."""
+    if isinstance(content, EnvMap):
+        shape, kind = content.radiance.shape, content.registration
+        yield f"{shape} {kind} {content.white} {content.units}".encode()
+        yield np.ascontiguousarray(content.radiance)
+        if content.seen is not None:
+            yield np.ascontiguousarray(content.seen)
+    elif isinstance(content, Mapping):
+        for name, each in content.items():
+            yield str(name).encode()
+            yield from _parts(each)
+    elif isinstance(content, list | tuple) and all(map(is_source, content)):
+        for each in content:
+            yield from _parts(each)
+    elif is_source(content):
+        with named_source(content).open() as file:
+            while block := file.read(_BLOCK):
+                yield block
+    else:
+        array = np.ascontiguousarray(content)
+        yield f"{array.shape} {array.dtype}".encode()
+        yield array.view(np.uint8) if array.dtype != object and array.size else b""
+
+
+def _save(task: Task, result: Any) -> str | None:
+    """Save the result in the folder; name of its file, or None if there is none."""
+    if task.folder is None or task.suffix is None or not hasattr(result, "save"):
+        return None
+    path = Path(task.folder) / f"{task.name}{task.suffix}"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    paths = [path]
+    if isinstance(getattr(result, "rest", None), EnvMap) and task.suffix not in MAP_SUFFIXES:
+        paths.insert(0, path.with_name(f"{Path(task.name).name}{MAP_SUFFIXES[0]}"))
+    _check_source_stays(task.source, paths)
+    result.save(*paths)
+    return os.path.relpath(path, task.folder)
+
+
+def _check_source_stays(source: str, paths: Iterable[Path]) -> None:
+    """Refuse to save a result over its own map."""
+    if any(path.exists() and Path(source).exists() and path.samefile(source) for path in paths):
+        raise EnvLightsError(
+            f"the result would be saved over its map, {source}; give another folder"
+        )
+
+
+def check_options(
+    what: str, options: Mapping[str, Any], work: Callable[..., Any] | None = None
+) -> None:
+    """Refuse options that no map could be fitted with, by the fit of a small grey map."""
+    try:
+        (work or METHODS[what])(np.ones((8, 16, 3), np.float32), **options)
+    except TypeError as error:
+        raise EnvLightsError(f"{what} refuses an option of the batch: {error}") from None

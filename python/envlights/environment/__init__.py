@@ -1,0 +1,13 @@
+"""The environment map, and all that turns a picture into one.
+
+| step                                                   | place                          |
+|--------------------------------------------------------|--------------------------------|
+| decode the bytes of a file                             | `decoders/`                    |
+| choose the channels, place the picture, write pictures | `files/`                       |
+| convert samples to linear Rec.709                      | `colour/`                      |
+| recognise the layout                                   | `layouts/`                     |
+| clean the samples                                      | `clean.py`                     |
+| resample to an equirectangular map                     | `resample.py`                  |
+| merge exposures                                        | `exposures/`                   |
+| the map with its methods                               | `envmap.py`                    |
+"""

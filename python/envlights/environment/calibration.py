@@ -1,0 +1,179 @@
+"""Scale of a map from photometric readings, to candela per square metre."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from envlights._common.check import amount, reals
+from envlights._native import LEAST_WHITE, EnvLightsError
+from envlights.kernels import sphere
+from envlights.kernels.image import LUMINANCE
+
+#: Luminance of a value of 1 at EV100 0 in cd/m2: the saturation of a sensor by ISO 12232 with a
+#: lens that passes 0.65 of the light, 78 / (100 * 0.65). Lagarde and de Rousiers, "Moving
+#: Frostbite to Physically Based Rendering", 2014, section 5.1; Filament and Unity use it too.
+SATURATION = 1.2
+
+#: Upward unit vector.
+UP = (0.0, 1.0, 0.0)
+
+#: Start of the note of a calibration, which a later one replaces.
+_NOTE = "calibrated to cd/m2"
+
+
+class Readings(NamedTuple):
+    """Arguments of `EnvMap.calibrated`, with None where nothing was measured."""
+
+    lux: float | None
+    facing: ArrayLike | None
+    shaded: float | None
+    nits: float | None
+    at: ArrayLike | None
+    ev100: float | None
+
+    def check(self) -> None:
+        """Refuse readings of several kinds, and arguments of another kind."""
+        kinds = [name for name in ("lux", "nits", "ev100") if getattr(self, name) is not None]
+        if len(kinds) > 1:
+            raise EnvLightsError(
+                f"a map has one scale; got {' and '.join(kinds)}; give one of them, and compare the"
+                " other with the calibrated map"
+            )
+        for name, of in (("facing", "lux"), ("shaded", "lux"), ("at", "nits")):
+            if getattr(self, name) is not None and kinds != [of]:
+                raise EnvLightsError(f"{name} belongs to {of}; give {of} too, or leave {name} out")
+        if self.nits is not None and self.at is None:
+            raise EnvLightsError(
+                "nits needs the measured place: at=(x, y, z), a direction, or at=(row, column)"
+            )
+
+    def of_lux(self) -> tuple[float, NDArray[np.float64]]:
+        """Measured illuminance, and the unit vector that the surface faces."""
+        facing = reals("facing", UP if self.facing is None else self.facing, 1)
+        sphere.direction_to_uv(facing[None])  # refuses a vector that is not of length 1
+        return reading("lux", self.lux), facing
+
+    def ratio(self, lux: float) -> float | None:
+        """Illuminance over that with the sun shaded; None without a second reading."""
+        if self.shaded is None:
+            return None
+        shaded = reading("shaded", self.shaded)
+        if shaded >= lux:
+            raise EnvLightsError(
+                f"shaded must be below lux, because shade takes light away; got {shaded:g} lux in"
+                f" the shade and {lux:g} in the sun"
+            )
+        return lux / shaded
+
+
+def reading(name: str, value: object) -> float:
+    """Reading of a meter as a number above 0, or a refusal."""
+    number = amount(name, value)
+    if number == 0:
+        raise EnvLightsError(f"{name} must be above 0; got 0")
+    return number
+
+
+def in_nits(
+    radiance: NDArray[np.float32], wanted: float, measured: float, source: str
+) -> tuple[NDArray[np.float32], float, str]:
+    """Radiance in cd/m2, its factor, and a note.
+
+    Parameters
+    ----------
+    radiance : ndarray, shape (height, width, 3)
+        Radiance on the scale of the map.
+    wanted, measured : float
+        Reading of the meter, and the same quantity in the map.
+    source : str
+        Reading in words.
+    """
+    if not measured > 0:
+        raise EnvLightsError(f"the map is black there, so {source} gives no scale")
+    factor = wanted / measured
+    largest = factor * float(radiance.max(initial=0))
+    if not 0 < largest < float(np.finfo(np.float32).max):
+        raise EnvLightsError(
+            f"{source} makes a largest sample of {largest:.3g} cd/m2, which single precision cannot"
+            f" hold; the map has {measured:.4g} on its own scale"
+        )
+    note = f"{_NOTE} by {source}: radiance was multiplied by {factor:.4g}"
+    return radiance * np.float32(factor), factor, note
+
+
+def other_notes(notes: list[str]) -> list[str]:
+    """Notes without that of an earlier calibration."""
+    return [note for note in notes if not note.startswith(_NOTE)]
+
+
+class Patch(NamedTuple):
+    """Disc of a map that a luminance meter sees."""
+
+    luminance: float
+    """Mean luminance over the solid angle."""
+
+    largest: float
+    """Largest sample."""
+
+    seen: float
+    """Least share of a pixel that is seen."""
+
+    def check(self, white: float | None) -> None:
+        """Refuse a disc whose luminance the map does not hold."""
+        if self.seen < 1:
+            raise EnvLightsError(
+                f"the map does not show all of the disc at `at` ({100 * self.seen:.3g} % of a"
+                " pixel); measure a place that it shows"
+            )
+        if white is not None and self.largest >= LEAST_WHITE * white:
+            raise EnvLightsError(
+                f"the disc at `at` is clipped at {white:g}, so its luminance is unknown; measure a"
+                " darker place"
+            )
+
+
+def direction_at(at: ArrayLike, height: int, width: int) -> NDArray[np.float64]:
+    """Unit vector of a direction (x, y, z), or of a pixel (row, column)."""
+    place = reals("at", at, 1)
+    if len(place) == 3:
+        sphere.direction_to_uv(place[None])  # refuses a vector that is not of length 1
+        return place
+    if len(place) != 2:
+        raise EnvLightsError(
+            f"at must be a direction (x, y, z) or a pixel (row, column); got {len(place)} numbers"
+        )
+    row, column = place
+    if not (0 <= row < height and 0 <= column < width):
+        raise EnvLightsError(
+            f"at must be a pixel of the map of {height} rows and {width} columns; got ({row:g},"
+            f" {column:g})"
+        )
+    uv = [[(column + 0.5) / width, (row + 0.5) / height]]
+    direction: NDArray[np.float64] = sphere.uv_to_direction(uv)[0]
+    return direction
+
+
+def patch_of(
+    cells: NDArray[np.float32],
+    seen: NDArray[np.float32] | None,
+    direction: NDArray[np.float64],
+    diameter: float,
+) -> Patch:
+    """Pixels of a cell-centred map in a disc of a diameter in degrees; one pixel at least."""
+    height, width, _ = cells.shape
+    radius = math.radians(diameter) / 2
+    theta = math.acos(min(max(direction[1], -1.0), 1.0))
+    first = max(math.floor((theta - radius) / math.pi * height), 0)
+    rows = slice(first, min(math.ceil((theta + radius) / math.pi * height) + 1, height))
+    towards = sphere.row_directions(height, rows) @ direction
+    # Keep the nearest pixel of a disc that holds no centre.
+    is_in = towards >= min(math.cos(radius), float(towards.max()))
+    weight = sphere.pixel_solid_angles(height, 2)[rows, :1].repeat(width, axis=1)[is_in]
+    pixels = cells[rows][is_in]
+    luminance = float(weight @ (pixels @ LUMINANCE) / weight.sum())
+    share = 1.0 if seen is None else float(seen[rows][is_in].min())
+    return Patch(luminance, float(pixels.max()), share)

@@ -1,0 +1,65 @@
+"""Clip level of a picture of integer codes, by its own histogram."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights import _native
+from envlights._common.srgb import decode_srgb
+
+#: Codes from this one on are the largest value of the format, which JPEG compression blurs.
+_FULL = 254
+
+
+class CodeHistogram:
+    """Solid angle of each code of the largest channel, as 8 bits; rows are added in any order."""
+
+    def __init__(self, height: int) -> None:
+        edges = np.cos(np.linspace(0, np.pi, height + 1))
+        self._weights = edges[:-1] - edges[1:]
+        self.sums = np.zeros(256)
+
+    def add(self, codes: NDArray[Any], top: int = 0) -> None:
+        """Add rows of uint8 or uint16 codes, (rows, width, channels), from the row `top` on."""
+        weights = np.ascontiguousarray(self._weights[top : top + len(codes)])
+        if codes.dtype.itemsize == 1:
+            self.sums += _native.code_histogram_8(codes.astype(np.uint8, copy=False), weights)
+        else:
+            self.sums += _native.code_histogram_16(codes.astype(np.uint16, copy=False), weights)
+
+    def white_code(self) -> int:
+        """Code of 255 at which the picture is clipped; 255 if nothing is."""
+        code = _native.white_code(self.sums)
+        return 255 if code is None or code >= _FULL else code
+
+
+def white_of(histogram: CodeHistogram, table: NDArray[np.float32]) -> tuple[float, list[str]]:
+    """Linear clip level, and a note if it is below the largest code.
+
+    `table` holds the linear value of each code, (n,) or (3, n).
+    """
+    code = histogram.white_code()
+    value = float(table[..., code * (table.shape[-1] - 1) // 255].max())
+    notes = (
+        [] if code == 255 else [f"the picture is clipped at code {code} of 255, by its histogram"]
+    )
+    return value, notes
+
+
+def white_of_codes(
+    codes: NDArray[Any], seen: NDArray[np.float32] | None, notes: list[str]
+) -> float:
+    """Linear clip level of sRGB codes, (height, width, 3), with a note if it is below 1.
+
+    Pixels with a `seen` share of 0 do not count.
+    """
+    if seen is not None:
+        codes = np.where(seen[..., None] > 0, codes, 0).astype(codes.dtype, copy=False)
+    histogram = CodeHistogram(len(codes))
+    histogram.add(codes)
+    white, said = white_of(histogram, decode_srgb(np.linspace(0, 1, 256)))
+    notes += said
+    return white

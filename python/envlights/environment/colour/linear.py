@@ -1,0 +1,93 @@
+"""Samples of a file as linear Rec.709: transfer curve, exposure of the header, primaries."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights import _native
+from envlights._common.codes import look_up
+from envlights.environment.colour.choice import ColourConversion
+from envlights.environment.colour.transfer_curves import Curve
+from envlights.environment.decoders.raw_image import Header
+
+#: Rows of a block of floating point samples, whose curve needs memory for double precision.
+_ROWS_AT_ONCE = 64
+
+
+class Linear:
+    """Function from samples of some rows to linear Rec.709; counts the pixels outside of it."""
+
+    def __init__(self, header: Header, conversion: ColourConversion) -> None:
+        self._conversion = conversion
+        self._bits = 8 * header.dtype.itemsize
+        exposure = np.asarray(header.exposure, np.float32)
+        self._divisor = None if (exposure == 1).all() else exposure
+        matrix = conversion.matrix
+        self._matrix = None if matrix is None else matrix.tolist()
+        self._pixels = self._outside = 0
+
+    def __call__(self, samples: NDArray[Any]) -> NDArray[np.float32]:
+        """Linear values, (rows, width, 3), of red, green and blue or of one grey channel.
+
+        Negative results of the matrix become 0. Floats without a conversion are not copied.
+        """
+        linear = self._decode(samples)
+        if self._divisor is not None:
+            linear = linear / self._divisor[: linear.shape[2]]
+        if linear.shape[2] == 1:
+            return np.repeat(linear, 3, axis=2)
+        if self._matrix is None:
+            return linear
+        converted, outside = _native.apply_matrix(np.ascontiguousarray(linear), self._matrix)
+        self._outside += outside
+        self._pixels += linear.shape[0] * linear.shape[1]
+        return converted
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Remark on the share of the pixels so far that lay outside Rec.709, if there are any."""
+        if not self._outside:
+            return ()
+        share = f"{100 * self._outside / self._pixels:.2g} %"
+        return (f"{share} of the pixels lay outside Rec.709; their negative channels became 0",)
+
+    def _decode(self, samples: NDArray[Any]) -> NDArray[np.float32]:
+        """Linear values in the primaries of the file."""
+        if samples.dtype.kind == "u":
+            return self._look_up(samples, self._table)
+        curve = self._conversion.curve
+        if curve is None:
+            return samples.astype(np.float32, copy=False)
+        if samples.dtype.itemsize == 2:
+            bits = np.ascontiguousarray(samples).view(np.uint16)
+            return self._look_up(bits, self._table_of_halves)
+        return _in_blocks(curve, samples)
+
+    def _look_up(self, codes: NDArray[Any], table: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Values of codes; a grey channel has the curve of green."""
+        is_grey = table.ndim == 2 and codes.shape[2] == 1
+        return look_up(codes, table[1] if is_grey else table)
+
+    @cached_property
+    def _table(self) -> NDArray[np.float32]:
+        return self._conversion.table(self._bits)
+
+    @cached_property
+    def _table_of_halves(self) -> NDArray[np.float32]:
+        """Linear value of each bit pattern of half precision."""
+        halves = np.arange(1 << 16, dtype=np.uint16).view(np.float16)
+        return self._conversion.values(halves.astype(np.float64))
+
+
+def _in_blocks(curve: Curve, samples: NDArray[Any]) -> NDArray[np.float32]:
+    """Values of the curve for floating point samples."""
+    linear = np.empty(samples.shape, np.float32)
+    for top in range(0, len(samples), _ROWS_AT_ONCE):
+        rows = slice(top, top + _ROWS_AT_ONCE)
+        with np.errstate(all="ignore"):
+            linear[rows] = curve(samples[rows].astype(np.float64))
+    return linear

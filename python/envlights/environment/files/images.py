@@ -1,0 +1,303 @@
+"""The door for image files: each step of reading, in its order."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights._common.check import count
+from envlights._common.errors import FileError
+from envlights._common.printable import printable
+from envlights._common.units import OWN_SCALE, PHOTOMETRIC
+from envlights.environment.clip_level import CodeHistogram, white_of
+from envlights.environment.colour.alpha import seen_of_alpha, straight_codes, visible
+from envlights.environment.colour.choice import ColourArgument, ColourConversion, conversion
+from envlights.environment.colour.linear import Linear
+from envlights.environment.decoders.native import open_png, open_radiance
+from envlights.environment.decoders.openimageio import check_size, open_with_openimageio
+from envlights.environment.decoders.raw_image import ImageFile, RawImage
+from envlights.environment.decoders.signature import kind_of
+from envlights.environment.decoders.source import AnySource, Source, named_source
+from envlights.environment.files.channels import Choice, choose
+from envlights.environment.files.hints import NO_HINTS, Hints
+from envlights.environment.files.placement import Placement, placement
+
+#: Largest number of pixels, 32768 x 16384, unless a caller allows more, because a damaged header
+#: may claim any number.
+MOST_PIXELS = 2**29
+
+#: Primaries and white of Rec.709, as OpenEXR stores them: x and y of red, green, blue, white.
+REC709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
+
+
+@dataclass(frozen=True, eq=False)
+class Image:
+    """Content of a file."""
+
+    pixels: NDArray[np.float32]
+    """Linear Rec.709, (height, width, 3), black where nothing is seen."""
+
+    border_sampled: bool
+    """True if the metadata puts the outer pixels on the seam and the poles."""
+
+    notes: tuple[str, ...]
+    """Remarks on assumptions and on ignored content."""
+
+    white: float | None = None
+    """Clip level of the samples; None for floating point."""
+
+    seen: NDArray[np.float32] | None = None
+    """Share of each pixel that the file shows, (height, width); None if all is seen."""
+
+    hints: Hints = NO_HINTS
+    """Statements of the file about its projection."""
+
+    units: str = OWN_SCALE
+    """Unit of the pixels; see `EnvMap.units`."""
+
+    ev100: float | None = None
+    """Exposure value at ISO 100 of a single exposure; None if unknown."""
+
+
+@dataclass(frozen=True)
+class OpenImage:
+    """An open file, all decisions about it taken; its pixels are read by rows or as a whole."""
+
+    name: str
+    """Printable name of the file."""
+
+    raw: RawImage
+    """Header, and the samples of the chosen channels."""
+
+    choice: Choice
+    """Part and channels."""
+
+    colour: ColourConversion
+    """Steps to linear Rec.709."""
+
+    place: Placement
+    """Steps to the whole sphere."""
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Remarks of all steps."""
+        notes = (*self.choice.notes, *self.raw.header.notes, *self.colour.notes)
+        # Names of channels and colour spaces may hold any characters.
+        return tuple(map(printable, (*notes, *self.place.notes)))
+
+    @property
+    def hints(self) -> Hints:
+        """Statements of the file about its projection."""
+        header, view = self.raw.header, self.place.view
+        return Hints(
+            self.name,
+            header.kind,
+            header.environment,
+            header.cube_sides,
+            header.border_sampled,
+            *view,
+            layout=header.layout,
+        )
+
+    @property
+    def units(self) -> str:
+        """Unit of the linear samples."""
+        return PHOTOMETRIC if self.raw.header.has_luminance else OWN_SCALE
+
+    def samples(self) -> Iterator[tuple[int, NDArray[Any], NDArray[Any]]]:
+        """First row, colours and alpha of some rows at a time, in the type of the file."""
+        height, step = self.raw.header.height, self.raw.rows_at_once
+        count = len(self.choice.colours)
+        for top in range(0, height, step):
+            samples = self.raw.rows(top, min(top + step, height))
+            yield top, samples[..., :count], samples[..., count:]
+
+    def _block(
+        self, linear: Linear, colours: NDArray[Any], alpha: NDArray[Any]
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32] | None]:
+        header = self.raw.header
+        if not alpha.shape[2] or header.alpha == "none":
+            return linear(colours), None
+        block = linear(straight_codes(colours, alpha[..., 0], header))
+        return block, seen_of_alpha(block, alpha[..., 0], header)
+
+    def image(self) -> Image:
+        """All pixels of the sphere."""
+        header = self.raw.header
+        linear = Linear(header, self.colour)
+        histogram = CodeHistogram(header.height) if header.dtype.kind == "u" else None
+        size = (header.height, header.width)
+        pixels, shares = _Rows((*size, 3)), _Rows(size, 1.0)
+        for top, colours, alpha in self.samples():
+            if histogram:
+                histogram.add(visible(colours, alpha), top)
+            block, share = self._block(linear, colours, alpha)
+            pixels.add(top, block)
+            shares.add(top, share)
+        white, notes = self._white(histogram, pixels.whole)
+        seen = shares.whole
+        if seen is not None and not seen.any():
+            self._check_alpha()
+            seen = None
+        if seen is None and self.place.crop:
+            seen = np.ones(size, np.float32)
+        return Image(
+            self.place.apply(pixels.whole),
+            header.border_sampled,
+            (*self.notes, *linear.notes, *notes),
+            white,
+            None if seen is None else self.place.apply(seen, border=1),
+            self.hints,
+            self.units,
+            header.ev100,
+        )
+
+    def _white(
+        self, histogram: CodeHistogram | None, pixels: NDArray[np.float32]
+    ) -> tuple[float | None, list[str]]:
+        """Clip level, and a note on one that only the histogram shows."""
+        if self.raw.header.has_gain_map:
+            return float(pixels.max(initial=0)) or None, []
+        if histogram is None:
+            return self.colour.white, []
+        return white_of(histogram, self.colour.table(8 * self.raw.header.dtype.itemsize))
+
+    def _check_alpha(self) -> None:
+        """Refuse a file whose alpha is 0 everywhere; straight alpha would hide all pixels."""
+        if self.raw.header.alpha == "straight":
+            raise FileError(
+                f"cannot read {self.name}: alpha is 0 in all pixels, so that nothing is seen;"
+                f" leave it out with channels={','.join(self.choice.colours)!r}"
+            )
+
+
+class _Rows:
+    """Array that is filled block by block; one block of all rows is taken as it is."""
+
+    def __init__(self, shape: tuple[int, ...], default: float | None = None) -> None:
+        self._shape, self._default = shape, default
+        self.whole: Any = None
+
+    def add(self, top: int, block: NDArray[np.float32] | None) -> None:
+        """Set the rows from `top` on; rows without a block keep the default, if there is one."""
+        if block is None:
+            return
+        if block.shape == self._shape:
+            self.whole = block
+            return
+        if self.whole is None:
+            self.whole = np.empty(self._shape, np.float32)
+            if self._default is not None:
+                self.whole.fill(self._default)
+        self.whole[top : top + len(block)] = block
+
+
+@contextlib.contextmanager
+def open_image(
+    source: AnySource | Source,
+    *,
+    colour: ColourArgument | None = None,
+    part: str | int | None = None,
+    channels: str | Sequence[str] | None = None,
+    max_pixels: int = MOST_PIXELS,
+    any_format: bool = False,
+    any_projection: bool = False,
+) -> Iterator[OpenImage]:
+    """Open file as `read_image` reads it, for callers who take its rows one by one."""
+    count("max_pixels", max_pixels, least=1)
+    named = named_source(source)
+    kind = kind_of(named, any_format=any_format)
+    with _reader(named, kind, max_pixels) as file:
+        choice = choose(named.name, file.parts, part, channels)
+        names = (*choice.colours, choice.alpha) if choice.alpha else choice.colours
+        raw = file.image(choice.part, names)
+        place = placement(raw.header)
+        check_size(named.name, *place.size, max_pixels)
+        opened = OpenImage(named.name, raw, choice, conversion(raw.header, colour), place)
+        if not any_projection:
+            _check_projection(opened.hints)
+        yield opened
+
+
+def _check_projection(hints: Hints) -> None:
+    """Refuse a picture whose metadata name a projection other than equirectangular."""
+    if other := hints.names_other_projection:
+        raise FileError(
+            f"cannot read {hints.name}: its metadata name the projection {other}; give an"
+            " equirectangular map"
+        )
+
+
+@contextlib.contextmanager
+def _reader(named: Source, kind: str, max_pixels: int) -> Iterator[ImageFile]:
+    """Open file by the reader of its kind."""
+    if kind == "radiance":
+        yield open_radiance(named, max_pixels)
+    elif kind == "png":
+        yield open_png(named, max_pixels)
+    else:
+        with open_with_openimageio(named, kind, max_pixels) as file:
+            yield file
+
+
+def read_image(
+    source: AnySource | Source,
+    *,
+    colour: ColourArgument | None = None,
+    part: str | int | None = None,
+    channels: str | Sequence[str] | None = None,
+    max_pixels: int = MOST_PIXELS,
+    any_format: bool = False,
+    any_projection: bool = False,
+) -> Image:
+    """Read an image at full size, as linear Rec.709.
+
+    Parameters
+    ----------
+    source : path-like, bytes or file object
+        Radiance .hdr, OpenEXR, PNG, JPEG or TIFF; the first bytes decide. "-" is the standard
+        input; addresses like ``s3://`` are read by fsspec, if it is installed.
+    colour : str, bytes or path-like, optional
+        Colour space of the samples, instead of what the file says.
+    part : str or int, optional
+        Name of a part or layer, or number of a part from 0. When left out, the finished picture
+        ("beauty") is found by its name.
+    channels : str or sequence of str, optional
+        Names of red, green and blue, or of one grey channel, then perhaps alpha.
+    max_pixels : int
+        Files with more pixels are refused before memory is allocated.
+    any_format : bool
+        Try all formats of OpenImageIO on other files. Do not set it for files of strangers.
+    any_projection : bool
+        Read a cube, a cylinder and other projections as they are stored; `layouts.recognise`
+        arranges them. False: refuse files whose metadata name one.
+
+    Returns
+    -------
+    Image
+        Linear Rec.709, with notes on everything that was converted or ignored.
+
+    Raises
+    ------
+    MissingFileError
+        If there is no such file.
+    DamagedFileError
+        If the content contradicts the format.
+    EnvLightsError
+        If the file is too large, of another kind, or holds no RGB or grey image.
+    """
+    options: dict[str, Any] = {"colour": colour, "part": part, "channels": channels}
+    options |= {"max_pixels": max_pixels, "any_format": any_format}
+    options["any_projection"] = any_projection
+    with open_image(source, **options) as file:
+        try:
+            return file.image()
+        except MemoryError:
+            raise FileError(
+                f"cannot read {file.name}: its pixels do not fit into memory; give a smaller map"
+            ) from None

@@ -1,0 +1,178 @@
+"""Statement on the layout of a saved picture, so that it opens again without arguments.
+
+It is a line of the file's description (`io.description`) with the arguments of `EnvMap.open` and
+the size of the picture, as JSON.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from envlights._common.check import describe
+from envlights._native import EnvLightsError
+from envlights.environment.decoders.description import LAYOUT
+from envlights.environment.files.hints import Hints
+from envlights.environment.layouts import layout as layouts
+from envlights.environment.layouts.layout import Layout
+from envlights.environment.layouts.records import REGISTRATIONS, Arguments
+
+_VERSION = 1
+#: Entries of a statement beside the arguments.
+_OTHERS = {"version", "size"}
+#: Arguments that no saved picture has.
+_UNUSED = {"towards", "eye"}
+#: Arguments that name a projection, so that a statement of the file does not count.
+_NAMING = ("projection", "faces", "mapping")
+#: Axes of a picture whose statement has none.
+_AXES = {
+    "octahedral": layouts.UP,
+    "octahedral-equal-area": layouts.PBRT,
+    "mirror-ball": layouts.MIRRORED,
+}
+_WAY_OUT = "give projection= and its arguments, which replace the attribute"
+
+
+def line_of(layout: Layout, size: tuple[int, int], faces: str = "") -> tuple[str, ...]:
+    """Line of the description of a picture; none for parts of panoramas.
+
+    Parameters
+    ----------
+    layout : Layout
+        Projection of the picture.
+    size : tuple of int
+        Rows and columns of the picture in the file.
+    faces : str
+        Value of `faces=` for a cube.
+    """
+    import json  # here, so that `import envlights` does not wait for it
+
+    is_panorama = layout.kind == "equirectangular"
+    if is_panorama and not layout.is_whole_sphere:
+        return ()
+    given = {
+        name: value for name, value in _arguments_of(layout, faces).items() if value is not None
+    }
+    return (LAYOUT + json.dumps({"version": _VERSION, **given, "size": list(size)}),)
+
+
+def _arguments_of(layout: Layout, faces: str) -> dict[str, Any]:
+    """Arguments that describe a layout; those that are None are not needed."""
+    projection = _projection_of(layout)
+    is_fisheye = projection == "fisheye"
+    has_samples = projection in ("equirectangular", "cube")
+    view = 2 * layout.reach if is_fisheye else layout.field_of_view
+    return {
+        "projection": projection,
+        "faces": faces or None,
+        "registration": REGISTRATIONS[layout.border_sampled] if has_samples else None,
+        "mapping": layout.mapping if is_fisheye else None,
+        "fov": _degrees(view) if view else None,
+        "horizon": layout.horizon,
+        "circle": layout.circle,
+        "axes": None if layout.axes == _AXES.get(projection, layouts.FRONT) else layout.axes,
+    }
+
+
+def _projection_of(layout: Layout) -> str:
+    """Value of `projection=` of a layout."""
+    if layout.kind != "azimuthal":
+        return layout.kind
+    is_square, is_whole = layout.height == layout.width, layout.reach == math.pi
+    if is_whole and is_square and layout.mapping == "equidistant" and layout.circle is None:
+        return "angular"
+    is_ball = layout.mapping == "equisolid" and layout.axes == layouts.MIRRORED
+    if is_whole and is_ball and (is_square or layout.circle is not None):
+        return "mirror-ball"
+    return "fisheye"
+
+
+def _degrees(radians: float) -> float:
+    """Degrees of an angle, rounded if their radians are the same number."""
+    exact = math.degrees(radians)
+    short = round(exact, 9)
+    return short if math.radians(short) == radians else exact
+
+
+def with_statement(
+    arguments: Arguments, hints: Hints, size: tuple[int, int]
+) -> tuple[Arguments, bool]:
+    """Arguments, completed by the statement of the file, and True if it counts.
+
+    It does not count if the user names a projection. Single arguments of the user replace its own.
+
+    Parameters
+    ----------
+    arguments : Arguments
+        Arguments of the user.
+    hints : Hints
+        Statements of the file.
+    size : tuple of int
+        Rows and columns of the picture.
+
+    Raises
+    ------
+    EnvLightsError
+        If the statement is damaged, or it describes a picture of another shape.
+    """
+    if not hints.layout or any(getattr(arguments, name) is not None for name in _NAMING):
+        return arguments, False
+    stated = _arguments_of_statement(hints.layout, size)
+    given = {name: value for name, value in arguments._asdict().items() if value is not None}
+    if "towards" in given:
+        given["axes"] = None
+    return stated._replace(**given), True
+
+
+def _arguments_of_statement(text: str, size: tuple[int, int]) -> Arguments:
+    """Arguments of a statement, in pixels of a picture of this size."""
+    data = _entries_of(text)
+    known = {*_OTHERS, *Arguments._fields} - _UNUSED
+    if data.get("version") != _VERSION or (set(data) - known):
+        raise _refusal(f"it is of another version or has unknown entries ({describe(text)})")
+    try:
+        arguments = Arguments(**{key: data[key] for key in data if key not in _OTHERS})
+        arguments.check()
+        return _in_pixels_of(arguments, data["size"], size)
+    except EnvLightsError as refusal:
+        raise _refusal(str(refusal)) from None
+    except (KeyError, OverflowError, TypeError, ValueError):
+        raise _refusal(f"a value is missing or of another type in {describe(text)}") from None
+
+
+def _entries_of(text: str) -> Mapping[str, Any]:
+    import json
+
+    try:
+        data = json.loads(text)
+    except (ValueError, RecursionError):
+        raise _refusal(f"{describe(text)} is no JSON") from None
+    if not isinstance(data, dict) or "projection" not in data:
+        raise _refusal(f"{describe(text)} names no projection")
+    return data
+
+
+def _in_pixels_of(arguments: Arguments, stated: Any, size: tuple[int, int]) -> Arguments:
+    """Arguments in pixels of a picture that was resized in proportion, or a refusal."""
+    (rows, columns), (height, width) = stated, size
+    if not rows > 0 or not columns > 0 or rows * width != columns * height:
+        raise EnvLightsError(
+            f"it describes a picture of {columns}x{rows} pixels, and this one of {width}x{height}"
+            " was cropped or stretched"
+        )
+    scale = height / rows
+    if arguments.horizon is not None:
+        arguments = arguments._replace(horizon=arguments.horizon * scale)
+    if arguments.circle is not None:
+        circle = [scale * value for value in np.asarray(arguments.circle, float).tolist()]
+        arguments = arguments._replace(circle=circle)
+    return arguments
+
+
+def _refusal(reason: str) -> EnvLightsError:
+    return EnvLightsError(
+        f"the attribute {LAYOUT[:-1]} of the file cannot be used: {reason}; {_WAY_OUT}"
+    )

@@ -1,0 +1,279 @@
+"""Order, turns and registration of the faces of a cube."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights._common.errors import FileError
+from envlights._native import EnvLightsError
+from envlights.environment.files.hints import Hints
+from envlights.environment.layouts.conventions import (
+    CONVENTIONS,
+    CROSSES,
+    DISTINCT,
+    FACES,
+    title_of,
+)
+from envlights.environment.layouts.faces import (
+    crosses_of,
+    faces_of_cross,
+    is_strip,
+    split_strip,
+    upright_faces,
+)
+from envlights.environment.layouts.layout import Layout, cube
+from envlights.environment.layouts.projections import candidates
+from envlights.environment.layouts.records import REGISTRATIONS, Arguments, ArrangedPicture, Source
+from envlights.environment.layouts.seams import (
+    FITS,
+    Evidence,
+    compare,
+    contradicts,
+    has_equal_edges,
+    lines_of_faces,
+    log_luminance,
+)
+
+#: Sides of a complete DDS cube.
+_SIDES = "+x -x +y -y +z -z"
+#: Orders whose files have the names of axes.
+_AXIS_ORDERS = ("opengl", "openexr")
+
+
+class _Order(NamedTuple):
+    """Order of the faces, and its evidence."""
+
+    name: str
+    recognised_by: str
+    notes: tuple[str, ...] = ()
+
+
+def arrange_cube(
+    samples: NDArray[Any],
+    seen: NDArray[Any] | None,
+    hints: Hints,
+    arguments: Arguments,
+    recognised_by: str,
+) -> ArrangedPicture:
+    """Stack of six upright faces, (6 n, n, ...), in our order.
+
+    Parameters
+    ----------
+    samples : ndarray, shape (6, n, n, channels) or (height, width, channels)
+        Six faces, a stack, a strip or a cross.
+    seen : ndarray, optional
+        Share of each pixel that is seen, of the same arrangement.
+    hints, arguments
+        Statements of the file and of the user.
+    recognised_by : str
+        Evidence that it is a cube, for one whose order needs none.
+    """
+    orders = _possible_orders(samples)
+    if not orders:
+        raise _no_cube(samples, hints)
+    upright_of = partial(_upright, is_faces=samples.ndim == 4)
+    side = _side_of(samples, orders[0])
+    lines = lines_of_faces(side)
+    logs = log_luminance(_sample_of(samples, lines, side))
+    # Vertical crosses differ in one face.
+    faces = ("back",) if orders[0].startswith("vertical") else FACES
+    evidence = compare({order: upright_of(logs, order) for order in orders}, faces, lines)
+    order = _order(evidence, hints, arguments, recognised_by)
+    upright = upright_of(samples, order.name)
+    is_border, notes = _registration(upright, order, arguments)
+    n = upright.shape[1]
+    layout = cube(n, border_sampled=is_border)
+    name = _name_of(order, is_border=is_border)
+    size = (6 * n, n) if samples.ndim == 4 else samples.shape[:2]
+    source = Source("cube", size, name, REGISTRATIONS[is_border], order.recognised_by, layout)
+    share = None if seen is None else _stack(upright_of(seen, order.name), layout)
+    return ArrangedPicture(_stack(upright, layout), share, layout, source, (*order.notes, *notes))
+
+
+def _possible_orders(samples: NDArray[Any]) -> tuple[str, ...]:
+    """Orders that the shape admits; one for each that pixels can distinguish."""
+    if samples.ndim == 4:
+        return DISTINCT if samples.shape[0] == 6 and samples.shape[1] == samples.shape[2] else ()
+    height, width = samples.shape[:2]
+    return DISTINCT if is_strip(height, width) else crosses_of(height, width)
+
+
+def _side_of(samples: NDArray[Any], order: str) -> int:
+    """Rows of a face in a picture."""
+    height, width = (int(side) for side in samples.shape[-3:-1])
+    if samples.ndim == 4:
+        return height
+    return height // CROSSES[order].rows if order in CROSSES else min(height, width)
+
+
+def _sample_of(samples: NDArray[Any], lines: NDArray[np.intp], n: int) -> NDArray[Any]:
+    """Some rows and columns of each face, in the arrangement of the picture."""
+    if samples.ndim == 4:
+        faces: NDArray[Any] = samples[:, lines[:, None], lines]
+        return faces
+    rows, columns = ((lines + np.arange(0, side, n)[:, None]).ravel() for side in samples.shape[:2])
+    picture: NDArray[Any] = samples[rows[:, None], columns]
+    return picture
+
+
+def _upright(samples: NDArray[Any], order: str, *, is_faces: bool) -> NDArray[Any]:
+    """Six upright faces of six faces or of a picture; axes after the pixels stay."""
+    if order in CROSSES:
+        return faces_of_cross(samples, order)
+    return upright_faces(samples if is_faces else split_strip(samples), order)
+
+
+def _stack(faces: NDArray[Any], layout: Layout) -> NDArray[Any]:
+    return np.ascontiguousarray(faces).reshape(layout.height, layout.width, *faces.shape[3:])
+
+
+def _order(evidence: Evidence, hints: Hints, arguments: Arguments, recognised_by: str) -> _Order:
+    """Order by argument, by metadata or names unless the seams decide on another, or by seams."""
+    if arguments.faces is not None:
+        return _order_of_argument(arguments.faces, hints.order, evidence)
+    stated, by = _stated_order(hints)
+    if stated and set(evidence.scores) == {*DISTINCT}:
+        return _order_of_statement(stated, by, evidence)
+    if len(evidence.scores) == 1:  # a horizontal cross
+        (name,) = evidence.scores
+        by = recognised_by if recognised_by != "argument" else "shape"
+        fits = evidence.scores[name] < FITS
+        if not fits and by == "shape" and recognised_by == "shape":
+            raise EnvLightsError(
+                f"a picture with even corners of the shape 4:3 may be a cube map (faces={name!r}),"
+                f" but the edges of its faces do not fit ({_scores(evidence)}), or"
+                f" {candidates(('planar',))}; give the arguments of one of them"
+            )
+        return _Order(name, by, (f"faces of {title_of(name)}{'' if fits else _doubt(evidence)}",))
+    if not evidence.chosen:
+        raise EnvLightsError(_ambiguous(evidence))
+    how = f"faces in {title_of(evidence.chosen)}, by their seams"
+    return _Order(evidence.chosen, "seams", (how,))
+
+
+def _order_of_argument(name: str, by_names: str, evidence: Evidence) -> _Order:
+    fits = _distinct(name)
+    if by_names and (fits in _AXIS_ORDERS) != (by_names in _AXIS_ORDERS):
+        raise EnvLightsError(
+            f"faces={name!r} contradicts the names of the files, which are those of"
+            f" {title_of(by_names)}; leave out faces=, or rename the files"
+        )
+    if fits not in evidence.scores:
+        possible = ", ".join(repr(order) for order in _possible_names(evidence))
+        raise EnvLightsError(
+            f"faces={name!r} does not fit the shape of the picture; give faces= {possible}"
+        )
+    if contradicts(evidence, fits):
+        return _Order(name, "argument", (_misfit(name, evidence),))
+    return _Order(name, "argument")
+
+
+def _order_of_statement(name: str, by: str, evidence: Evidence) -> _Order:
+    source = "the names of the files" if by == "name" else "the metadata"
+    distinct = _distinct(name)
+    if not contradicts(evidence, distinct):
+        note = f"faces in {title_of(name)}, by {source}"
+        if evidence.scores[distinct] >= FITS:
+            note += _doubt(evidence)
+        return _Order(name, by, (note,))
+    note = (
+        f"faces in {title_of(evidence.chosen)}, by their seams; {source} name"
+        f" {title_of(name)}, whose edges do not fit: {_scores(evidence)}"
+    )
+    return _Order(evidence.chosen, "seams", (note,))
+
+
+def _stated_order(hints: Hints) -> tuple[str, str]:
+    """Order that names or metadata determine, and its evidence; empty without one."""
+    if hints.order:
+        return hints.order, "name"
+    if hints.environment == "cube" and hints.kind == "openexr":
+        return "openexr", "attribute"
+    if hints.environment == "cube" and hints.kind == "dds":
+        if hints.cube_sides not in ("", _SIDES):
+            raise FileError(
+                f"cannot read {hints.name}: it holds only the faces {hints.cube_sides} of a cube;"
+                " give all six"
+            )
+        return "opengl", "attribute"
+    return "", ""
+
+
+def _registration(
+    upright: NDArray[Any], order: _Order, arguments: Arguments
+) -> tuple[bool, tuple[str, ...]]:
+    """True for border samples, and notes."""
+    if arguments.registration is not None:
+        return arguments.registration == REGISTRATIONS[1], ()
+    convention = CONVENTIONS.get(order.name)
+    if order.recognised_by != "seams" and convention is not None and convention.border_sampled:
+        return True, ()
+    if has_equal_edges(upright):
+        note = "the edges of the faces are equal, so the samples lie on them (border-sampled)"
+        return True, (note,)
+    return False, ()
+
+
+def _name_of(order: _Order, *, is_border: bool) -> str:
+    """Name of a convention; of equal orders, the one with this registration."""
+    if order.recognised_by == "seams" and order.name == "py360convert" and not is_border:
+        return "pannellum"
+    return order.name
+
+
+def _distinct(name: str) -> str:
+    """Name of the convention with the same order that the seams distinguish."""
+    if name in CROSSES:
+        return name
+    wanted = CONVENTIONS[name]
+    for other in DISTINCT:
+        convention = CONVENTIONS[other]
+        if (convention.faces, convention.turns) == (wanted.faces, wanted.turns):
+            return other
+    return name
+
+
+def _possible_names(evidence: Evidence) -> list[str]:
+    """Values of `faces=` that the shape admits."""
+    return [name for name in (*CONVENTIONS, *CROSSES) if _distinct(name) in evidence.scores]
+
+
+def _scores(evidence: Evidence) -> str:
+    each = (f"{name} {score:.2g}" for name, score in evidence.scores.items())
+    return "step across the edges over the step inside: " + ", ".join(each)
+
+
+def _doubt(evidence: Evidence) -> str:
+    """End of a note on faces whose edges do not fit."""
+    return (
+        f", but their edges do not fit, so that faces may be turned or swapped; {_scores(evidence)}"
+    )
+
+
+def _misfit(name: str, evidence: Evidence) -> str:
+    return (
+        f"the edges of the faces fit {title_of(evidence.chosen)}, not {title_of(name)} as"
+        f" stated; {_scores(evidence)}"
+    )
+
+
+def _ambiguous(evidence: Evidence) -> str:
+    choices = ", ".join(repr(name) for name in _possible_names(evidence))
+    return (
+        f"the order of the faces of a cube map cannot be decided by their edges"
+        f" ({_scores(evidence)}); give faces= one of {choices}"
+    )
+
+
+def _no_cube(samples: NDArray[Any], hints: Hints) -> EnvLightsError:
+    height, width = samples.shape[-3:-1]
+    what = f"cannot read {hints.name} as a cube map: it has" if hints.name else "a cube map has"
+    got = f" {width}x{height} pixels" if hints.name else f" six square faces; got {width}x{height}"
+    return EnvLightsError(
+        f"{what}{got}; give a stack (1:6), a strip (6:1), a horizontal cross (4:3), a vertical"
+        " cross (3:4), or six squares; or projection= if it is no cube map"
+    )

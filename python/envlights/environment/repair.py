@@ -1,0 +1,279 @@
+"""Repair of a clipped map: an estimate of the clipped flux, and its distribution.
+
+The ground is the light meter of the scene. Under all light, with the clipped light, a ground of
+albedo a has the radiance a / pi times its irradiance. So with the mean luminance L_ground of the
+ground and the irradiance E_up of an upward surface under the clipped map,
+
+    missing = min( 3 max(0, pi L_ground / 0.2 - E_up),  3 F_unclipped,  400 / sr x W_clipped )
+
+is an estimate of the clipped flux. 0.2 is the albedo of usual ground, and 3 the ratio of flux to
+irradiance for light from 20 degrees above the horizon. F and W are flux and solid angle. The
+numbers were chosen on pictures of HDR maps; `benchmarks/clipped_repair.py` measures the result.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights import _native
+from envlights._common.check import amount
+from envlights._native import EnvLightsError
+from envlights.kernels.image import LUMINANCE
+from envlights.kernels.probe import irradiance as surface_irradiance
+from envlights.kernels.sphere import pixel_solid_angles
+
+#: Albedo of the ground.
+_ALBEDO = 0.2
+#: Ratio of the missing flux to the missing irradiance of an upward surface.
+_FLUX_PER_IRRADIANCE = 3.0
+#: Largest ratio of the missing flux to the unclipped flux.
+_MOST_OF_UNCLIPPED = 3.0
+#: Largest luminance of the missing light, in units of the clip level.
+_MOST_LUMINANCE = 400.0
+
+#: Sine of the elevation below which pixels count as ground.
+_GROUND = -math.sin(math.radians(3.0))
+#: Smallest seen fraction of the ground, and smallest unclipped fraction of that, for an estimate.
+_LEAST_GROUND = 0.1
+#: Range of albedos, under the light in the map, that a white floor would explain too.
+_WHITE_FLOOR = 0.7, 1.1
+
+#: Columns of the image in which clipped regions are separated, and the largest gap in radians that
+#: joins them; the defaults of `detect` for clipped maps.
+PLATEAU_COLUMNS, PLATEAU_GAP = 512, math.radians(0.8)
+
+#: Rows of a block; the arrays for a block take more memory than its pixels.
+_ROWS = 128
+
+
+class Repair(NamedTuple):
+    """Radiance with an estimate of the clipped light."""
+
+    radiance: NDArray[np.float32]
+    note: str
+    """Factor by which the flux was raised, or the reason why it was not."""
+    is_open: bool
+    """True if an estimate added nothing, so that clipped light may still be missing."""
+
+
+def repair(
+    radiance: NDArray[np.float32],
+    border_sampled: bool,
+    white: float | None,
+    irradiance: float | None,
+    ratio: float | None,
+    facing: NDArray[np.float64] | None = None,
+    *,
+    seen: NDArray[np.float32] | None = None,
+    from_unseen: float = 0.0,
+) -> Repair:
+    """Add the light that was clipped at `white`: a measured amount, or an estimate.
+
+    The amount is measured on a surface that faces a unit vector; upward when left out. `seen` is
+    the share of each pixel by which the radiance is multiplied, and `from_unseen` the luminance of
+    the irradiance of this surface from what is not seen.
+    """
+    if irradiance is not None and ratio is not None:
+        raise EnvLightsError("give irradiance or ratio, not both")
+    irradiance = None if irradiance is None else amount("irradiance", irradiance)
+    ratio = None if ratio is None else amount("ratio", ratio)
+    is_estimate = irradiance is None and ratio is None
+    level = math.inf if white is None else white
+    share = _native.clipped_light_shares(
+        radiance, border_sampled, level, PLATEAU_COLUMNS, PLATEAU_GAP
+    )
+    if not share.any():
+        return Repair(radiance, "nothing was added: no pixel is clipped", is_estimate)
+    light = _measure(radiance, share, level, border_sampled, seen)
+    if facing is not None and not is_estimate:
+        light = _as_seen_from(light, facing, radiance, share, level, border_sampled)
+    light = light.with_upward(from_unseen)
+    missing, source = light.estimate(level) if is_estimate else light.up_to(irradiance, ratio)
+    if missing == 0:
+        note = f"nothing was added for the clipped light: {source}"
+        return Repair(radiance, note, is_estimate)
+    factor = 1 + missing / light.flux
+    note = f"the flux was raised by a factor of {factor:.3g} for the clipped light: {source}"
+    return Repair(_raise_clipped(radiance, share, missing), note, False)
+
+
+@dataclass(frozen=True)
+class _Light:
+    """Flux and irradiance of a clipped map, in luminance."""
+
+    flux: float
+    unclipped_flux: float
+    upward: float
+    """Irradiance of an upward surface."""
+    upward_unclipped: float
+    """Irradiance of an upward surface without the clipped pixels."""
+    upward_share: float
+    """Irradiance of an upward surface for a flux of 1 in the clipped pixels."""
+    clipped: float
+    """Clipped solid angle."""
+    ground: float
+    """Mean luminance of the unclipped ground."""
+    unclipped_ground: float
+    """Unclipped fraction of the seen ground."""
+    seen_ground: float
+    """Fraction of the ground that is seen."""
+
+    def with_upward(self, irradiance: float) -> _Light:
+        """Light with more irradiance of an upward surface, from what is not seen."""
+        upward, unclipped = self.upward + irradiance, self.upward_unclipped + irradiance
+        return replace(self, upward=upward, upward_unclipped=unclipped)
+
+    def estimate(self, white: float) -> tuple[float, str]:
+        """Estimate of the missing flux from the ground, with its source in words."""
+        if self.seen_ground < _LEAST_GROUND:
+            return 0.0, "the ground is not seen, so there is no estimate; give irradiance or ratio"
+        if self.unclipped_ground < _LEAST_GROUND:
+            return (
+                0.0,
+                "the ground itself is clipped, so there is no estimate; give irradiance or ratio",
+            )
+        albedo = math.pi * self.ground / self.upward if self.upward > 0 else math.inf
+        least, most = _WHITE_FLOOR
+        if least <= albedo <= most:
+            return 0.0, (
+                f"under the light in the map the ground has an albedo of {albedo:.2g}, like a white"
+                " floor, so there is no estimate; give irradiance or ratio"
+            )
+        irradiance = math.pi * self.ground / _ALBEDO
+        if irradiance <= self.upward:
+            return 0.0, (
+                "the light in the map explains the brightness of the ground; for dark ground or"
+                " night, give irradiance or ratio"
+            )
+        missing = min(
+            _FLUX_PER_IRRADIANCE * (irradiance - self.upward),
+            _MOST_OF_UNCLIPPED * self.unclipped_flux,
+            _MOST_LUMINANCE * white * self.clipped,
+        )
+        low, high = _true_factors(1 + missing / self.flux)
+        return missing, (
+            "an estimate from the brightness of the ground (in two of three maps, the true factor"
+            f" is between {low:.2g} and {high:.2g})"
+        )
+
+    def up_to(self, irradiance: float | None, ratio: float | None) -> tuple[float, str]:
+        """Missing flux for a measured irradiance or ratio, with its source in words."""
+        name, target, least = "irradiance", irradiance or 0.0, self.upward
+        if ratio is not None:
+            name, target, least = "ratio", ratio, self.upward / (self.upward_unclipped or math.nan)
+        if not target >= least:
+            raise EnvLightsError(
+                f"{name} must be at least that of the map, {least:.4g}; got {target:g}"
+            )
+        if self.upward_share == 0:
+            raise EnvLightsError(
+                "all clipped pixels lie below the horizon of the surface and cannot light it; leave"
+                f" {name} out"
+            )
+        unit = self.upward_unclipped if ratio is not None else 1.0
+        return (target - least) * unit / self.upward_share, f"by the {name} of {target:.4g}"
+
+
+def _true_factors(factor: float) -> tuple[float, float]:
+    """Interval that holds the true factor of two in three maps, for a `factor` of 1 or more."""
+    low, high = _TWO_THIRDS
+    return max(1.0, low * factor), high * factor
+
+
+#: Quantiles 1/6 and 5/6 of the true factor over the estimate.
+_TWO_THIRDS = 0.8, 2.3
+
+
+def _measure(
+    radiance: NDArray[np.float32],
+    share: NDArray[np.float32],
+    white: float,
+    border_sampled: bool,
+    seen: NDArray[np.float32] | None,
+) -> _Light:
+    """Measure flux, irradiance and solid angle of clipped and of unclipped pixels that are seen."""
+    height, width, _ = radiance.shape
+    solid_angles = pixel_solid_angles(height, width, border_sampled=border_sampled)
+    # Cosines at the edges of rows, and the mean cosine of each row above the horizon.
+    edges = 1 - np.concatenate([[0.0], np.cumsum(solid_angles.sum(axis=1))]) / (2 * np.pi)
+    above = np.maximum(edges, 0) ** 2
+    cosine = (above[:-1] - above[1:]) / (2 * (edges[:-1] - edges[1:]))
+    is_ground = 0.5 * (edges[:-1] + edges[1:]) < _GROUND
+    sums = np.zeros(10)
+    for top in range(0, height, _ROWS):
+        rows = slice(top, top + _ROWS)
+        weight, shares = solid_angles[rows], share[rows]
+        seen_weight = weight if seen is None else weight * seen[rows]
+        luminance = radiance[rows] @ LUMINANCE
+        is_whole = (radiance[rows] < _native.LEAST_WHITE * white).all(axis=2)
+        flux_of = luminance * weight
+        up = cosine[rows, None]
+        ground = is_ground[rows, None] & np.ones_like(is_whole)
+        sums += [
+            flux_of.sum(),
+            flux_of[is_whole].sum(),
+            (flux_of * up).sum(),
+            (flux_of * up)[is_whole].sum(),
+            (shares * weight * up).sum(),
+            weight[~is_whole].sum(),
+            flux_of[ground & is_whole].sum(),
+            seen_weight[ground & is_whole].sum(),
+            seen_weight[ground].sum(),
+            weight[ground].sum(),
+        ]
+    flux, whole, upward, upward_whole, upward_share, clipped, *of_ground = map(float, sums)
+    ground_flux, whole_ground, seen_ground, all_ground = of_ground
+    return _Light(
+        flux=flux,
+        unclipped_flux=whole,
+        upward=upward,
+        upward_unclipped=upward_whole,
+        upward_share=upward_share,
+        clipped=clipped,
+        ground=ground_flux / (whole_ground or 1.0),
+        unclipped_ground=whole_ground / (seen_ground or 1.0),
+        seen_ground=seen_ground / all_ground,
+    )
+
+
+def _as_seen_from(
+    light: _Light,
+    facing: NDArray[np.float64],
+    radiance: NDArray[np.float32],
+    share: NDArray[np.float32],
+    white: float,
+    border_sampled: bool,
+) -> _Light:
+    """Measurements of a surface that faces another direction than up."""
+    is_whole = (radiance < _native.LEAST_WHITE * white).all(axis=2, keepdims=True)
+
+    def on_surface(image: NDArray[np.float32]) -> float:
+        values = surface_irradiance(image, facing[None], border_sampled=border_sampled)
+        return float(values[0] @ LUMINANCE)
+
+    grey = np.repeat(np.asarray(share, np.float32)[..., None], 3, axis=2)
+    return replace(
+        light,
+        upward=on_surface(radiance),
+        upward_unclipped=on_surface(np.where(is_whole, radiance, np.float32(0))),
+        upward_share=on_surface(grey),
+    )
+
+
+def _raise_clipped(
+    radiance: NDArray[np.float32], share: NDArray[np.float32], missing: float
+) -> NDArray[np.float32]:
+    """Add the flux `missing` to the clipped pixels, each in its own colour."""
+    raised = radiance.copy()
+    for top in range(0, len(radiance), _ROWS):
+        rows = raised[top : top + _ROWS]
+        is_clipped = share[top : top + _ROWS] > 0
+        pixels = rows[is_clipped]
+        more = missing * share[top : top + _ROWS][is_clipped] / (pixels @ LUMINANCE)
+        rows[is_clipped] = pixels * (1 + more[:, None])
+    return raised

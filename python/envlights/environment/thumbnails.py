@@ -1,0 +1,170 @@
+"""Small pictures of maps and lights, for notebooks; without Matplotlib."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights._common.blocks import in_blocks
+from envlights._common.srgb import encode_srgb
+from envlights.kernels import sphere
+from envlights.kernels.image import LUMINANCE
+
+#: Columns of a thumbnail.
+_COLUMNS = 240
+#: Smallest number of sampled rows for the luminance of white.
+_ROWS = 256
+#: Fraction of the sphere below white in a picture of a map.
+_DARKER_THAN_WHITE = 0.98
+#: Smallest ratio of white to the median of the sphere.
+_OVER_MEDIAN = 2.5
+#: 8-bit grey values of the background of lights, and of its horizon.
+_GROUND, _HORIZON = 40, 84
+#: Size, number and gap of the images in a strip, in pixels.
+_SIDE, _IMAGES, _GAP = 96, 4, 4
+#: Largest number of lights in a picture.
+_MOST_LIGHTS = 64
+
+
+def white_of(radiance: NDArray[np.floating], *, is_plane: bool = False) -> tuple[float, float]:
+    """Luminance drawn as white in a picture of a map, and the fraction of the sphere below it.
+
+    In a plane picture all pixels count the same.
+
+    Only lamps exceed it; an even sky does not, because white is a multiple of the median. Of large
+    maps every n-th row and column is sampled.
+    """
+    step = max(radiance.shape[0] // _ROWS, 1)
+    radiance = radiance[::step, ::step]
+    height = radiance.shape[0]
+    luminance = radiance @ LUMINANCE
+    bands = np.ones(height) if is_plane else np.sin(np.pi * (np.arange(height) + 0.5) / height)
+    weights = np.broadcast_to(bands[:, None], luminance.shape).ravel()
+    order = np.argsort(luminance, axis=None)
+    values = luminance.ravel()[order]
+    darker = np.cumsum(weights[order]) / weights.sum()
+
+    def quantile(share: float) -> float:
+        return float(values[min(int(np.searchsorted(darker, share)), len(values) - 1)])
+
+    white = max(quantile(_DARKER_THAN_WHITE), _OVER_MEDIAN * quantile(0.5))
+    # Use the maximum for a lamp in a black sky.
+    white = white or float(values[-1]) or 1.0
+    below = int(np.searchsorted(values, white))
+    return white, float(darker[below - 1]) if below else 0.0
+
+
+def shrink(radiance: NDArray[np.floating], columns: int) -> NDArray[np.float64]:
+    """Means over blocks of pixels: at least `columns` wide, less than twice that.
+
+    A narrower image keeps its size.
+    """
+    step = max(radiance.shape[1] // columns, 1)
+    height, width = (side // step * step for side in radiance.shape[:2])
+    cells = radiance[:height, :width].reshape(height // step, step, width // step, step, -1)
+    return in_blocks(cells.shape, lambda rows: cells[rows].mean(axis=(1, 3), dtype=np.float64))
+
+
+def expose(radiance: NDArray[np.floating], white: float) -> NDArray[np.uint8]:
+    """Codes of radiance for the luminance drawn as white."""
+    return _codes(encode_srgb(radiance / white))
+
+
+def of_map(radiance: NDArray[np.floating]) -> NDArray[np.uint8]:
+    """Codes of a picture of a map, exposed so that its lamps are visible."""
+    small = shrink(radiance, _COLUMNS)
+    return expose(small, white_of(small)[0])
+
+
+def of_photograph(
+    radiance: NDArray[np.floating], longest: int, white: float | None
+) -> NDArray[np.uint8]:
+    """Codes of a photograph of at most `longest` pixels; `white` is its clip level, if known."""
+    step = -(-max(radiance.shape[:2]) // longest)
+    small = radiance[::step, ::step]
+    return expose(small, white_of(small, is_plane=True)[0] if white is None else white)
+
+
+def nearest_columns(codes: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Codes of a picture at the size of a thumbnail, by every n-th pixel."""
+    step = -(-codes.shape[1] // _COLUMNS)
+    return codes[::step, ::step]
+
+
+def of_lights(
+    direction: NDArray[np.float64],
+    irradiance: NDArray[np.float64],
+    angular_radius: NDArray[np.float64],
+) -> NDArray[np.uint8]:
+    """Codes of a picture of lights, brightest first: discs in their colour and of their size.
+
+    Small discs get a visible area that grows with their brightness.
+    """
+    towards = sphere.pixel_directions(_COLUMNS // 2, _COLUMNS)
+    picture = np.full(towards.shape, _GROUND, np.uint8)
+    picture[_COLUMNS // 4] = _HORIZON
+    luminance = irradiance @ LUMINANCE
+    share = luminance / (luminance.max(initial=0.0) or 1.0)
+    radius = np.maximum(angular_radius, np.deg2rad(1.5 + 4.5 * np.sqrt(share)))
+    colours = _codes(colours_of(irradiance))
+    for k in reversed(range(min(len(direction), _MOST_LIGHTS))):
+        picture[towards @ direction[k] > np.cos(radius[k])] = colours[k]
+    return picture
+
+
+def of_pairs(direct: NDArray[np.floating], indirect: NDArray[np.floating]) -> NDArray[np.uint8]:
+    """Codes of the first few pairs: direct light above, indirect light below."""
+    rows = [[_expose_image(image) for image in images[:_IMAGES]] for images in (direct, indirect)]
+    return np.vstack([_strip(images) for images in rows])
+
+
+def of_signed(images: NDArray[np.floating]) -> NDArray[np.uint8]:
+    """Codes of a few images (n, height, width), with grey for zero."""
+    limits = np.abs(images).max(axis=(1, 2), keepdims=True)
+    grey = 0.5 + 0.5 * images / np.where(limits > 0, limits, 1)
+    return _strip(
+        [_codes(_nearest_texels(np.repeat(image[..., None], 3, axis=2))) for image in grey]
+    )
+
+
+def _expose_image(image: NDArray[np.floating]) -> NDArray[np.uint8]:
+    small = _nearest_texels(image.astype(np.float64))
+    white = np.percentile(small, 99) or small.max() or 1.0
+    return expose(small, white)
+
+
+def _nearest_texels(image: NDArray[np.floating]) -> NDArray[np.floating]:
+    """Nearest texels of an image at the size of a thumbnail."""
+    height, width = image.shape[:2]
+    longest = max(height, width)
+    sides = [max(round(_SIDE * side / longest), 1) for side in (height, width)]
+    rows, columns = (
+        np.arange(n) * side // n for n, side in zip(sides, (height, width), strict=True)
+    )
+    scaled: NDArray[np.floating] = image[rows][:, columns]
+    return scaled
+
+
+def _strip(images: list[NDArray[np.uint8]]) -> NDArray[np.uint8]:
+    """Images in a row, with gaps between them and below."""
+    framed = [
+        np.pad(image, ((0, _GAP), (0, _GAP), (0, 0)), constant_values=128) for image in images
+    ]
+    return np.hstack(framed)
+
+
+def colours_of(irradiance: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Encoded colours of lights at full brightness, (n, 3); a black light is black."""
+    largest = irradiance.max(axis=1, keepdims=True, initial=0.0)
+    return np.asarray(
+        encode_srgb(np.maximum(irradiance, 0) / np.where(largest > 0, largest, 1)), np.float64
+    )
+
+
+def hex_of(irradiance: NDArray[np.float64]) -> list[str]:
+    """Colours of lights as ``#rrggbb``."""
+    return ["#" + bytes(code).hex() for code in _codes(colours_of(irradiance))]
+
+
+def _codes(encoded: NDArray[np.floating]) -> NDArray[np.uint8]:
+    return np.round(255 * encoded).astype(np.uint8)

@@ -1,0 +1,282 @@
+"""Solids that hide light: balls, boxes and convex polyhedra, and the points that they shade.
+
+The frame is that of `EnvMap`: right-handed, +y up. A floor is the plane y = 0.
+"""
+
+from __future__ import annotations
+
+import math
+import numbers
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from envlights._common.arrays import freeze
+from envlights._common.check import amount, describe, reals, rotation, whole_numbers
+from envlights._native import EnvLightsError
+
+#: Distance from a surface, over the size of its solid, within which a point lies on it.
+_ON_SURFACE = 1e-6
+#: Least cosine between the normal of a point and that of the surface on which it lies.
+_LEAST_COSINE = 0.5
+
+Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Ball:
+    """A ball.
+
+    Examples
+    --------
+    >>> Ball((0, 0.5, 0), 0.5).lowest
+    0.0
+    """
+
+    centre: Vector
+    """Centre, in any unit of length."""
+
+    radius: float
+    """Radius, above 0."""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "centre", _vector("centre", self.centre))
+        object.__setattr__(self, "radius", _length("radius", self.radius))
+
+    @property
+    def lowest(self) -> float:
+        """Height of the lowest point."""
+        return self.centre[1] - self.radius
+
+    def normals_at(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Outward normals at those of the points that lie on the surface, and NaN elsewhere."""
+        away = points - self.centre
+        distance = np.linalg.norm(away, axis=1)
+        is_on = np.abs(distance - self.radius) <= _ON_SURFACE * self.radius
+        scale = np.where(is_on, distance, np.nan)
+        return np.asarray(away / scale[:, None])[:, None]
+
+
+class _FlatFaces:
+    """Normals of the flat faces of a solid."""
+
+    vertices: tuple[Vector, ...]
+    faces: tuple[tuple[int, ...], ...]
+
+    @property
+    def lowest(self) -> float:
+        """Height of the lowest point."""
+        return min(vertex[1] for vertex in self.vertices)
+
+    def planes(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Outward unit normal of each face, (faces, 3), and its distance from the origin."""
+        vertices = np.array(self.vertices)
+        centre = vertices.mean(axis=0)
+        loops = [vertices[list(face)] for face in self.faces]
+        areas = np.array([np.cross(v, np.roll(v, -1, axis=0)).sum(axis=0) for v in loops])
+        normals = areas / np.linalg.norm(areas, axis=1, keepdims=True)
+        middles = np.array([v.mean(axis=0) for v in loops])
+        outward = np.sign(np.einsum("fi,fi->f", normals, middles - centre))
+        normals *= outward[:, None]
+        return normals, np.einsum("fi,fi->f", normals, middles)
+
+    def normals_at(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Outward normals of the faces on which each point lies, (n, faces, 3), NaN elsewhere."""
+        normals, distances = self.planes()
+        size = float(np.ptp(np.array(self.vertices), axis=0).max())
+        heights = points @ normals.T - distances
+        is_on = np.abs(heights) <= _ON_SURFACE * size
+        is_on &= (heights <= _ON_SURFACE * size).all(axis=1, keepdims=True)
+        return np.asarray(np.where(is_on[..., None], normals, np.nan))
+
+
+@dataclass(frozen=True)
+class Box(_FlatFaces):
+    """A box with flat sides.
+
+    Examples
+    --------
+    >>> box = Box((0, 1, 0), (0.5, 1, 0.5), turn=0.3)
+    >>> len(box.vertices), box.lowest
+    (8, 0.0)
+    """
+
+    centre: Vector
+    """Centre, in any unit of length."""
+
+    half_sides: Vector
+    """Half of each side, above 0."""
+
+    turn: float | tuple[Vector, Vector, Vector] = 0.0
+    """Angle in radians about +y, which turns +z to +x; or a rotation, (3, 3)."""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "centre", _vector("centre", self.centre))
+        halves = _vector("half_sides", self.half_sides)
+        object.__setattr__(self, "half_sides", tuple(_length("half_sides", h) for h in halves))
+        is_angle = isinstance(self.turn, numbers.Real)
+        turn = _angle(self.turn) if is_angle else _rows("turn", rotation(self.turn))
+        object.__setattr__(self, "turn", turn)
+
+    @property
+    def vertices(self) -> tuple[Vector, ...]:  # type: ignore[override]
+        """The eight corners."""
+        signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+        corners = np.array(self.centre) + (signs * self.half_sides) @ _matrix(self.turn).T
+        return _rows("vertices", corners)
+
+    @property
+    def faces(self) -> tuple[tuple[int, ...], ...]:  # type: ignore[override]
+        """Rows of the corners around each of the six faces."""
+        return (0, 1, 3, 2), (4, 5, 7, 6), (0, 1, 5, 4), (2, 3, 7, 6), (0, 2, 6, 4), (1, 3, 7, 5)
+
+
+@dataclass(frozen=True)
+class Polyhedron(_FlatFaces):
+    """A convex polyhedron.
+
+    Examples
+    --------
+    >>> corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    >>> Polyhedron(corners, [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]]).lowest
+    0.0
+    """
+
+    vertices: tuple[Vector, ...]
+    """Corners, (n, 3), in any unit of length."""
+
+    faces: tuple[tuple[int, ...], ...]
+    """Rows of the corners around each face, in either orientation. Each edge joins two faces."""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "vertices", _rows("vertices", self.vertices))
+        if isinstance(self.faces, str) or not isinstance(self.faces, Iterable):
+            raise EnvLightsError(f"faces must be rows of vertices; got {describe(self.faces)}")
+        loops = [whole_numbers("faces", face) for face in self.faces]
+        object.__setattr__(self, "faces", tuple(tuple(face.tolist()) for face in loops))
+        # The kernel refuses what is not convex or not closed.
+        check_solids([self])
+
+
+#: A solid that hides light.
+Solid = Ball | Box | Polyhedron
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """Solids, and points of surfaces that receive light.
+
+    Examples
+    --------
+    A point of the floor, and one on top of a box, which is recognised:
+
+    >>> box = Box((0, 0.5, 0), (0.5, 0.5, 0.5))
+    >>> Stage(box, [[2, 0, 0], [0, 1, 0]], [[0, 1, 0], [0, 1, 0]]).own
+    array([-1,  0])
+    """
+
+    solids: tuple[Solid, ...]
+    """Solids; one alone becomes a tuple."""
+
+    points: NDArray[np.float64]
+    """Points that receive light, (n, 3)."""
+
+    normals: NDArray[np.float64]
+    """Unit normals of their surfaces, (n, 3)."""
+
+    # The constructor replaces None.
+    own: NDArray[np.int64] = None  # type: ignore[assignment]
+    """Row of the solid on whose surface each point lies, or -1, (n,). By default it is found."""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "solids", solids_of(self.solids))
+        points, normals = (_finite(name, getattr(self, name)) for name in ("points", "normals"))
+        if len(points) != len(normals):
+            raise EnvLightsError(
+                f"normals must have the shape of points, {points.shape}; got {normals.shape}"
+            )
+        object.__setattr__(self, "points", points)
+        object.__setattr__(self, "normals", normals)
+        own = self._owners() if self.own is None else whole_numbers("own", self.own)
+        object.__setattr__(self, "own", freeze(own))
+
+    def _owners(self) -> NDArray[np.int64]:
+        """Row of the solid on whose surface each point lies, or -1."""
+        own = np.full(len(self.points), -1)
+        for row, solid in enumerate(self.solids):
+            cosines = np.einsum("nfi,ni->nf", solid.normals_at(self.points), self.normals)
+            own[(np.nan_to_num(cosines, nan=-1.0) > _LEAST_COSINE).any(axis=1)] = row
+        return own
+
+    @classmethod
+    def floor(cls, solids: Solid | Iterable[Solid], points: ArrayLike) -> Stage:
+        """Points of a floor, (n, 3), whose normals are +y, on none of the solids."""
+        rows = _finite("points", points)
+        up = np.broadcast_to([0.0, 1.0, 0.0], rows.shape)
+        return cls(solids_of(solids), rows, up, np.full(len(rows), -1))
+
+
+def solids_of(solids: Solid | Iterable[Solid]) -> tuple[Solid, ...]:
+    """One solid or several as a tuple, or a refusal."""
+    is_one = isinstance(solids, Solid) or not isinstance(solids, Iterable)
+    each: tuple[Any, ...] = (solids,) if is_one else tuple(solids)  # type: ignore[arg-type]
+    for solid in each:
+        if not isinstance(solid, Solid):
+            raise EnvLightsError(
+                "solids must be Ball, Box or Polyhedron, one or several;"
+                f" got an object of the type {type(solid).__name__}"
+            )
+    return each
+
+
+def check_solids(solids: Iterable[Solid]) -> None:
+    """Refuse solids that the kernel refuses: not convex, not closed, flat."""
+    from envlights import _native
+
+    none = np.zeros((0, 3))
+    _native.form_factors(Stage(tuple(solids), none, none, np.zeros(0, np.int64)))
+
+
+def _finite(name: str, values: ArrayLike) -> NDArray[np.float64]:
+    """Vectors, (n, 3), as a read-only array, or a refusal."""
+    rows = reals(name, values, 2)
+    if rows.shape[1] != 3:
+        raise EnvLightsError(f"{name} must have the shape (n, 3); got {rows.shape}")
+    if not np.isfinite(rows).all():
+        bad = int(np.argwhere(~np.isfinite(rows).all(axis=1))[0, 0])
+        raise EnvLightsError(f"{name} must be finite; row {bad} holds {rows[bad].tolist()}")
+    return freeze(rows)
+
+
+def _rows(name: str, values: ArrayLike) -> tuple[Vector, ...]:
+    return tuple((x, y, z) for x, y, z in _finite(name, values).tolist())
+
+
+def _vector(name: str, values: ArrayLike) -> Vector:
+    vector = reals(name, values, 1)
+    if vector.shape != (3,) or not np.isfinite(vector).all():
+        raise EnvLightsError(f"{name} must be three finite numbers; got {describe(values)}")
+    x, y, z = vector.tolist()
+    return x, y, z
+
+
+def _length(name: str, value: object) -> float:
+    length = amount(name, value)
+    if length == 0:
+        raise EnvLightsError(f"{name} must be above 0; got 0")
+    return length
+
+
+def _angle(value: object) -> float:
+    return amount("turn", value, least=-math.inf)
+
+
+def _matrix(turn: Any) -> NDArray[np.float64]:
+    """Rotation of an angle about +y, or the rotation itself."""
+    if np.ndim(turn):
+        return np.array(turn)
+    cos, sin = math.cos(turn), math.sin(turn)
+    return np.array([[cos, 0, sin], [0, 1, 0], [-sin, 0, cos]])

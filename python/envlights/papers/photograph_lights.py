@@ -1,0 +1,357 @@
+"""Lights of a photograph: places in its pixels, and directions if its field of view is known."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, fields
+from typing import TYPE_CHECKING, Any, overload
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from envlights._common import html
+from envlights._common.arrays import seal
+from envlights._common.result import Result
+from envlights._common.tables import MOST_ROWS, Table, frame_of
+from envlights._native import EnvLightsError
+from envlights.detection.lights import DetectionReport
+from envlights.environment import thumbnails
+from envlights.environment.envmap import EnvMap
+from envlights.kernels.image import LUMINANCE
+from envlights.papers.photograph_file import fields_of, save_table
+from envlights.rigs import targets
+from envlights.rigs.light_arrays import row_of, rows_of
+from envlights.rigs.lights import Lights, Rows, brightest_first, rgb_cell
+from envlights.rigs.own_json import read_json
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+_KIND, _VERSION = "lights of a photograph", 1
+#: Frame of directions, as `to_dict` says it.
+FRAME = "of the photograph: it looks along +z, its right is -x, its upper side +y"
+_UNITS = (
+    "position: x, y in pixels of the photograph from its top left corner; peak_pixel: row, column;"
+    " pixel_flux: radiance times pixels of the photograph; irradiance: at normal incidence; all"
+    " linear Rec.709 RGB; samples: row, column in the working size"
+)
+#: Arrays with a row for each light; the last two are None without a field of view.
+_ARRAYS = ("position", "pixel_flux", "peak_pixel", "peak_luminance", "flux_share", "is_clipped")
+_WITH_FIELD = ("direction", "irradiance")
+#: Arrays of numbers in a data frame.
+_SCALARS = ("share", "luminance", "peak_luminance", "is_clipped")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PhotographSamples(Result):
+    """Samples of the lights, brightest first, in pixels of the working size."""
+
+    first: NDArray[np.int64]
+    """Row and column of each sample at its first position, shape (k, 2)."""
+
+    pixel: NDArray[np.int64]
+    """Row and column of each sample, after a move to a maximum, shape (k, 2)."""
+
+    maximum: NDArray[np.int64]
+    """Row and column of the brightest pixel in the window of each sample, shape (k, 2)."""
+
+    survivor: NDArray[np.int64]
+    """Index of the sample that suppresses each, or its own index, shape (k,)."""
+
+    light: NDArray[np.int64]
+    """Index of the light of each sample, shape (k,)."""
+
+    def in_short(self) -> str:
+        """Number of samples."""
+        return f"{len(self.pixel)} samples"
+
+    def of(self, kept: NDArray[np.intp], lights: int) -> PhotographSamples:
+        """Samples of the `kept` lights, in this order, out of `lights` lights."""
+        place = np.full(lights, -1)
+        place[kept] = np.arange(len(kept))
+        light = place[self.light]
+        # A sample and its survivor belong to the same light.
+        number = np.cumsum(light >= 0) - 1
+        arrays = self.first, self.pixel, self.maximum, number[self.survivor], light
+        return PhotographSamples(*(array[light >= 0] for array in arrays))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PhotographLight(Result):
+    """Single light of a photograph, the type of ``lights[0]``; see `PhotographLights`."""
+
+    position: NDArray[np.float64]
+    pixel_flux: NDArray[np.float64]
+    peak_pixel: NDArray[np.int64]
+    peak_luminance: float
+    flux_share: float
+    is_clipped: bool
+    direction: NDArray[np.float64] | None = None
+    irradiance: NDArray[np.float64] | None = None
+
+    @property
+    def luminance(self) -> float:
+        """Luminance of the flux; see `PhotographLights.luminance`."""
+        return float(self.pixel_flux @ LUMINANCE)
+
+    def in_short(self) -> str:
+        """Place and share of the light."""
+        x, y = self.position
+        return f"x {x:.1f}, y {y:.1f}, {100 * self.flux_share:.3g} %"
+
+    def __str__(self) -> str:
+        if self.direction is None or self.irradiance is None:
+            return self.in_short()
+        towards = ", ".join(f"{value:.4f}" for value in self.direction)
+        received = ", ".join(f"{value:.4g}" for value in self.irradiance)
+        return f"{self.in_short()}\ndirection {towards}; irradiance {received}"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PhotographLights(Result):
+    """Lights of a photograph, brightest first.
+
+    Each array has a row for each light. `lights[:4]` holds the first four with their samples;
+    `report` still describes the whole detection. With directions, `discs` are lights for a scene,
+    in the frame of the photograph.
+    """
+
+    position: NDArray[np.float64]
+    """Place (x, y) of each light in pixels from the top left corner of the photograph, (n, 2).
+
+    The centre of the first pixel is at (0.5, 0.5)."""
+
+    pixel_flux: NDArray[np.float64]
+    """Radiance of each light summed over pixels of the photograph, linear RGB, (n, 3)."""
+
+    peak_pixel: NDArray[np.int64]
+    """Row and column of the brightest sample of each light in the photograph, (n, 2)."""
+
+    peak_luminance: NDArray[np.float64]
+    """Luminance of this sample, (n,)."""
+
+    flux_share: NDArray[np.float64]
+    """Fraction of the luminance of the whole photograph, (n,)."""
+
+    is_clipped: NDArray[np.bool_]
+    """True for a light that is clipped at the largest possible value, or has a flat top, (n,)."""
+
+    samples: PhotographSamples
+    """Samples of the lights."""
+
+    report: DetectionReport
+    """Report of the detection."""
+
+    size: tuple[int, int]
+    """Height and width of the photograph."""
+
+    field_of_view: float | None = None
+    """Horizontal field of view in radians; None if it is unknown."""
+
+    direction: NDArray[np.float64] | None = None
+    """Unit vectors towards the lights, (n, 3); None without a field of view.
+
+    They are in the frame of the photograph: it looks along +z, its right is -x, its upper side
+    +y."""
+
+    irradiance: NDArray[np.float64] | None = None
+    """Linear RGB at normal incidence, (n, 3); None without a field of view.
+
+    The background behind a light is included."""
+
+    picture: NDArray[np.uint8] = field(
+        default_factory=lambda: np.zeros((1, 1, 3), np.uint8), compare=False
+    )
+    """Reduced photograph for display, sRGB codes, (rows, columns, 3)."""
+
+    def __post_init__(self) -> None:
+        order = brightest_first(np.asarray(self.pixel_flux))
+        for name in self._array_names():
+            object.__setattr__(self, name, seal(np.asarray(getattr(self, name))[order]))
+        object.__setattr__(self, "samples", self.samples.of(order, len(order)))
+
+    def __len__(self) -> int:
+        return len(self.position)
+
+    @overload
+    def __getitem__(self, which: int) -> PhotographLight: ...
+
+    @overload
+    def __getitem__(self, which: Rows) -> PhotographLights: ...
+
+    def __getitem__(self, which: int | Rows) -> PhotographLight | PhotographLights:
+        """One light, or the lights of a slice, of a list of numbers or of a mask."""
+        kept = rows_of(which, len(self))
+        if kept is None:
+            return self._light(row_of(which, len(self)))
+        values = {each.name: getattr(self, each.name) for each in fields(self)}
+        values |= {name: values[name][kept] for name in self._array_names()}
+        values["samples"] = self.samples.of(kept, len(self))
+        return PhotographLights(**values)
+
+    def __iter__(self) -> Iterator[PhotographLight]:
+        return (self._light(row) for row in range(len(self)))
+
+    def _light(self, row: int) -> PhotographLight:
+        rows = {name: getattr(self, name)[row] for name in self._array_names()}
+        plain = {name: rows[name].item() for name in ("peak_luminance", "flux_share", "is_clipped")}
+        return PhotographLight(**{**rows, **plain})
+
+    def _array_names(self) -> tuple[str, ...]:
+        """Names of the arrays with a row for each light."""
+        return _ARRAYS if self.direction is None else (*_ARRAYS, *_WITH_FIELD)
+
+    @property
+    def luminance(self) -> NDArray[np.float64]:
+        """Luminance of each light summed over pixels of the photograph: its weight, (n,)."""
+        values: NDArray[np.float64] = self.pixel_flux @ LUMINANCE
+        return values
+
+    @property
+    def share(self) -> NDArray[np.float64]:
+        """Fraction of the luminance of the whole photograph: `flux_share`, (n,)."""
+        return self.flux_share
+
+    def in_short(self) -> str:
+        """Number of lights, and the size and field of view of the photograph."""
+        height, width = self.size
+        view = "" if self.field_of_view is None else f", {np.rad2deg(self.field_of_view):.3g}° wide"
+        return f"{len(self)} light{'' if len(self) == 1 else 's'}, {width}x{height} pixels{view}"
+
+    def __str__(self) -> str:
+        return f"{self.table() if len(self) else 'no light'}\n\n{self.report}"
+
+    def verbose(self) -> str:
+        """Text with all details of the report."""
+        return f"{self.table() if len(self) else 'no light'}\n\n{self.report.verbose()}"
+
+    def _html_parts(self) -> tuple[str, ...]:
+        picture = html.picture(thumbnails.nearest_columns(self.picture), "the photograph")
+        table = (self.table().html(),) if len(self) else ()
+        return (picture, *table, html.lines(str(self.report)))
+
+    def table(self) -> Table:
+        """Table of the first dozen lights, and a summary of the others."""
+        hidden = self.share[MOST_ROWS:]
+        lights = "light" if len(hidden) == 1 else "lights"
+        summary = f"{len(hidden)} more {lights}, {100 * hidden.sum():.2g} % together"
+        colours = thumbnails.hex_of(self.pixel_flux[:MOST_ROWS])
+        rows = [self._cells(row) for row in range(min(len(self), MOST_ROWS))]
+        return Table(self._columns(), rows, summary if len(hidden) else "", colours)
+
+    def _columns(self) -> list[str]:
+        last = "radiance x pixels (R, G, B)"
+        if self.direction is not None:
+            last = "irradiance (R, G, B)"
+        towards = [] if self.direction is None else ["direction"]
+        return ["light", "x", "y", "share", "peak", *towards, last, ""]
+
+    def _cells(self, row: int) -> list[str]:
+        x, y = self.position[row]
+        place = [f"{row + 1}", f"{x:.1f}", f"{y:.1f}", f"{100 * self.flux_share[row]:.1f} %"]
+        place.append(f"{self.peak_luminance[row]:.4g}")
+        remark = "clipped" if self.is_clipped[row] else ""
+        if self.direction is None or self.irradiance is None:
+            return [*place, rgb_cell(self.pixel_flux[row]), remark]
+        towards = "  ".join(f"{value:+.3f}" for value in self.direction[row])
+        return [*place, towards, rgb_cell(self.irradiance[row]), remark]
+
+    def discs(self) -> Lights:
+        """The lights as points with their irradiance, in the frame of the photograph.
+
+        Raises
+        ------
+        EnvLightsError
+            If there are no directions, because the field of view is unknown.
+        """
+        if self.direction is None or self.irradiance is None:
+            raise EnvLightsError(
+                "the lights of this photograph have no directions, because its field of view is"
+                " unknown; give fov= to `detect_photograph`"
+            )
+        return Lights(self.direction, self.irradiance)
+
+    def to_frame(self) -> pd.DataFrame:
+        """Data frame with a row for each light; needs pandas, from the extra `frame`.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Each component of a place, a vector or a colour has a column.
+        """
+        return frame_of(self._frame_columns())
+
+    def _frame_columns(self) -> dict[str, NDArray[Any]]:
+        columns = dict(zip(("x_px", "y_px"), self.position.T, strict=True))
+        columns |= dict(zip(("red", "green", "blue"), self.pixel_flux.T, strict=True))
+        columns |= {name: getattr(self, name) for name in _SCALARS}
+        if self.direction is None or self.irradiance is None:
+            return columns
+        colours = ("irradiance_red", "irradiance_green", "irradiance_blue")
+        columns |= dict(zip(colours, self.irradiance.T, strict=True))
+        return columns | dict(zip("xyz", self.direction.T, strict=True))
+
+    def save(
+        self, path: str | os.PathLike[str], environment: EnvMap | ArrayLike | None = None
+    ) -> None:
+        """Write the lights in the format of the suffix; a failure leaves no file.
+
+        Parameters
+        ----------
+        path : path-like
+            ``.json`` keeps everything but the picture, and `load` reads it. ``.csv`` without
+            directions is a table of places. The other formats of `Lights.save` need directions.
+        environment : EnvMap or array_like, optional
+            Map around the lights, for formats that accept one.
+
+        Raises
+        ------
+        EnvLightsError
+            If the format needs directions, and there are none.
+        """
+        target = targets.target_of(path).name
+        if target == "csv" and self.direction is None:
+            save_table(path, self.size, self._frame_columns())
+            return
+        targets.save(self if target == "json" else self.discs(), path, environment)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> PhotographLights:
+        """Read lights that `save` wrote as ``.json``, without their times and picture.
+
+        Raises
+        ------
+        EnvLightsError
+            If the file is missing, has another kind or version, or holds impossible lights.
+        """
+        return read_json(path, _KIND, (_VERSION,), _from_dict)
+
+    def to_dict(self) -> dict[str, Any]:
+        """All fields except times and picture as plain numbers, lists and strings."""
+        arrays = {name: getattr(self, name).tolist() for name in self._array_names()}
+        samples = {
+            each.name: getattr(self.samples, each.name).tolist() for each in fields(self.samples)
+        }
+        return {
+            "format": f"envlights {_KIND}",
+            "version": _VERSION,
+            "frame": FRAME,
+            "units": _UNITS,
+            "size": list(self.size),
+            "field_of_view": self.field_of_view,
+            **dict.fromkeys(_WITH_FIELD),
+            **arrays,
+            "samples": samples,
+            "report": self.report.to_dict(),
+        }
+
+
+def _from_dict(data: dict[str, Any]) -> PhotographLights:
+    fields_of_file = fields_of(data)
+    samples = PhotographSamples(*fields_of_file.pop("samples"))
+    return PhotographLights(**fields_of_file, samples=samples)
+
+
+# Not a full sequence: `count` and `index` are missing.
+Sequence.register(PhotographLights)

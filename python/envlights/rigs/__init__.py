@@ -1,0 +1,24 @@
+"""Lights, and rigs: an ambient term and lights, with their report, tables and files.
+
+| noun                                     | file                                       |
+|------------------------------------------|--------------------------------------------|
+| directional lights, and one of them      | `lights.py`, `light.py`                    |
+| ambient term and lights, with an error   | `rig.py`                                   |
+| report of a fit                          | `report.py`, `report_fields.py`            |
+| checks of arrays of lights               | `light_arrays.py`                          |
+| lights as spherical Gaussians            | `lobes.py`                                 |
+| JSON and CSV files                       | `own_json.py`, `csv_table.py`              |
+| capabilities and registry of the targets | `capabilities.py`, `targets.py`, `links.py` |
+"""
+
+from envlights.rigs.light import Light
+from envlights.rigs.report import FitReport
+from envlights.rigs.report_fields import StopReason
+from envlights.rigs.rig import rigs_to_frame
+
+__all__ = [
+    "FitReport",
+    "Light",
+    "StopReason",
+    "rigs_to_frame",
+]

@@ -1,0 +1,397 @@
+"""Directional lights with their sizes, sorted by brightness."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, overload
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from envlights._common import html
+from envlights._common.arrays import seal
+from envlights._common.check import rotation, texts
+from envlights._common.files import as_path
+from envlights._common.notes import Note
+from envlights._common.result import Result
+from envlights._common.tables import MOST_ROWS, Table, frame_of
+from envlights._common.units import OWN_SCALE, checked_units, in_lux
+from envlights._native import EnvLightsError
+from envlights.environment import thumbnails
+from envlights.environment.envmap import EnvMap
+from envlights.kernels.image import LUMINANCE
+from envlights.kernels.probe import disc_map
+from envlights.kernels.sphere import FRAME
+from envlights.rigs import targets
+from envlights.rigs.csv_table import Table as CsvTable
+from envlights.rigs.csv_table import load_csv
+from envlights.rigs.light import Light, angle_cells, azimuths, elevations
+from envlights.rigs.light_arrays import LARGEST_LIGHT, light_arrays, radii, rotate, row_of, rows_of
+from envlights.rigs.lobes import SphericalGaussians, lobes
+from envlights.rigs.own_json import read_json
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+#: Header of a file of lights. `Lights.to_dict` holds only arrays, as a part of a rig.
+LIGHTS_HEADER: dict[str, str | int] = {
+    "format": "envlights lights",
+    "version": 2,
+    "frame": FRAME,
+    "units": "irradiance: at normal incidence; linear Rec.709 RGB; angular_radius: radians",
+}
+
+
+def brightest_first(irradiance: NDArray[np.float64]) -> NDArray[np.intp]:
+    """Order of the rows of `irradiance`, (n, 3), by decreasing luminance; equals keep their order.
+
+    All arrays with one value for each light use this order. Sorting again changes nothing, because
+    luminance is not a matrix product here, whose rounding may depend on the row.
+    """
+    red, green, blue = LUMINANCE[:, None] * irradiance.T
+    luminance = red + green + blue
+    # Treat luminances that differ only by rounding as equal.
+    unit = max(luminance.max(initial=0.0), sys.float_info.min)
+    order: NDArray[np.intp] = (-(luminance / unit).round(9)).argsort(kind="stable")
+    return order
+
+
+#: Index of several lights: a slice, numbers, or a mask.
+Rows = slice | list[int] | NDArray[Any]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Lights(Result):
+    r"""Directional lights, brightest first.
+
+    Parameters
+    ----------
+    direction : array_like, shape (n, 3)
+        Unit vectors from the scene towards the lights: right-handed, +y up.
+    irradiance : array_like, shape (n, 3)
+        Linear RGB at normal incidence, in W m\ :sup:`-2` for radiance in W m\ :sup:`-2`
+        sr\ :sup:`-1`; not negative.
+    angular_radius : array_like, shape (n,), optional
+        Radians from 0 to pi / 2. The light is a disc of uniform radiance: its irradiance divided by
+        :math:`\pi \sin^2 a`. 0 is a point. Default: all are points.
+    units : {"the map's own scale", "cd/m2"}
+        Unit of the radiance of the map; with "cd/m2", the luminance of `irradiance` is in lux.
+    notes : str or iterable of str
+        Remarks on estimates, which texts and files repeat. A detection has a `report` instead.
+
+    Examples
+    --------
+    >>> lights = Lights([[0, 1, 0], [1, 0, 0]], [[1, 1, 1], [5, 4, 3]], [0.5, 0.0])
+    >>> lights.direction[0], lights.angular_radius
+    (array([1., 0., 0.]), array([0. , 0.5]))
+    >>> len(lights), len(lights[:1])
+    (2, 1)
+    >>> [round(light.luminance, 2) for light in lights]
+    [4.14, 1.0]
+    """
+
+    direction: NDArray[np.float64]
+    irradiance: NDArray[np.float64]
+    # The constructor replaces None.
+    angular_radius: NDArray[np.float64] = None  # type: ignore[assignment]
+    units: str = field(default=OWN_SCALE, kw_only=True)
+    notes: tuple[str, ...] = field(default=(), kw_only=True)
+
+    def __post_init__(self) -> None:
+        checked_units(self.units)
+        object.__setattr__(self, "notes", tuple(map(Note, texts("notes", self.notes))))
+        direction, irradiance = light_arrays(self.direction, self.irradiance)
+        radius = radii(self.angular_radius, len(direction))
+        order = brightest_first(irradiance)
+        object.__setattr__(self, "direction", seal(direction[order]))
+        object.__setattr__(self, "irradiance", seal(irradiance[order]))
+        object.__setattr__(self, "angular_radius", seal(radius[order]))
+
+    @classmethod
+    def unchecked(
+        cls,
+        direction: NDArray[np.float64],
+        irradiance: NDArray[np.float64],
+        angular_radius: NDArray[np.float64],
+        units: str,
+    ) -> Lights:
+        """Lights from the arrays of a kernel, brightest first, without checks."""
+        lights = cls.__new__(cls)
+        object.__setattr__(lights, "direction", seal(direction))
+        object.__setattr__(lights, "irradiance", seal(irradiance))
+        object.__setattr__(lights, "angular_radius", seal(angular_radius))
+        object.__setattr__(lights, "units", units)
+        object.__setattr__(lights, "notes", ())
+        return lights
+
+    def __len__(self) -> int:
+        return len(self.direction)
+
+    @overload
+    def __getitem__(self, which: int) -> Light: ...
+
+    @overload
+    def __getitem__(self, which: Rows) -> Lights: ...
+
+    def __getitem__(self, which: int | Rows) -> Light | Lights:
+        """Single light, or lights of a slice, of a list of numbers or of a mask."""
+        rows = rows_of(which, len(self))
+        if rows is None:
+            return self._light(row_of(which, len(self)))
+        arrays = self.direction, self.irradiance, self.angular_radius
+        return Lights(*(array[rows] for array in arrays), units=self.units, notes=self.notes)
+
+    def _light(self, row: int) -> Light:
+        radius, share = float(self.angular_radius[row]), float(self.share[row])
+        return Light(self.direction[row], self.irradiance[row], radius, share)
+
+    def __iter__(self) -> Iterator[Light]:
+        return (self._light(row) for row in range(len(self)))
+
+    @property
+    def azimuth(self) -> NDArray[np.float64]:
+        """Radians from -z over +x, in the order of map columns, from 0 to 2 pi, (n,)."""
+        return azimuths(self.direction)
+
+    @property
+    def elevation(self) -> NDArray[np.float64]:
+        """Radians above the horizon, from -pi / 2 to pi / 2, (n,)."""
+        return elevations(self.direction)
+
+    @property
+    def luminance(self) -> NDArray[np.float64]:
+        """Luminance of each irradiance, (n,)."""
+        values: NDArray[np.float64] = self.irradiance @ LUMINANCE
+        return values
+
+    @property
+    def share(self) -> NDArray[np.float64]:
+        """Fraction of each light in the luminance of all, (n,); 0 if all are black."""
+        shares: NDArray[np.float64] = self.luminance / (self.luminance.sum() or 1.0)
+        return shares
+
+    def in_short(self) -> str:
+        """Number of lights."""
+        return f"{len(self)} light{'' if len(self) == 1 else 's'}"
+
+    def __str__(self) -> str:
+        table = str(self.table()) if len(self) else "no directional light"
+        return "\n".join([table, *self._note_lines()])
+
+    def _note_lines(self) -> list[str]:
+        return [f"note: {note}" for note in self.notes]
+
+    def _html_parts(self) -> tuple[str, ...]:
+        notes = (html.lines("\n".join(self._note_lines())),) if self.notes else ()
+        if not len(self):
+            return notes
+        arrays = self.direction, self.irradiance, self.angular_radius
+        picture = html.picture(thumbnails.of_lights(*arrays), "directions of the lights")
+        return (picture, self.table().html(), *notes)
+
+    def table(self) -> Table:
+        """Table of the first dozen lights, and a summary of the others."""
+        columns, rows = self._cells()
+        hidden = self.share[MOST_ROWS:]
+        lights = "light" if len(hidden) == 1 else "lights"
+        summary = f"{len(hidden)} more {lights}, {100 * hidden.sum():.2g} % together"
+        rest = summary if len(hidden) else ""
+        return Table(columns, rows, rest, thumbnails.hex_of(self.irradiance[:MOST_ROWS]))
+
+    def _cells(self) -> tuple[list[str], list[list[str]]]:
+        """Column names, and cells of the first dozen lights."""
+        has_sizes = self.angular_radius.any()
+        sizes = ["radius"] if has_sizes else []
+        columns = ["light", "azimuth", "elevation", "share", *sizes, rgb_heading(self.units)]
+        rows = [
+            [
+                *place_cells(self, row),
+                *([f"{np.rad2deg(self.angular_radius[row]):.2f}°"] if has_sizes else []),
+                rgb_cell(self.irradiance[row]),
+            ]
+            for row in range(min(len(self), MOST_ROWS))
+        ]
+        return columns, rows
+
+    def to_frame(self) -> pd.DataFrame:
+        """Data frame with a row for each light; needs pandas, from the extra `frame`.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Columns that end in ``_deg`` are angles in degrees. Each component of a vector or colour
+            has a column.
+        """
+        return frame_of(self._columns())
+
+    def _columns(self) -> dict[str, NDArray[Any]]:
+        """Columns of the data frame."""
+        angles = {
+            "azimuth_deg": np.rad2deg(self.azimuth),
+            "elevation_deg": np.rad2deg(self.elevation),
+            "radius_deg": np.rad2deg(self.angular_radius),
+        }
+        colours = dict(zip(("red", "green", "blue"), self.irradiance.T, strict=True))
+        vectors = dict(zip("xyz", self.direction.T, strict=True))
+        return {**angles, "share": self.share, "luminance": self.luminance, **colours, **vectors}
+
+    def to_dict(self) -> dict[str, Any]:
+        """Lists of numbers, for example for JSON."""
+        return {
+            "direction": self.direction.tolist(),
+            "irradiance": self.irradiance.tolist(),
+            "angular_radius": self.angular_radius.tolist(),
+            "scale": self.units,
+            **({"notes": list(self.notes)} if self.notes else {}),
+        }
+
+    def save(
+        self, path: str | os.PathLike[str], environment: EnvMap | ArrayLike | None = None
+    ) -> None:
+        """Write the lights in the format of the suffix; a failure leaves no file.
+
+        Parameters
+        ----------
+        path : path-like
+            `el.export.TARGETS` lists the suffixes, with the parts that each format keeps and loses.
+        environment : EnvMap or array_like, optional
+            Map around the lights, such as the rest of a split map, for formats that accept one.
+        """
+        targets.save(self, path, environment)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Lights:
+        """Read lights that `save` wrote as ``.json`` or ``.csv``.
+
+        Raises
+        ------
+        EnvLightsError
+            If the file is missing, has another kind or version, or holds impossible lights.
+        """
+        if as_path(path).suffix.lower() == ".csv":
+            return load_csv(path, lights_of_table)
+        return read_json(path, "lights", (1, 2), lights_of)
+
+    def discs(self) -> Lights:
+        """Lights as discs of uniform radiance: these lights themselves."""
+        return self
+
+    def rotated(self, matrix: ArrayLike) -> Lights:
+        """Rotate the lights, so that a light from d comes from ``matrix @ d``.
+
+        Parameters
+        ----------
+        matrix : array_like, shape (3, 3)
+            A rotation in the frame of `EnvMap`.
+
+        Examples
+        --------
+        A quarter turn about the pole, from +z to +x:
+
+        >>> lamp = Lights([[0, 0, 1]], [[3, 2, 1]])
+        >>> lamp.rotated([[0, 0, 1], [0, 1, 0], [-1, 0, 0]]).direction
+        array([[1., 0., 0.]])
+        """
+        return replace(self, direction=rotate(self.direction, rotation(matrix)))
+
+    def to_map(self, height: int) -> EnvMap:
+        """Map of the lights as discs in a black sky, for training labels or for any renderer.
+
+        Pixels on the rim of a disc are as bright as their covered fraction. A surface that faces
+        all of a disc receives exactly its irradiance, up to single precision. A point becomes a
+        disc with a radius of one pixel, the smallest from which `detect` recovers irradiance and
+        direction.
+
+        Parameters
+        ----------
+        height : int
+            Rows; the map is twice as wide.
+
+        Returns
+        -------
+        EnvMap
+
+        Examples
+        --------
+        >>> sun = Lights([[0.6, 0.8, 0]], [[3, 2, 1]])
+        >>> sun.to_map(64).probe([[0.6, 0.8, 0]]).round(6)
+        array([[3., 2., 1.]])
+        """
+        discs = self.discs()
+        drawn = disc_map(height, discs.direction, discs.irradiance, discs.angular_radius)
+        if drawn.max(initial=0) > LARGEST_LIGHT:
+            raise EnvLightsError(
+                f"a light is too bright for a map of single precision (up to {LARGEST_LIGHT:.3g});"
+                " scale the lights"
+            )
+        return EnvMap(drawn, units=self.units)
+
+    def spherical_gaussians(self) -> SphericalGaussians:
+        r"""Convert the lights to spherical Gaussians, for engines that use them.
+
+        Returns
+        -------
+        SphericalGaussians
+            Lobes with the irradiance of each light at normal incidence. The spread of a lobe, its
+            mean of 1 - cos, is that of the disc; points become as narrow as the sun.
+
+        Notes
+        -----
+        The lobe :math:`A e^{k (l \cdot \omega - 1)}` (Wang et al. 2009, "All-frequency rendering of
+        dynamic, spatially-varying reflectance", equation 3) is the density of von Mises and Fisher,
+        whose mean of the cosine is :math:`\coth k - 1/k` (Mardia and Jupp 2000, equation 9.3.9).
+        That of a disc is :math:`(1 + \cos a) / 2`. The hemisphere around the axis receives
+
+        .. math:: E = 2 \pi A \int_0^1 e^{k (c - 1)} c \, dc
+                    = 2 \pi A \, \frac{k - 1 + e^{-k}}{k^2} .
+
+        Examples
+        --------
+        >>> window = Lights([[0, 1, 0]], [[3, 3, 3]], [0.5])
+        >>> lobes = window.spherical_gaussians()
+        >>> lobes.sharpness.round(2), lobes.amplitude.round(2)
+        (array([16.34]), array([[8.31, 8.31, 8.31]]))
+        """
+        discs = self.discs()
+        return lobes(discs.direction, discs.irradiance, discs.angular_radius)
+
+
+# Not a full sequence: `count` and `index` are missing.
+Sequence.register(Lights)
+
+
+def place_cells(lights: Lights, row: int) -> list[str]:
+    """Number, azimuth, elevation and share of a light."""
+    share = f"{100 * lights.share[row]:.1f} %"
+    return [f"{row + 1}", *angle_cells(lights.direction[row]), share]
+
+
+def rgb_heading(units: str) -> str:
+    """Name of the columns of `rgb_cell`."""
+    return f"irradiance{in_lux(units)} (R, G, B)"
+
+
+def rgb_cell(irradiance: NDArray[np.float64]) -> str:
+    """Red, green and blue in separate columns."""
+    return "  ".join(f"{value:>9.4g}" for value in irradiance)
+
+
+def lights_of(data: dict[str, Any]) -> Lights:
+    """Lights that `Lights.to_dict` wrote."""
+    # An empty list has no second axis.
+    direction = np.reshape(data["direction"], (-1, 3))
+    irradiance = np.reshape(data["irradiance"], (-1, 3))
+    radius: Any = data.get("angular_radius")
+    # Version 1 had no scale.
+    scale, notes = data.get("scale", OWN_SCALE), data.get("notes", ())
+    return Lights(direction, irradiance, radius, units=scale, notes=notes)
+
+
+def lights_of_table(table: CsvTable) -> Lights:
+    """Lights of a CSV file."""
+    arrays = table.direction, table.irradiance, table.angular_radius
+    return Lights(*arrays, units=table.units)

@@ -1,0 +1,53 @@
+"""Lights as lobes of radiance: spherical Gaussians."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights._common.arrays import seal
+
+#: Angular radius of the sun, in radians: 0.267 degrees at its mean distance.
+SUN_RADIUS = 0.00465
+#: Newton steps for the sharpness of a lobe; 4 suffice for any disc.
+_NEWTON_STEPS = 6
+
+
+class SphericalGaussians(NamedTuple):
+    """Lobes of radiance ``amplitude * exp(sharpness * (axis . w - 1))`` in each direction w."""
+
+    axis: NDArray[np.float64]
+    """Unit vectors, (n, 3)."""
+
+    sharpness: NDArray[np.float64]
+    """Sharpness, larger for narrower lobes, (n,)."""
+
+    amplitude: NDArray[np.float64]
+    """Radiance along the axis, linear RGB, (n, 3)."""
+
+
+def lobes(
+    direction: NDArray[np.float64],
+    irradiance: NDArray[np.float64],
+    angular_radius: NDArray[np.float64],
+) -> SphericalGaussians:
+    """Lobes with the irradiance and the spread of discs; see `Lights.spherical_gaussians`."""
+    sharpness = _sharpness(np.sin(np.maximum(angular_radius, SUN_RADIUS) / 2) ** 2)
+    at_normal = 2 * np.pi * (sharpness - 1 + np.exp(-sharpness)) / sharpness**2
+    amplitude = irradiance / at_normal[:, None]
+    return SphericalGaussians(direction, seal(sharpness), seal(amplitude))
+
+
+def _sharpness(spread: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Sharpness k of lobes with the mean 1 - cos `spread`, below 1: inverse of 1 + 1/k - coth k."""
+    # Start near the solution (Banerjee et al. 2005, equation 4.4), and take Newton's steps.
+    mean = 1 - spread
+    k = mean * (3 - mean**2) / (spread * (1 + mean))
+    for _ in range(_NEWTON_STEPS):
+        # coth k - 1 = 2 / (e^2k - 1), without cancellation and overflow.
+        beyond = 2 * np.exp(-2 * k) / -np.expm1(-2 * k)
+        slope = 1 / k**2 - beyond * (2 + beyond)
+        k = k + (1 / k - beyond - spread) / slope
+    return k

@@ -1,0 +1,67 @@
+"""Reader of the package's own JSON files, which `envlights.export` writes."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+from envlights._common.check import describe
+from envlights._common.errors import DamagedFileError, FileError, unreadable
+from envlights._common.files import as_path
+from envlights._common.printable import printable_parts
+from envlights._native import EnvLightsError
+
+_T = TypeVar("_T")
+
+
+def read_json(
+    path: str | os.PathLike[str],
+    kind: str,
+    versions: tuple[int, ...],
+    build: Callable[[dict[str, Any]], _T],
+) -> _T:
+    """Read a file of a `kind`, such as "rig", and pass its content to `build`.
+
+    Raises
+    ------
+    EnvLightsError
+        If the file is missing, of another kind or version, or `build` cannot use it.
+    """
+    import json  # here, so that `import envlights` does not wait for it
+
+    try:
+        data = printable_parts(json.loads(as_path(path).read_text(encoding="utf-8")))
+    except OSError as error:
+        raise unreadable(path, error) from None
+    except (ValueError, RecursionError) as error:
+        raise DamagedFileError(f"{path} is not a JSON file: {error}") from None
+    _check_version(path, kind, versions, data)
+    try:
+        return build(data)
+    except EnvLightsError as error:
+        raise DamagedFileError(f"{path} holds {_impossible(kind)}: {error}") from None
+    except KeyError as error:
+        reason = f"the key {error} is missing"
+    except (AttributeError, IndexError, OverflowError, TypeError, ValueError):
+        reason = "a value has another type or shape than `save` writes"
+    raise DamagedFileError(f"{path} is not {_one(kind, 'complete')}: {reason}")
+
+
+def _check_version(path: object, kind: str, versions: tuple[int, ...], data: Any) -> None:
+    name = f"envlights {kind}"
+    if not isinstance(data, dict) or data.get("format") != name:
+        raise FileError(f"{path} is not {_one(kind)}: it does not say 'format': '{name}'")
+    if data.get("version") not in versions:
+        version, read = describe(data.get("version")), ", ".join(map(str, versions))
+        raise FileError(f"{path} is {_one(kind)} of version {version}; this package reads {read}")
+
+
+def _one(kind: str, quality: str = "") -> str:
+    """Noun for a file of a `kind`: "a rig", "a complete list of lights"."""
+    noun = f"list of {kind}" if kind.endswith("s") else kind
+    return f"a {quality} {noun}" if quality else f"a {noun}"
+
+
+def _impossible(kind: str) -> str:
+    return f"impossible {kind}" if kind.endswith("s") else f"an impossible {kind}"

@@ -1,0 +1,1 @@
+"""Scenes that Mitsuba renders, if it is installed."""

@@ -1,0 +1,333 @@
+"""Split a map into its lights and the rest."""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+from time import perf_counter
+from typing import Any, Literal, NamedTuple, overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights import _native
+from envlights._common.check import amount, count, describe, flag
+from envlights._native import EnvLightsError
+from envlights.cards.card_split import CardSplit
+from envlights.cards.cut import cut
+from envlights.detection.detect import detect_with_luminance
+from envlights.detection.lights import DetectedLights, DetectionReport
+from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
+from envlights.kernels.image import LUMINANCE
+from envlights.rigs.links import LinkedParts
+from envlights.splitting.removed_lights import RemovedLights
+
+#: Options of `detect` here. Without the removed lights, the threshold is lower (by less than a
+#: tenth for most maps), so weak lights would be detected in the remainder. Remove them too.
+_OPTIONS: dict[str, Any] = {"rise": 2.25, "min_worth": 0.0}
+
+#: Largest relative difference of a light's peak from that of its map; files round it.
+_PEAK_TOLERANCE = 1e-3
+
+
+class LightPixels(NamedTuple):
+    """Pixels of lights in the map averaged over square blocks, as the kernel reads them."""
+
+    pixel: NDArray[np.int64]
+    """Row and column of each pixel, shape (k, 2)."""
+
+    light_of_pixel: NDArray[np.int64]
+    """Index of the light of each pixel; a light without a direction stays in the map."""
+
+    direction: NDArray[np.float64]
+    """Unit vectors towards the lights to remove, shape (n, 3)."""
+
+    block: int
+    """Pixels of the map along each side of a block."""
+
+    threshold: float
+    """Luminance above which a pixel is bright."""
+
+    luminance: NDArray[np.float32]
+    """Mean luminance of each block, row after row."""
+
+
+class _SplitFields(NamedTuple):
+    """Fields of a `Split`."""
+
+    lights: RemovedLights
+    """Lights that were removed, brightest first."""
+
+    rest: EnvMap
+    """The map without them, of the same size and nowhere negative."""
+
+
+class Split(_SplitFields, LinkedParts):
+    """Lights, and the map without them."""
+
+    __slots__ = ()
+
+    def __str__(self) -> str:
+        return f"{self.lights}\n\nthe map without these lights: {self.rest}"
+
+
+@overload
+def split(
+    env: AnyMap,
+    lights: int | DetectedLights | None = None,
+    *,
+    share: float | None = None,
+    shapes: Literal[False] = False,
+    **options: Any,
+) -> Split: ...
+
+
+@overload
+def split(
+    env: AnyMap,
+    lights: int | DetectedLights | None = None,
+    *,
+    share: float | None = None,
+    shapes: Literal[True],
+    **options: Any,
+) -> CardSplit: ...
+
+
+def split(
+    env: AnyMap,
+    lights: int | DetectedLights | None = None,
+    *,
+    share: float | None = None,
+    shapes: bool = False,
+    **options: Any,
+) -> Split | CardSplit:
+    r"""Split a map into lights and the rest: a sun as a lamp, and the sky without it.
+
+    Each light is removed with its rim and its glare. Its pixels are filled smoothly from around
+    it, by Laplace's equation on the sphere; a pixel that is darker than the fill stays. In every
+    pixel, the map is the rest plus the removed radiance. A surface that faces the whole light
+    receives the same luminance from the light as from the removed pixels, up to rounding. One
+    channel may differ by `RemovedLights.off_axis` of the light.
+
+    Parameters
+    ----------
+    env : EnvMap, path or array_like, shape (height, 2 * height, 3)
+        The map.
+    lights : int or DetectedLights, optional
+        Largest number of lights to remove, the brightest first: 1 for the sun. Or lights of
+        `detect` for this map, such as ``detected[[0, 2]]``. By default, all lights.
+    share : float, optional
+        Remove the fewest lights, the brightest first, that have this fraction of the flux of all
+        lights.
+    shapes : bool
+        True: the lights leave the map as `Cards` (rectangles, tubes, discs) with textures. What
+        lies beside the cards, such as the glow on a wall, stays in the map. Panes of one window
+        become one card.
+    **options
+        Options of `detect`. Here `rise` is 2.25 and `min_worth` is 0 by default, so that
+        weak lights do not remain in the rest.
+
+    Returns
+    -------
+    lights : RemovedLights
+        The removed lights, with their irradiance at normal incidence; `Cards` if `shapes` is True.
+    rest : EnvMap
+        A map like any other; its `notes` name the removed lights.
+
+    Raises
+    ------
+    EnvLightsError
+        If `env` is not a map, an option is out of its range, or `lights` are from another
+        method or another map.
+
+    See Also
+    --------
+    detect : the lights of a map.
+
+    Notes
+    -----
+    At normal n the removed radiance T gives :math:`n \cdot V` in each channel, with
+    :math:`V = \int T \omega\, d\omega`, and the light gives :math:`E\, n \cdot d`. The direction
+    d is that of the luminance of V. For suns, one channel differs by 0.01 to 11 %, because of haze
+    and because a lens refracts red and blue differently. Windows that are blue above and green
+    below differ more. If the horizon of a surface cuts a light, the shape of the light matters,
+    which is not exactly a disc.
+
+    The glare around a light is removed in rings. Rings are added while their median luminance falls
+    by a factor of 1.1 to 1.25 over two rings, up to 15 degrees from the light. Glare falls like
+    this, a sky does not. Bright surroundings that are connected to the light, up to 45 degrees
+    away, are dimmed: the clouds around a sun, or the dim part of a softbox. A luminance of y
+    thresholds, with y above 1.5, becomes 2 - 1/4 / (y - 1) thresholds.
+
+    Of a map that shows a part of the sphere (`EnvMap.seen`), only what is seen is removed and
+    counted, and nothing is filled from unseen pixels. They stay black in the rest.
+
+    The irradiance of a clipped light is a lower bound, because the map has lost the radiance above
+    its clip level.
+
+    References
+    ----------
+    Cascadic multigrid for the fill: F. A. Bornemann, P. Deuflhard: "The cascadic multigrid method
+    for elliptic problems", Numerische Mathematik 75, 1996.
+
+    Examples
+    --------
+    >>> import envlights as el
+    >>> sun = el.synthetic.Disc((1, 1, 0), 1.0, (900, 800, 700))
+    >>> env = el.EnvMap(el.synthetic.scene(256, background=[0.2, 0.3, 0.4], shapes=[sun]).radiance)
+    >>> lights, rest = el.split(env)
+    >>> len(lights), rest.radiance.max(axis=(0, 1))
+    (1, array([0.2, 0.3, 0.4], dtype=float32))
+
+    The lights and the rest as a rig, the rest as harmonics:
+
+    >>> sky = el.fit(rest, lights=0, ambient="sh2")
+    >>> rig = el.Rig(sky.ambient, lights.discs(), error=0.0)
+    >>> np.allclose(rig.probe([[0, 1, 0]]), env.probe([[0, 1, 0]]), rtol=1e-4)
+    True
+    """
+    flag("shapes", shapes)
+    env = as_envmap(env)
+    found, chosen, luminance = _choose(env, lights, share, options)
+    start = perf_counter()
+    pixels = _light_pixels(env, chosen, luminance)
+    if chosen is lights:
+        _check_peaks(chosen, pixels)
+    is_border = env.registration == "border-sampled"
+    parts = _native.split_map(env.radiance, is_border, pixels, env.seen)
+    removed = _removed_lights(chosen, parts, _report(chosen, len(found), perf_counter() - start))
+    if shapes:
+        return _cards_and_rest(env, removed, parts.rest, pixels)
+    notes = (*env.notes, *_notes(removed))
+    return Split(removed, env.with_radiance(parts.rest, notes))
+
+
+def _cards_and_rest(
+    env: EnvMap, removed: RemovedLights, rest: NDArray[np.float32], pixels: LightPixels
+) -> CardSplit:
+    """Cards of removed lights, and the map with all that lies beside them."""
+    blocks = pixels.pixel, pixels.light_of_pixel
+    cards, around = cut(
+        env, rest, blocks, pixels.block, (removed.direction, removed.angular_radius)
+    )
+    remark = [f"{cards.in_short()} removed"] if len(cards) else []
+    return CardSplit(cards, env.with_radiance(around, (*env.notes, *remark)))
+
+
+def _choose(
+    env: EnvMap, lights: int | DetectedLights | None, share: float | None, options: dict[str, Any]
+) -> tuple[DetectedLights, DetectedLights, NDArray[np.float32]]:
+    """All lights of the map, the ones to remove, and the luminance of the reduced map."""
+    if isinstance(lights, DetectedLights):
+        given = [*options, *(["share"] if share is not None else [])]
+        if given:
+            raise EnvLightsError(
+                f"{given[0]} has no effect on lights that are already detected; give only one"
+            )
+        _check_origin(env, lights.report)
+        is_border = env.registration == "border-sampled"
+        width = lights.report.working_size[1]
+        image = _native.reduced_luminance(env.radiance, width, is_border)
+        return lights, lights, image.ravel()
+    most = None if lights is None else _count(lights)
+    part = None if share is None else amount("share", share, most=1.0)
+    found, luminance = detect_with_luminance(env, **_OPTIONS | options)
+    if part is not None:
+        together = np.cumsum(found.flux_share)
+        enough = int(np.searchsorted(together, part * (1 - 1e-12) * found.flux_share.sum())) + 1
+        most = min(enough if part else 0, len(found) if most is None else most)
+    return found, found if most is None else found[:most], luminance
+
+
+def _count(lights: object) -> int:
+    if isinstance(lights, bool) or not isinstance(lights, int | np.integer):
+        raise EnvLightsError(
+            "lights must be a number, or lights from `detect`, such as detected[[0, 2]]; got"
+            f" {describe(lights)}"
+        )
+    return count("lights", int(lights))
+
+
+def _check_origin(env: EnvMap, report: DetectionReport) -> None:
+    """Refuse lights of another method or of a map of another size."""
+    if report.method != "tree":
+        raise EnvLightsError(
+            f'split needs lights of `detect`; got those of method "{report.method}"'
+        )
+    height, width = report.working_size
+    block = -(-env.width // width)
+    if (height, width) != (-(-env.height // block), -(-env.width // block)):
+        raise EnvLightsError(
+            f"the lights must be those of this map of {env.width}x{env.height} pixels; they are"
+            f" from a map that was reduced to {width}x{height}"
+        )
+
+
+def _check_peaks(lights: DetectedLights, pixels: LightPixels) -> None:
+    """Refuse lights whose peak differs from the map at their pixels.
+
+    A peak is one pixel of the map, which has at least 1 / block^3 of the weight in its block.
+    """
+    image = pixels.luminance.reshape(lights.report.working_size)
+    seen = np.zeros(len(lights))
+    rows, columns = lights.members.pixel.T
+    np.maximum.at(seen, lights.members.light, image[rows, columns])
+    least, most = 1 - _PEAK_TOLERANCE, 1 + _PEAK_TOLERANCE
+    peak = lights.peak_luminance
+    is_other = (seen > most * peak) | (seen < least * peak / pixels.block**3)
+    for light in np.flatnonzero(is_other)[:1]:
+        raise EnvLightsError(
+            f"the lights must be those of this map: light {light} has a peak luminance of"
+            f" {peak[light]:.4g}, but its brightest pixel here has {seen[light]:.4g}"
+        )
+
+
+def _light_pixels(
+    env: EnvMap, lights: DetectedLights, luminance: NDArray[np.float32]
+) -> LightPixels:
+    """Pixels of all lights; lights that stay have the index after the last one to remove."""
+    members, report = lights.members, lights.report
+    pixel = np.concatenate([members.others, members.pixel])
+    light = np.concatenate([np.full(len(members.others), len(lights)), members.light])
+    block = -(-env.width // report.working_size[1])
+    return LightPixels(pixel, light, lights.direction, block, report.threshold, luminance)
+
+
+def _removed_lights(
+    chosen: DetectedLights, parts: _native.MapSplit, report: DetectionReport
+) -> RemovedLights:
+    """Removed lights, with the remaining measurements of the detected lights."""
+    detected = {each.name: getattr(chosen, each.name) for each in fields(chosen) if each.init}
+    measured = {
+        "direction": parts.direction,
+        "irradiance": parts.irradiance,
+        "flux": parts.flux,
+        "solid_angle": parts.solid_angle,
+        "flux_share": parts.flux @ LUMINANCE / (parts.map_flux or 1.0),
+        "vector_irradiance": parts.vectors,
+        "reach": parts.reach,
+        "report": report,
+    }
+    return RemovedLights(**(detected | measured))
+
+
+def _report(chosen: DetectedLights, found: int, seconds: float) -> DetectionReport:
+    """The report of the detection, with the lights that stay."""
+    report = chosen.report
+    stay = found - len(chosen)
+    others = "1 light stays" if stay == 1 else f"{stay} lights stay"
+    skipped = (*report.skipped, f"{others} in the map") if stay else report.skipped
+    return replace(report, skipped=skipped, seconds={**report.seconds, "split": seconds})
+
+
+def _notes(removed: RemovedLights) -> tuple[str, ...]:
+    if not len(removed):
+        return ()
+    percent = 100 * removed.flux_share.sum()
+    notes = [f"{removed.in_short()} with {percent:.3g} % of the flux removed"]
+    if cut := int(removed.is_cut.sum()):
+        lights = "light lies" if cut == 1 else "lights lie"
+        notes.append(
+            f"{cut} removed {lights} at the border of what the map shows, so only the seen part was"
+            " removed, and the flux is that of this part"
+        )
+    return tuple(notes)

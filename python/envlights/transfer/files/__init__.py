@@ -1,0 +1,1 @@
+"""Files of models, priors and pairs."""

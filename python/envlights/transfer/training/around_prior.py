@@ -1,0 +1,287 @@
+"""Training around a prior that knows the geometry of the scene.
+
+The steps, with the prior T0 and direct images X and indirect images Y at norm 1 of the first:
+
+1. The remainder ``Y - X T0`` has its ridge by leave-one-out errors without a basis: T0 comes from
+   no pair, so these are exact. They also choose the weights of the direct texels: by their
+   indirect light (see `weights.py`), or equal ones where the remainder does not follow the prior,
+   as with gloss.
+2. The basis comes from the pairs and from virtual lights. With the weights W that the ridge gives
+   the pairs, the model predicts ``W Y + (V - W X) T0`` for their direct images V.
+3. T0 and the remainder are regressed in the basis. The error for new lights is that without a
+   basis, and in squares the part of the pair beyond a basis that was made without it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import ceil
+from typing import NamedTuple, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from envlights._native import EnvLightsError
+from envlights.transfer.files.pair_summary import PairSummary
+from envlights.transfer.pairs import Pairs, image_stack, rgb_rows
+from envlights.transfer.prior import TransferPrior
+from envlights.transfer.report import TransferReport
+from envlights.transfer.training import leave_one_out
+from envlights.transfer.training.basis import BasisSize, Directions, basis, directions, outside
+from envlights.transfer.training.familiarity import at_norm_1
+from envlights.transfer.training.gram import Gram, gram
+from envlights.transfer.training.mixtures import mixtures
+from envlights.transfer.training.products import product
+from envlights.transfer.training.ridge import RIDGES, Regression, regression
+from envlights.transfer.training.train import Training
+from envlights.transfer.training.weights import WeightedRegression, weighted_regression
+
+#: Largest rank that is chosen without a request, because the time of a frame grows with it.
+_MOST_DIRECTIONS = 256
+#: Largest truncation by a chosen rank, in errors for new lights: it adds 12 % to them.
+_SHARE = 0.5
+#: Virtual lights without a request, about, and their energy in pairs. Single texels instead of
+#: blocks, for direct images of 32x32 texels, are spots that no lamp makes: the report of the room
+#: with 32 pairs then said 7.2 % where the error for new lights was 4.2 %.
+_VIRTUAL_LIGHTS = 256
+#: A prior whose error exceeds this fraction does not belong to the pairs, or light is not diffuse.
+_DOUBTFUL = 0.5
+
+
+_Solver = TypeVar("_Solver", Regression, WeightedRegression)
+
+
+class Learning(NamedTuple):
+    """Result of training around a prior."""
+
+    training: Training
+    transfer: NDArray[np.float64]
+    report: TransferReport
+
+
+class _Remainder(NamedTuple):
+    """Regression of the pairs around a prior, without a basis."""
+
+    solver: WeightedRegression
+    ridge: float
+    errors: NDArray[np.float64]
+    """Leave-one-out error of each pair that is not black."""
+    prior_errors: NDArray[np.float64]
+
+
+def check_prior(
+    prior: object, size: tuple[int, int], pairs: Pairs, virtual: ArrayLike | None
+) -> NDArray[np.float64]:
+    """Rows of the virtual lights, (n, 3, h * w), or a refusal of what does not fit the pairs."""
+    if not isinstance(prior, TransferPrior):
+        raise EnvLightsError(
+            f"prior must be a TransferPrior; got an object of the type {type(prior).__name__}"
+        )
+    if pairs.is_lazy:
+        raise EnvLightsError("prior needs indirect as an array of NumPy; got an array of Dask")
+    for name, ours, theirs in (
+        ("direct", size, prior.size),
+        ("indirect", pairs.indirect.shape[1:3], prior.covered.shape),
+    ):
+        if tuple(ours) != tuple(theirs):
+            given, wanted = ("x".join(map(str, each[::-1])) for each in (ours, theirs))
+            raise EnvLightsError(f"{name} must be {wanted} pixels, as in the prior; got {given}")
+    if virtual is None:
+        return _blocks_alone(pairs.direct, size)
+    stack, _ = image_stack("virtual", virtual, size, "prior")
+    return at_norm_1(rgb_rows(stack))
+
+
+def train_around(
+    pairs: Pairs,
+    prior: TransferPrior,
+    virtual: NDArray[np.float64],
+    size: BasisSize | None,
+    ridge: float | str,
+    progress: bool | None,
+) -> Learning:
+    """Model of the `pairs` around a prior; without a `size`, the rank follows from the errors."""
+    own = gram(pairs, centred=False, progress=progress)
+    rest = _remainder(pairs, prior, own.energy, ridge)
+    every, found = _directions(pairs, prior, virtual, rest)
+    limits = size or BasisSize(_MOST_DIRECTIONS, _SHARE * float(np.median(rest.errors)))
+    rank = limits.count(every.values)
+    first = every.first(rank)
+    columns, mean = basis(*found, first, centred=False, progress=progress)
+    # Keep the pairs, without the virtual lights.
+    k = len(pairs.scale)
+    coefficients = first.coefficients[:k]
+    outs = outside(found[1].products, first.coefficients)
+    learnt = PairSummary(pairs.direct, coefficients, outs[:k], own.energy)
+    notes = _notes(rest, pairs, own, every, rank, is_chosen=size is None)
+    notes = (*notes, *(limits.missed(every.values, rank) if size else ()))
+    training = Training(columns, found[1].lit, mean, learnt, notes)
+    prior_mean = _in_basis(prior, columns, found[1].lit)
+    seen = product(pairs.direct.swapaxes(0, 1), prior_mean).swapaxes(0, 1)
+    left = coefficients - seen
+    report = _report(rest, left, learnt, (first.coefficients, outs), notes)
+    return Learning(training, prior_mean + rest.solver.transfer(rest.ridge, left), report)
+
+
+def _blocks_alone(direct: NDArray[np.float64], size: tuple[int, int]) -> NDArray[np.float64]:
+    """Each block of direct texels alone, (blocks, 3, h * w).
+
+    Half of their energy is that of the pairs, the other half is the same for all texels.
+    """
+    side = ceil(np.sqrt(size[0] * size[1] / _VIRTUAL_LIGHTS))
+    row, column = (np.arange(length) // side for length in size)
+    block = (row[:, None] * (column[-1] + 1) + column).ravel()
+    square = np.mean(direct**2, axis=0)
+    square = (square + square.mean(axis=1, keepdims=True)) / 2
+    is_lit = np.arange(block[-1] + 1)[:, None] == block
+    return np.asarray(is_lit[:, None] * np.sqrt(_VIRTUAL_LIGHTS * square))
+
+
+def _remainder(
+    pairs: Pairs, prior: TransferPrior, energy: NDArray[np.float64], ridge: float | str
+) -> _Remainder:
+    """Ridge of the remainder, and its errors for new lights."""
+    k = len(pairs.scale)
+    identity = np.broadcast_to(np.eye(k), (3, k, k))
+    missed = gram(mixtures(pairs, prior, identity, -pairs.direct), centred=False)
+    coefficients = _coefficients(missed.products)
+    weights = prior.strength, np.ones_like(prior.strength)
+    solvers = [weighted_regression(pairs.direct, each) for each in weights]
+    ridges = RIDGES if isinstance(ridge, str) else (ridge,)
+    solver, chosen = _best(solvers, ridges, coefficients, energy)
+    errors = _left_out(solver, chosen, coefficients, energy)
+    is_bright = energy > 0
+    alone = np.sqrt(missed.energy[is_bright] / energy[is_bright])
+    return _Remainder(solver, chosen, errors, alone)
+
+
+def _coefficients(products: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Coefficients in all directions of images, from their inner products, (k, 3, n)."""
+    energy = float(np.trace(products))
+    return directions(products, np.dtype(np.float64), energy).coefficients
+
+
+def _best(
+    solvers: Sequence[_Solver],
+    ridges: Sequence[float],
+    coefficients: NDArray[np.float64],
+    energy: NDArray[np.float64],
+) -> tuple[_Solver, float]:
+    """Regression and ridge with the least mean leave-one-out error."""
+
+    def error(choice: tuple[_Solver, float]) -> float:
+        return float(_left_out(*choice, coefficients, energy).mean())
+
+    return min(((solver, ridge) for solver in solvers for ridge in ridges), key=error)
+
+
+def _left_out(
+    solver: Regression | WeightedRegression,
+    ridge: float,
+    coefficients: NDArray[np.float64],
+    energy: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    missed = solver.left_out(ridge, coefficients)
+    return _relative(np.sum(missed**2, axis=(1, 2)), energy)
+
+
+def _relative(squares: NDArray[np.float64], energy: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Relative error of each image that is not black."""
+    is_bright = energy > 0
+    return np.asarray(np.sqrt(np.maximum(squares[is_bright], 0) / energy[is_bright]))
+
+
+def _directions(
+    pairs: Pairs, prior: TransferPrior, virtual: NDArray[np.float64], rest: _Remainder
+) -> tuple[Directions, tuple[Pairs, Gram]]:
+    """Directions of the pairs together with virtual lights, and the images that they are of."""
+    weights = rest.solver.shares(rest.ridge, virtual)
+    new = virtual - product(weights, pairs.direct.swapaxes(0, 1)).swapaxes(0, 1)
+    k = len(pairs.scale)
+    identity = np.broadcast_to(np.eye(k), (3, k, k))
+    both = mixtures(
+        pairs,
+        prior,
+        np.concatenate([identity, weights], axis=1),
+        np.concatenate([np.zeros_like(pairs.direct), new]),
+    )
+    measured = gram(both, centred=False)
+    every = directions(measured.products, pairs.dtype, measured.energy.sum())
+    if not len(every.values):
+        raise EnvLightsError("indirect is black in every image; there is nothing to learn")
+    return every, (both, measured)
+
+
+def _in_basis(
+    prior: TransferPrior, columns: NDArray[np.floating], lit: NDArray[np.bool_]
+) -> NDArray[np.float64]:
+    """Prior in the coordinates of the basis, (3, direct texels, rank)."""
+    pixels, rank = prior.visible.size, columns.shape[1]
+    received = np.zeros((3, pixels, rank))
+    basis = np.zeros((lit.size, rank), np.float32)
+    basis[lit.ravel()] = columns
+    basis = basis[prior.covered.ravel()]
+    for first in range(0, len(basis), 4096):
+        some = slice(first, first + 4096)
+        factors = prior.factors(some).T
+        for channel in range(3):
+            reflected = prior.reflectance[some, channel, None] * basis[some]
+            received[channel] += product(factors, reflected)
+    return product(prior.leaving.swapaxes(1, 2), received)
+
+
+def _report(
+    rest: _Remainder,
+    left: NDArray[np.float64],
+    learnt: PairSummary,
+    every: tuple[NDArray[np.float64], NDArray[np.float64]],
+    notes: tuple[str, ...],
+) -> TransferReport:
+    inside, residual = np.sum(learnt.coefficients**2), np.trace(learnt.outside, axis1=1, axis2=2)
+    trained = np.sum(rest.solver.residual(rest.ridge, left) ** 2, axis=(1, 2)) + residual
+    # Project each pair onto a basis without it: virtual lights take part in the basis.
+    beyond = leave_one_out.squares(*every, np.zeros_like(every[0]))[: len(left)]
+    return TransferReport(
+        pairs=len(learnt.energy),
+        rank=learnt.coefficients.shape[2],
+        energy=float(inside / (inside + residual.sum())),
+        ridge=rest.ridge,
+        unseen_errors=tuple(np.hypot(rest.errors, _relative(beyond, learnt.energy)).tolist()),
+        training_errors=tuple(_relative(trained, learnt.energy).tolist()),
+        prior_errors=tuple(rest.prior_errors.tolist()),
+        notes=notes,
+    )
+
+
+def _truncation(every: Directions, rank: int) -> float:
+    """Relative RMS error of pairs and virtual lights in a basis of the first directions."""
+    return float(np.sqrt(max(1 - every.values[:rank].sum() / every.values.sum(), 0.0)))
+
+
+def _notes(
+    rest: _Remainder, pairs: Pairs, own: Gram, every: Directions, rank: int, is_chosen: bool
+) -> tuple[str, ...]:
+    """Remarks on the rank, and on a prior that does not fit the pairs."""
+    notes = []
+    if is_chosen:
+        share = 100 * _truncation(every, rank)
+        notes.append(
+            f"rank {rank}: the basis leaves out {share:.2g} % of new light, where the median error"
+            f" without a basis is {100 * np.median(rest.errors):.2g} %"
+        )
+    coefficients = _coefficients(own.products)
+    plain = regression(pairs.direct, channelwise=True)
+    best = _best([plain], RIDGES, coefficients, own.energy)
+    without = np.median(_left_out(*best, coefficients, own.energy))
+    ours, alone = np.median(rest.errors), np.median(rest.prior_errors)
+    if len(pairs.scale) > 1 and without < ours:
+        notes.append(
+            f"the prior does not help: the median error for new lights is {100 * ours:.3g} % with"
+            f" it and {100 * without:.3g} % without; fit without it"
+        )
+    if alone > _DOUBTFUL:
+        notes.append(
+            f"the prior does not describe the pairs: its own median error is {100 * alone:.3g} %;"
+            " check that scene, units and orientation are those of the pairs, and surfaces diffuse"
+        )
+    return tuple(notes)

@@ -1,0 +1,109 @@
+"""The inner products of all indirect images, a block of texels at a time.
+
+An image has three rows, one for each channel, so that a basis serves all channels:
+
+    Y = (3 k, texels),    G = Y Y^T = sum over blocks of Y_b Y_b^T
+
+An image has about a thousand times more texels than there are images, so G is small; and a basis
+needs nothing but G.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights import _native
+from envlights._common.progress import progress_bar
+from envlights._native import EnvLightsError
+from envlights.transfer.pairs import Pairs, check_finite
+from envlights.transfer.training.products import product
+
+#: Texels of a part, rounded to rows of the image. For the kernels: enough for several threads. For
+#: NumPy, which needs them in float64 and reordered: as many as stay in the cache.
+_PART, _SMALL_PART = 8192, 1024
+#: Over fewer texels than this the rounding of float32 does not average out, and float64 is cheap.
+_FEW = 2**16
+
+
+@dataclass(frozen=True, eq=False)
+class Gram:
+    """Results of one pass over every texel."""
+
+    products: NDArray[np.float64]
+    """Inner products of the rows, (3 k, 3 k), or of the rows less their mean if centred."""
+
+    energy: NDArray[np.float64]
+    """Sum of squares of each image, (k,); the mean is not subtracted."""
+
+    lit: NDArray[np.bool_]
+    """Texels that are not black in every image, (H, W)."""
+
+
+def gram(pairs: Pairs, centred: bool, progress: bool | None = False) -> Gram:
+    """Inner products of the scaled indirect images; `centred`: less the mean of all rows."""
+    # Add up the lower half of the products, part by part.
+    rows = 3 * len(pairs.scale)
+    products = np.zeros((rows, rows))
+    lit = np.empty(pairs.indirect.shape[1:3], np.bool_)
+    inner = _single if is_for_kernels(pairs) else _double
+    # Overflow and NaN are refused below, with their place in the images.
+    with np.errstate(over="ignore", invalid="ignore"):
+        for where, part in parts(pairs, progress):
+            found, is_lit = inner(part, pairs.scale)
+            products += found
+            lit[where] = is_lit.reshape(lit[where].shape)
+    energy = np.diagonal(products).copy()
+    if not np.isfinite(energy).all():
+        _refuse(pairs)
+    # Fill the upper half; for centred rows, subtract what the mean contributes.
+    products = np.tril(products) + np.tril(products, -1).T
+    if centred:
+        mean = products.mean(axis=0)
+        products += mean.mean() - mean - mean[:, None]
+    return Gram(products, energy.reshape(-1, 3).sum(axis=1), lit)
+
+
+def is_for_kernels(pairs: Pairs) -> bool:
+    """True for large images in float32, which are worth the buffers of the kernels."""
+    _, height, width, _ = pairs.indirect.shape
+    return bool(pairs.dtype == np.float32 and height * width >= _FEW)
+
+
+def _single(part: NDArray[Any], scale: NDArray[np.float64]) -> tuple[Any, NDArray[np.bool_]]:
+    """Lower half of the inner products, and the mask of texels that are not black."""
+    return _native.transfer_gram(part, scale.astype(np.float32))
+
+
+def _double(part: NDArray[Any], scale: NDArray[np.float64]) -> tuple[Any, NDArray[np.bool_]]:
+    """All inner products in float64 by a BLAS, and the mask of texels that are not black."""
+    block = texel_rows(part, scale)
+    lit: NDArray[np.bool_] = np.any(block, axis=1)
+    return product(block.T, block), lit
+
+
+def parts(pairs: Pairs, progress: bool | None = False) -> Iterator[tuple[slice, NDArray[Any]]]:
+    """Slices of rows, and all images in these rows: (k, texels, 3), not scaled."""
+    images, height, width, _ = pairs.indirect.shape
+    step = max(1, (_PART if is_for_kernels(pairs) else _SMALL_PART) // width)
+    for first in progress_bar(range(0, height, step), "learning", "part", progress):
+        where = slice(first, min(first + step, height))
+        part = pairs.indirect[:, where].astype(pairs.dtype, copy=False)
+        yield where, part.reshape(images, -1, 3)
+
+
+def texel_rows(part: NDArray[Any], scale: NDArray[Any]) -> NDArray[Any]:
+    """The scaled values of all images in each texel, (texels, 3 k)."""
+    scaled: NDArray[Any] = part.swapaxes(0, 1) * scale[:, None]
+    return scaled.reshape(len(scaled), -1)
+
+
+def _refuse(pairs: Pairs) -> None:
+    check_finite("indirect", pairs.indirect)
+    raise EnvLightsError(
+        f"the squares of indirect overflow {pairs.dtype}; scale the images down or give float64"
+    )

@@ -1,0 +1,103 @@
+"""Addition of pairs to a model without a new fit.
+
+The basis `B` and the coefficients `A` represent the earlier pairs. New rows `Z` have the
+coefficients `C = Z B` in it and the residual `E = Z - C B^T`, whose inner products are
+``Z Z^T - C C^T = U D^2 U^T``: so ``Q = E^T U D^-1`` is orthonormal and at right angles to `B`. All
+rows together are
+
+    [A  0  ]
+    [C  U D] [B Q]^T
+
+and the directions of the small matrix on the left rotate [B Q] into the new basis (sequential
+Karhunen-Loeve; Levy and Lindenbaum 2000).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights.transfer.files.pair_summary import PairSummary
+from envlights.transfer.pairs import Pairs
+from envlights.transfer.training.basis import BasisSize, Directions, directions, mixtures
+from envlights.transfer.training.gram import gram, parts, texel_rows
+from envlights.transfer.training.products import eigensystem, product
+
+
+def extend(
+    basis: NDArray[Any], lit: NDArray[np.bool_], learnt: PairSummary, pairs: Pairs, size: BasisSize
+) -> tuple[NDArray[Any], NDArray[np.bool_], PairSummary]:
+    """Basis, lit texels and summary after the addition of `pairs`."""
+    new = gram(pairs, centred=False)
+    inside = _inside(basis, lit, pairs)
+    residual = directions(new.products - product(inside, inside.T), pairs.dtype, new.energy.sum())
+    old = learnt.coefficients.reshape(-1, basis.shape[1])
+    rows = np.block(
+        [
+            [old, np.zeros((len(old), len(residual.values)))],
+            [inside, residual.vectors * np.sqrt(residual.values)],
+        ]
+    )
+    values, turn = eigensystem(product(rows.T, rows))
+    values, turn = values[::-1], turn[:, ::-1]
+    rank = size.count(values[values > values[0] * np.finfo(pairs.dtype).eps])
+    coefficients = product(rows, turn[:, :rank]).reshape(-1, 3, rank)
+    together = replace(
+        learnt,
+        direct=np.concatenate([learnt.direct, pairs.direct]),
+        coefficients=coefficients,
+        outside=_outside(learnt, rows, coefficients),
+        energy=np.concatenate([learnt.energy, new.energy]),
+    )
+    union = lit | new.lit
+    return _rotate(basis, lit, union, pairs, (inside, residual, turn[:, :rank])), union, together
+
+
+def _inside(basis: NDArray[Any], lit: NDArray[np.bool_], pairs: Pairs) -> NDArray[np.float64]:
+    """Coefficients of the new rows in the old basis, (3 n, rank)."""
+    inside = np.zeros((3 * len(pairs.scale), basis.shape[1]))
+    end = 0
+    scale = pairs.scale.astype(pairs.dtype)
+    for where, part in parts(pairs):
+        block = texel_rows(part[:, lit[where].ravel()], scale)
+        begin, end = end, end + len(block)
+        inside += block.T @ basis[begin:end]
+    return inside
+
+
+def _outside(
+    learnt: PairSummary, rows: NDArray[np.float64], coefficients: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Residual of each image in the new basis."""
+    rows = rows.reshape(len(coefficients), 3, -1)
+    outside: NDArray[np.float64] = rows @ rows.swapaxes(1, 2)
+    outside -= coefficients @ coefficients.swapaxes(1, 2)
+    outside[: len(learnt.outside)] += learnt.outside
+    return outside
+
+
+def _rotate(
+    basis: NDArray[Any],
+    lit: NDArray[np.bool_],
+    union: NDArray[np.bool_],
+    pairs: Pairs,
+    rotation: tuple[NDArray[np.float64], Directions, NDArray[np.float64]],
+) -> NDArray[Any]:
+    """New basis over the lit texels of old and new images."""
+    inside, residual, turn = rotation
+    rank = basis.shape[1]
+    from_new = residual.vectors / np.sqrt(residual.values) @ turn[rank:]
+    from_old = (turn[:rank] - inside.T @ from_new).astype(basis.dtype)
+    out = np.empty((np.count_nonzero(union), from_old.shape[1]), basis.dtype)
+    end = old_end = 0
+    for where, part in parts(pairs):
+        ours = union[where]
+        block = mixtures(pairs, part, ours, from_new).astype(basis.dtype, copy=False)
+        old_begin, old_end = old_end, old_end + int(np.count_nonzero(lit[where]))
+        block[lit[where][ours]] += basis[old_begin:old_end] @ from_old
+        begin, end = end, end + len(block)
+        out[begin:end] = block
+    return out
