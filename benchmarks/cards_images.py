@@ -63,7 +63,7 @@ def variants(env, parts):
     distant = cards.distant.to_map(env.height).radiance
     flat = cards.is_flat
     drawn = {
-        "discs": plain.rest.radiance + plain.lights.to_map(env.height).radiance,
+        "discs": plain.remainder.radiance + plain.lights.to_map(env.height).radiance,
         "uniform": whole + distant + uniform[flat].to_map(env.width).radiance,
         "textured": whole + distant + cards[flat].to_map(env.width).radiance,
     }

@@ -46,7 +46,7 @@ def maps():
                 env = el.EnvMap.open(path)
             except el.EnvLightsError:
                 continue
-            if env.seen is None:
+            if env.coverage is None:
                 yield path.name, env.resized(min(env.width, WIDTH))
 
 

@@ -118,7 +118,7 @@ def camera_series(
     curve=encode_srgb,
     quality=90,
     sampling="4:2:0",
-    white=255,
+    clip_level=255,
     shifts=None,
     turns=None,
     wrong=None,
@@ -132,7 +132,7 @@ def camera_series(
             moved = np.roll(radiance, shifts[place], (1, 0))
         if turns and turns[place]:
             moved = rotate(radiance, turns[place])
-        codes = np.minimum(np.round(255 * curve(moved * time)), white).astype(np.uint8)
+        codes = np.minimum(np.round(255 * curve(moved * time)), clip_level).astype(np.uint8)
         spec = oiio.ImageSpec(*codes.shape[1::-1], 3, "uint8")
         spec.attribute("Compression", f"jpeg:{quality}")
         spec.attribute("jpeg:subsampling", sampling)

@@ -80,7 +80,7 @@ class Case:
             peers.by_scipy(problem, problem.random_start(rng), has_bounds=True, tolerance=1e-8)
             for _ in range(starts)
         ]
-        _, towards, _ = kernels.unpack_lights(problem.whole(min(ends, key=problem.share)))
+        _, towards, _ = kernels.unpack_lights(problem.whole(min(ends, key=problem.fraction)))
         return directions(towards)
 
     def error(self, rig):

@@ -52,7 +52,7 @@ def costs(problem, rng):
             end = solve(problem, at)
             is_possible = problem.is_possible(end)
             for title, cost in ((start, mine), (f"{start}, we search", answer.error**2)):
-                share = (cost + ROUNDING) / (problem.share(end) + ROUNDING)
+                share = (cost + ROUNDING) / (problem.fraction(end) + ROUNDING)
                 yield (title, name), share if is_possible else None
 
 

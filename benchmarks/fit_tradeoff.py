@@ -79,7 +79,7 @@ class Case:
         begun = time.perf_counter()
         for done in range(1, max(STARTS) + 1):
             end = by_scipy(problem, problem.random_start(self.rng))
-            best = end if best is None else min(best, end, key=problem.share)
+            best = end if best is None else min(best, end, key=problem.fraction)
             if done in STARTS:
                 seconds = time.perf_counter() - begun
                 method = f"scipy, bounded, best of {done} random starts"

@@ -36,7 +36,7 @@ def main():
 def row_of(env):
     """Cells of a map."""
     axes = np.vstack([np.eye(3), -np.eye(3)])
-    sides = env.probe(axes, unseen="black") @ LUMINANCE
+    sides = env.probe(axes, fill="black") @ LUMINANCE
     whole = (env.radiance @ LUMINANCE * solid_angles(env)).sum()
     turn = Rotation.from_rotvec(np.deg2rad(20) * AXIS).as_matrix()
     vector = irradiance_vector(env)

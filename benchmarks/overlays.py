@@ -35,7 +35,7 @@ def main():
     maps = {"hall": el.EnvMap(el.synthetic.hall(256).radiance)}
     maps |= {path.stem: path for path in paths_of_real_maps(*EQUIRECTANGULAR)}
     for name, env in maps.items():
-        print(_row(name, el.fit(env, lights=4, floor=True, unseen="black")), flush=True)
+        print(_row(name, el.fit(env, lights=4, floor=True, fill="black")), flush=True)
     _time()
 
 
@@ -72,7 +72,7 @@ def _time():
     seconds = []
     for _ in range(_TIMES):
         start = perf_counter()
-        el.kernels.hidden_shares(stage, lights.direction, lights.angular_radius, floor=True)
+        el.kernels.hidden_fractions(stage, lights.direction, lights.angular_radius, floor=True)
         seconds.append(perf_counter() - start)
     print(f"{len(points)} points, 4 discs, a ball and a box: {min(seconds):.2f} s")
 

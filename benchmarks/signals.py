@@ -109,7 +109,7 @@ CALLS = {
     "EnvMap.rotated": (lambda: env(2048), lambda e: e.rotated(TURN)),
     "EnvMap.cells": (lambda: env(2048, registration="border-sampled"), lambda e: e.cells()),
     "EnvMap.repaired": (
-        lambda: el.EnvMap(np.minimum(large(8192), 3), white=3.0),
+        lambda: el.EnvMap(np.minimum(large(8192), 3), clip_level=3.0),
         lambda e: e.repaired(),
     ),
     "EnvMap ==": (

@@ -67,7 +67,9 @@ def hide(env, mask):
     """The part of a map inside a mask."""
     directions = pixel_directions(env.height, env.width, border_sampled=env.is_border_sampled)
     seen = mask(directions).astype(np.float32)
-    return el.EnvMap(env.radiance, seen=seen, white=env.white, registration=env.registration)
+    return el.EnvMap(
+        env.radiance, coverage=seen, clip_level=env.clip_level, registration=env.registration
+    )
 
 
 def probe_error(env, truth):
@@ -87,10 +89,10 @@ def table_of_fills(maps):
             for fill in FILLS
         }
         columns["spread"] = [
-            el.fit(part, lights=0, unseen="black").report.unseen_spread for part in parts
+            el.fit(part, lights=0, fill="black").report.unseen_spread for part in parts
         ]
         cells = (f"{np.median(each):.3f} ({max(each):.3f})" for each in columns.values())
-        print(f"{name:20}  {parts[0].seen_share:.2f}", *(f"{cell:>14}" for cell in cells))
+        print(f"{name:20}  {parts[0].coverage_fraction:.2f}", *(f"{cell:>14}" for cell in cells))
 
 
 def table_of_fits(maps):

@@ -27,7 +27,7 @@ SUN_CALLS = {
         },
     ),
     "find_sun": (
-        lambda env, elevation: el.find_sun(el.EnvMap(env, white=0.9), elevation=elevation),
+        lambda env, elevation: el.find_sun(el.EnvMap(env, clip_level=0.9), elevation=elevation),
         {"env": IMAGE, "elevation": st.one_of(st.none(), st.floats(1, 90))},
     ),
     "find_sun with a known direction": (
@@ -40,7 +40,7 @@ SUN_CALLS = {
     ),
     "with_sun by a ratio": (el.with_sun, {"env": IMAGE, "sun": SUNS, "ratio": SMALL}),
     "EnvMap.repaired with a sun": (
-        lambda env, **options: el.EnvMap(env, white=0.9).repaired(**options),
+        lambda env, **options: el.EnvMap(env, clip_level=0.9).repaired(**options),
         {"env": IMAGE, "sun": SUNS, "irradiance": st.one_of(st.none(), SMALL)},
     ),
     "fit with a sun": (

@@ -65,7 +65,7 @@ CALLS = {
             "projection": st.just("equirectangular"),
             "registration": st.sampled_from(["cell-centred", "border-sampled"]),
             "notes": st.sampled_from([(), ("a note",)]),
-            "white": st.one_of(st.none(), SMALL),
+            "clip_level": st.one_of(st.none(), SMALL),
             "units": UNITS,
         },
     ),
@@ -80,7 +80,7 @@ CALLS = {
     "rigs_to_frame": (el.rigs.rigs_to_frame, {"rigs": st.lists(st.just(RIG), max_size=3)}),
     "EnvMap.calibrated": (
         lambda env, **readings: el.EnvMap(env).calibrated(**readings),
-        {"env": IMAGE, "lux": SMALL, "facing": AXIS_OF_SURFACE, "patch": SMALL},
+        {"env": IMAGE, "lux": SMALL, "normal": AXIS_OF_SURFACE, "patch": SMALL},
     ),
     "EnvMap.calibrated by a place": (
         lambda env, **readings: el.EnvMap(env).calibrated(**readings),
@@ -91,8 +91,8 @@ CALLS = {
         {"env": IMAGE, "ev100": SMALL},
     ),
     "EnvMap.calibrated in sun and shade": (
-        lambda env, **readings: el.EnvMap(env, white=0.9).calibrated(**readings),
-        {"env": IMAGE, "lux": st.just(9.0), "shaded": SMALL, "facing": AXIS_OF_SURFACE},
+        lambda env, **readings: el.EnvMap(env, clip_level=0.9).calibrated(**readings),
+        {"env": IMAGE, "lux": st.just(9.0), "shaded": SMALL, "normal": AXIS_OF_SURFACE},
     ),
     "EnvMap.probe": (
         lambda env, normals: el.EnvMap(env).probe(normals),
@@ -131,14 +131,14 @@ CALLS = {
         {
             "env": IMAGE,
             "max_lights": LIGHTS,
-            "min_flux_share": SHARE,
+            "min_flux_fraction": SHARE,
             "min_worth": SMALL,
             "rise": SMALL,
             "prominence": SMALL,
             "gap_deg": SMALL,
             "extent": SHARE,
             "working_width": SIZE,
-            "white": st.one_of(st.none(), SMALL),
+            "clip_level": st.one_of(st.none(), SMALL),
         },
     ),
     "split": (
@@ -146,7 +146,7 @@ CALLS = {
         {
             "env": IMAGE,
             "lights": st.one_of(st.none(), st.integers(0, 3), st.just(DETECTED)),
-            "share": st.one_of(st.none(), SHARE),
+            "fraction": st.one_of(st.none(), SHARE),
             "shapes": st.booleans(),
         },
     ),
@@ -343,7 +343,7 @@ CALLS = {
     ),
     "kernels.relative_rms": (
         kernels.relative_rms,
-        {"seen": COLOURS, "wanted": COLOURS, "weights": array(5)},
+        {"coverage": COLOURS, "wanted": COLOURS, "weights": array(5)},
     ),
     "kernels.resize_bilinear": (
         kernels.resize_bilinear,
@@ -386,7 +386,7 @@ CALLS = {
             "normals": NORMALS,
             "border_sampled": FLAG,
             "columns": SIZE,
-            "source_share": SHARE,
+            "source_fraction": SHARE,
         },
     ),
 }

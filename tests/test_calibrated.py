@@ -24,7 +24,7 @@ def clipped_map():
     """A sky with a clipped sun 45 degrees above the horizon, in front of us."""
     sky = np.full((64, 128, 3), 0.1) * [0.8, 1.0, 1.2]
     sky[14:18, 62:66] = 1.0
-    return el.EnvMap(sky, white=1.0)
+    return el.EnvMap(sky, clip_level=1.0)
 
 
 def write_photograph(path, tags, value=0.5):
@@ -44,7 +44,7 @@ EV100 = np.log2(8**2 * 125 * 100 / 200)
 
 @given(st.integers(0, 99), st.floats(0.01, 2e5), st.sampled_from(FACINGS))
 def test_the_surface_receives_the_lux_that_were_measured(seed, lux, facing):
-    env = random_map(seed).calibrated(lux=lux, facing=facing)
+    env = random_map(seed).calibrated(lux=lux, normal=facing)
     assert env.units == "cd/m2"
     np.testing.assert_allclose(env.probe(facing) @ LUMINANCE, lux, rtol=1e-5)
 
@@ -96,13 +96,13 @@ def test_a_value_of_one_is_the_saturation_of_the_exposure():
 def test_readings_in_sun_and_shade_hold_both(facing):
     """The surface receives the sum, and the second reading without the clipped pixels."""
     world = clipped_map()
-    env = world.calibrated(lux=98000, shaded=15000, facing=facing)
+    env = world.calibrated(lux=98000, shaded=15000, normal=facing)
     towards = [0, 1, 0] if facing is None else facing
     is_sun = (world.radiance >= 1).all(axis=2)
     shade = el.EnvMap(np.where(is_sun[..., None], 0, env.radiance))
     np.testing.assert_allclose(env.probe(towards) @ LUMINANCE, 98000, rtol=1e-5)
     np.testing.assert_allclose(shade.probe(towards) @ LUMINANCE, 15000, rtol=1e-4)
-    assert env.white is None
+    assert env.clip_level is None
 
 
 def test_readings_that_contradict_the_map_are_refused_with_the_figures():
@@ -111,7 +111,7 @@ def test_readings_that_contradict_the_map_are_refused_with_the_figures():
     with pytest.raises(el.EnvLightsError, match=wanted):
         clipped_map().calibrated(lux=1010, shaded=1000)
     with pytest.raises(el.EnvLightsError, match="below the horizon of the surface"):
-        clipped_map().calibrated(lux=2000, shaded=1000, facing=[0, -1, 0])
+        clipped_map().calibrated(lux=2000, shaded=1000, normal=[0, -1, 0])
 
 
 @pytest.mark.parametrize(
@@ -148,17 +148,17 @@ def test_places_without_a_luminance_are_refused():
     seen = np.ones((16, 32))
     seen[15] = 0
     with pytest.raises(el.EnvLightsError, match="does not show all of the disc"):
-        el.EnvMap(np.ones((16, 32, 3)), seen=seen).calibrated(nits=3, at=(15, 3))
+        el.EnvMap(np.ones((16, 32, 3)), coverage=seen).calibrated(nits=3, at=(15, 3))
 
 
 def test_the_clip_level_and_what_is_seen_keep_their_place():
     seen = np.ones((64, 128))
     seen[60:] = 0
-    world = el.EnvMap(clipped_map().radiance, white=1.0, seen=seen)
+    world = el.EnvMap(clipped_map().radiance, clip_level=1.0, coverage=seen)
     env = world.calibrated(ev100=0)
-    assert env.white == pytest.approx(1.2)
-    assert env.clipped_share == world.clipped_share
-    np.testing.assert_array_equal(env.seen, world.seen)
+    assert env.clip_level == pytest.approx(1.2)
+    assert env.clipped_fraction == world.clipped_fraction
+    np.testing.assert_array_equal(env.coverage, world.coverage)
 
 
 def test_a_second_reading_replaces_the_first():
@@ -219,7 +219,7 @@ DERIVED = {
     "resized": lambda env: env.resized(32),
     "limited": lambda env: env.limited(1e9),
     "filled": lambda env: el.EnvMap(
-        env.radiance, units=env.units, seen=np.linspace(0, 1, 64)[::-1, None] * np.ones(128)
+        env.radiance, units=env.units, coverage=np.linspace(0, 1, 64)[::-1, None] * np.ones(128)
     ).filled("black"),
     "repaired": lambda env: env.repaired(),
     "to": lambda env: env.to("cube"),
@@ -229,7 +229,7 @@ DERIVED = {
     "one light": lambda env: el.detect(env)[:1],
     "discs": lambda env: el.detect(env).discs(),
     "lights of split": lambda env: el.split(env).lights,
-    "rest of split": lambda env: el.split(env).rest,
+    "rest of split": lambda env: el.split(env).remainder,
     "fit": lambda env: el.fit(env, 1),
     "lights of fit": lambda env: el.fit(env, 1).lights,
     "slice": lambda env: el.fit(env, 1).lights[:1],

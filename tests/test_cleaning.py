@@ -19,7 +19,7 @@ def world(sky, sun):
 def test_an_infinite_sun_is_the_only_light_and_clipped(sky, dtype):
     env = el.EnvMap(world(sky, np.inf).astype(dtype))
     np.testing.assert_allclose(env.radiance[SUN], 65504, rtol=1e-6)
-    assert env.white == 65504
+    assert env.clip_level == 65504
     lights = el.detect(env)
     assert len(lights) >= 1
     assert lights.is_clipped[0]

@@ -128,9 +128,9 @@ def test_notes_and_parts_of_the_sphere_are_kept():
     seen[16:] = 0
     radiance = sky() * seen[..., None]
     radiance[10, 9] = 70
-    env = el.EnvMap(radiance, seen=seen)
+    env = el.EnvMap(radiance, coverage=seen)
     _, rest = el.limit(env, 2)
-    np.testing.assert_array_equal(rest.seen, seen)
+    np.testing.assert_array_equal(rest.coverage, seen)
     assert not rest.radiance[16:].any()
     assert rest.notes == (*env.notes, "limited to 2: 15 % of the flux is in 1 light")
 
@@ -155,7 +155,7 @@ def test_nothing_is_spread_to_unseen_pixels():
     seen[15, :] = 0.5
     radiance = sky() * seen[..., None]
     radiance[14, 9] = 70
-    env = el.EnvMap(radiance, seen=seen)
+    env = el.EnvMap(radiance, coverage=seen)
     limited = env.limited(2)
     assert not limited.radiance[16:].any()
     assert limited.radiance[15].max() <= 1
@@ -168,5 +168,5 @@ def test_nothing_is_spread_to_unseen_pixels():
 def test_what_remains_keeps_the_exposure_and_the_source_of_its_map(take):
     env = el.EnvMap(el.synthetic.hall(64).radiance)
     env._ev100 = 11.0
-    rest = take(env).rest
+    rest = take(env).remainder
     assert (rest.ev100, rest.source, rest.units) == (11.0, env.source, env.units)

@@ -18,19 +18,19 @@ HALF = (TOWARDS[..., 2] > -0.1).astype(np.float32)
 
 
 def partial(seen, **options):
-    return el.EnvMap(picture(**options) * seen[..., None], white=1.0, seen=seen)
+    return el.EnvMap(picture(**options) * seen[..., None], clip_level=1.0, coverage=seen)
 
 
 def gain(env, **options):
     repaired = env.repaired(**options)
-    np.testing.assert_array_equal(repaired.seen, env.seen)
-    assert not repaired.radiance[env.seen == 0].any()
+    np.testing.assert_array_equal(repaired.coverage, env.coverage)
+    assert not repaired.radiance[env.coverage == 0].any()
     assert repaired.source == env.source
     return (flux(repaired.radiance) - flux(env.radiance)) @ LUMINANCE
 
 
 def test_unseen_ground_is_no_dark_ground():
-    whole = el.EnvMap(picture(ground=0.06), white=1.0)
+    whole = el.EnvMap(picture(ground=0.06), clip_level=1.0)
     assert gain(partial(NO_NADIR, ground=0.06)) == pytest.approx(
         (flux(whole.repaired().radiance) - flux(whole.radiance)) @ LUMINANCE, rel=1e-3
     )
@@ -38,25 +38,25 @@ def test_unseen_ground_is_no_dark_ground():
 
 @pytest.mark.parametrize("unseen", ["harmonic", "ground", 0.1])
 def test_unseen_sky_is_no_dark_sky(unseen):
-    whole = el.EnvMap(picture(ground=0.04), white=1.0)
+    whole = el.EnvMap(picture(ground=0.04), clip_level=1.0)
     expected = (flux(whole.repaired().radiance) - flux(whole.radiance)) @ LUMINANCE
     half = partial(HALF, ground=0.04)
-    assert gain(half, unseen=unseen) == pytest.approx(expected, rel=0.1)
+    assert gain(half, fill=unseen) == pytest.approx(expected, rel=0.1)
     # Black gives a higher estimate: less light explains the ground.
-    assert gain(half, unseen="black") > 1.4 * expected
+    assert gain(half, fill="black") > 1.4 * expected
 
 
 @pytest.mark.parametrize("unseen", ["harmonic", "ground", "black", 0.3])
 def test_an_upward_surface_gets_the_measured_irradiance(unseen):
-    env = partial(HALF).repaired(irradiance=2.0, unseen=unseen)
-    assert env.probe([[0, 1, 0]], unseen=unseen)[0] @ LUMINANCE == pytest.approx(2.0, rel=1e-3)
-    ratio = partial(HALF).repaired(ratio=5.0, unseen=unseen)
+    env = partial(HALF).repaired(irradiance=2.0, fill=unseen)
+    assert env.probe([[0, 1, 0]], fill=unseen)[0] @ LUMINANCE == pytest.approx(2.0, rel=1e-3)
+    ratio = partial(HALF).repaired(ratio=5.0, fill=unseen)
     clipped = picture()[..., :1] == 1
-    shaded = el.EnvMap(np.where(clipped, 0, partial(HALF).radiance), seen=HALF)
-    without = shaded.probe([[0, 1, 0]], unseen="black") @ LUMINANCE
+    shaded = el.EnvMap(np.where(clipped, 0, partial(HALF).radiance), coverage=HALF)
+    without = shaded.probe([[0, 1, 0]], fill="black") @ LUMINANCE
     filled = partial(HALF).filled(unseen)
     without = without + upward(filled) - upward(partial(HALF).filled("black"))
-    got = ratio.probe([[0, 1, 0]], unseen=unseen) @ LUMINANCE
+    got = ratio.probe([[0, 1, 0]], fill=unseen) @ LUMINANCE
     np.testing.assert_allclose(got, 5 * without, rtol=1e-3)
 
 
@@ -68,12 +68,12 @@ def test_the_notes_name_the_fill():
 
 
 def test_half_a_sky_needs_a_choice():
-    with pytest.raises(el.EnvLightsError, match="say what is there by unseen="):
+    with pytest.raises(el.EnvLightsError, match="say what is there by fill="):
         partial(HALF).repaired()
-    env = el.EnvMap(picture(sun_deg=0) * 0.5 * HALF[..., None], seen=HALF, white=1.0)
+    env = el.EnvMap(picture(sun_deg=0) * 0.5 * HALF[..., None], coverage=HALF, clip_level=1.0)
     assert env.repaired().notes[-1] == "nothing was added: no pixel is clipped"
     with pytest.raises(el.EnvLightsError, match="unseen must be"):
-        env.repaired(unseen="white")
+        env.repaired(fill="white")
 
 
 def test_ground_that_is_not_seen_gives_no_estimate():
@@ -90,17 +90,17 @@ def test_the_command_line_takes_the_choice(tmp_path):
     cv2.imwrite(str(path), codes[..., [2, 1, 0, 3]])
     refused = CliRunner().invoke(main, ["repair", str(path), "-o", str(out)])
     assert refused.exit_code == 2
-    done = CliRunner().invoke(main, ["repair", str(path), "-o", str(out), "--unseen", "harmonic"])
+    done = CliRunner().invoke(main, ["repair", str(path), "-o", str(out), "--fill", "harmonic"])
     assert done.exit_code == 0, done.output
     assert "for the irradiance of the surface" in done.output
 
 
 def test_a_lux_meter_in_sun_and_shade_counts_the_unseen_sky():
-    env = partial(HALF).calibrated(lux=5000, shaded=1000, unseen=0.1)
+    env = partial(HALF).calibrated(lux=5000, shaded=1000, fill=0.1)
     # The unseen sky is as bright as the seen one, also after the calibration.
     unseen = float(env.radiance[1, 64, 0])
-    received = env.probe([[0, 1, 0]], unseen=unseen)[0] @ LUMINANCE
+    received = env.probe([[0, 1, 0]], fill=unseen)[0] @ LUMINANCE
     assert received == pytest.approx(5000, rel=1e-3)
     assert not env.radiance[HALF == 0].any()
-    with pytest.raises(el.EnvLightsError, match="say what is there by unseen="):
+    with pytest.raises(el.EnvLightsError, match="say what is there by fill="):
         partial(HALF).calibrated(lux=5000, shaded=1000)

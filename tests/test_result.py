@@ -124,10 +124,10 @@ class Tags(HTMLParser):
 
     def __init__(self):
         super().__init__()
-        self.seen, self.open = [], []
+        self.coverage, self.open = [], []
 
     def handle_starttag(self, tag, attrs):
-        self.seen.append((tag, dict(attrs)))
+        self.coverage.append((tag, dict(attrs)))
         if tag != "img":
             self.open.append(tag)
 
@@ -139,7 +139,7 @@ def tags_of(html):
     parser = Tags()
     parser.feed(html)
     assert not parser.open
-    return parser.seen
+    return parser.coverage
 
 
 @EVERY_RESULT
@@ -197,7 +197,7 @@ def test_a_split_shows_its_lights_and_the_rest():
     split = el.split(el.synthetic.hard(0, height=128).radiance, lights=1)
     html = split._repr_html_()
     tags_of(html)
-    assert html == split.lights._repr_html_() + split.rest._repr_html_()
+    assert html == split.lights._repr_html_() + split.remainder._repr_html_()
     assert html.index("RemovedLights") < html.index("EnvMap")
 
 
@@ -271,7 +271,7 @@ def test_one_light_holds_a_row_of_each_array():
     assert detected_lights()[-1] == detected_lights()[len(detected_lights()) - 1]
     assert [each.is_clipped for each in detected_lights()] == detected_lights().is_clipped.tolist()
     assert detected_lights()[0].peak_luminance == detected_lights().peak_luminance[0]
-    assert detected_lights().share is detected_lights().flux_share
+    assert detected_lights().fraction is detected_lights().flux_fraction
 
 
 def test_azimuth_and_elevation_lead_back_to_the_direction():

@@ -32,16 +32,16 @@ def test_what_is_hidden_is_no_light(kind, hidden):
     mask[16:, :, slice(None) if kind == "mask" else slice(1)] = True
     env = {
         "alpha": lambda: el.EnvMap(np.dstack([array, share])),
-        "seen": lambda: el.EnvMap(array, seen=share),
+        "seen": lambda: el.EnvMap(array, coverage=share),
     }.get(kind, lambda: el.EnvMap(np.ma.masked_array(array, mask)))()
-    assert env.seen_share == pytest.approx(0.5, abs=1e-6)
-    np.testing.assert_array_equal(env.seen, share)
+    assert env.coverage_fraction == pytest.approx(0.5, abs=1e-6)
+    np.testing.assert_array_equal(env.coverage, share)
     np.testing.assert_array_equal(env.radiance[16:], 0)
     np.testing.assert_array_equal(env.radiance[:16], SKY[:16])
     assert env.notes == ("50 % of the sphere is not seen",)
     # The closed form of the irradiance of half a sphere.
     np.testing.assert_allclose(
-        env.probe([[0, -1, 0], [0, 1, 0]], unseen="black")[:, 0], [0, 0.25 * np.pi], atol=1e-6
+        env.probe([[0, -1, 0], [0, 1, 0]], fill="black")[:, 0], [0, 0.25 * np.pi], atol=1e-6
     )
 
 
@@ -50,32 +50,32 @@ def test_partly_seen_pixels_are_multiplied_by_alpha_in_linear_light():
     codes[..., 3] = 51
     env = el.EnvMap(codes)
     np.testing.assert_allclose(env.radiance, 0.2 * ((188 / 255 + 0.055) / 1.055) ** 2.4, rtol=1e-5)
-    assert env.seen_share == pytest.approx(0.2)
+    assert env.coverage_fraction == pytest.approx(0.2)
 
 
 @pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.float32, np.float64])
 def test_opaque_alpha_changes_nothing(dtype):
     most = 1 if np.dtype(dtype).kind == "f" else np.iinfo(dtype).max
     env = el.EnvMap(np.full((4, 8, 4), most, dtype))
-    assert env.seen is None
-    assert env.seen_share == 1.0
+    assert env.coverage is None
+    assert env.coverage_fraction == 1.0
     assert not any("seen" in note for note in env.notes)
 
 
 def test_the_share_survives_copies_and_turns_with_the_map():
-    env = el.EnvMap(SKY, seen=lower_half())
+    env = el.EnvMap(SKY, coverage=lower_half())
     for twin in (pickle.loads(pickle.dumps(env)), copy.deepcopy(env)):
         assert twin == env
         assert twin.notes == env.notes
     assert env != el.EnvMap(env.radiance)
     turned = env.rotated(np.diag([1.0, -1.0, -1.0]))
-    np.testing.assert_allclose(turned.seen, lower_half()[::-1], atol=1e-6)
-    assert env.repaired().seen_share == env.seen_share
+    np.testing.assert_allclose(turned.coverage, lower_half()[::-1], atol=1e-6)
+    assert env.repaired().coverage_fraction == env.coverage_fraction
     # Half a sphere once counted as black without a word; now a fit asks what is there.
-    notes = el.fit(env, lights=1, unseen="black").notes
+    notes = el.fit(env, lights=1, fill="black").notes
     assert any("not seen counts as black" in note for note in notes)
     with pytest.raises(ValueError, match="read-only"):
-        env.seen[0] = 0
+        env.coverage[0] = 0
 
 
 @pytest.mark.parametrize(
@@ -90,4 +90,4 @@ def test_the_share_survives_copies_and_turns_with_the_map():
 )
 def test_other_shares_are_refused(seen, message):
     with pytest.raises(el.EnvLightsError, match=message):
-        el.EnvMap(SKY, seen=seen)
+        el.EnvMap(SKY, coverage=seen)

@@ -31,17 +31,17 @@ def lamps(*directions, radius=6.0, radiance=(9, 8, 7), height=128):
 
 @pytest.mark.parametrize("registration", REGISTRATIONS)
 @pytest.mark.parametrize("unseen", ["harmonic", 0.5, (0.5, 0.5, 0.5), np.float32(0.5)])
-@given(seed=st.integers(0, 2**31), share=st.floats(0.02, 0.98))
+@given(seed=st.integers(0, 2**31), fraction=st.floats(0.02, 0.98))
 def test_a_constant_map_is_filled_with_its_constant(registration, unseen, seed, share):
     chance = np.random.default_rng(seed)
     seen = chance.random((HEIGHT, WIDTH)) < share
     seen[:20] &= seen[0, 0]  # a wide hole, or none
     seen[-1, 0] = True
     seen = (seen * chance.random(seen.shape)).astype(np.float32)
-    env = el.EnvMap(GREY * seen[..., None], seen=seen, registration=registration)
+    env = el.EnvMap(GREY * seen[..., None], coverage=seen, registration=registration)
     filled = env.filled(unseen)
     np.testing.assert_allclose(filled.radiance, 0.5, rtol=1e-3)
-    assert filled.seen is None
+    assert filled.coverage is None
     assert filled.registration == registration
 
 
@@ -50,13 +50,13 @@ def test_a_harmonic_fill_continues_what_solves_laplaces_equation(waves):
     theta, phi = np.arccos(TOWARDS[..., 1]), 2 * np.pi * (np.arange(WIDTH) + 0.5) / WIDTH
     wave = np.tan(0.5 * np.minimum(theta, 2.0)) ** waves * np.cos(waves * phi)
     sky = np.repeat((5 + wave)[..., None], 3, axis=2).astype(np.float32)
-    env = el.EnvMap(sky, seen=1 - ABOVE)
+    env = el.EnvMap(sky, coverage=1 - ABOVE)
     np.testing.assert_allclose(env.filled("harmonic").radiance, sky, atol=3e-3)
 
 
 def test_seen_pixels_keep_their_bits_and_a_fill_lies_between_them():
     radiance = np.random.default_rng(3).uniform(0.2, 3, (HEIGHT, WIDTH, 3)).astype(np.float32)
-    env = el.EnvMap(radiance, seen=NO_NADIR)
+    env = el.EnvMap(radiance, coverage=NO_NADIR)
     filled = env.filled()
     seen = NO_NADIR == 1
     np.testing.assert_array_equal(filled.radiance[seen], radiance[seen])
@@ -69,7 +69,7 @@ def test_seen_pixels_keep_their_bits_and_a_fill_lies_between_them():
 
 @pytest.mark.parametrize("albedo", [0.0, 0.25, 0.8])
 def test_ground_reflects_the_sky_that_is_seen(albedo):
-    env = el.EnvMap(GREY * (1, 2, 3), seen=ABOVE)
+    env = el.EnvMap(GREY * (1, 2, 3), coverage=ABOVE)
     ground = env.filled("ground", albedo=albedo)
     # Half a sphere of radiance L has the irradiance pi L.
     expected = np.where(ABOVE[..., None] == 1, 1, albedo) * env.radiance[0, 0]
@@ -81,17 +81,17 @@ def test_ground_continues_no_lamp():
     sky[10, :20] = 1e4
     seen = np.ones((HEIGHT, WIDTH))
     seen[11:] = 0
-    env = el.EnvMap(sky, seen=seen)
+    env = el.EnvMap(sky, coverage=seen)
     assert env.filled("harmonic").radiance[11:].max() > 1e3
     assert env.filled("ground").radiance[11:32].max() <= 8 * 0.5 * 1.001
 
 
 def test_the_probe_is_that_of_the_filled_map():
-    env = el.EnvMap(lamps((0, 1, 0.3)), seen=np.repeat(np.repeat(ABOVE, 2, 0), 2, 1))
+    env = el.EnvMap(lamps((0, 1, 0.3)), coverage=np.repeat(np.repeat(ABOVE, 2, 0), 2, 1))
     for unseen in ("black", "harmonic", "ground", 0.3, (1, 0, 2)):
         filled = env.filled(unseen)
-        np.testing.assert_array_equal(env.probe(NORMALS, unseen=unseen), filled.probe(NORMALS))
-        with_choice, without = el.fit(env, lights=2, unseen=unseen), el.fit(filled, lights=2)
+        np.testing.assert_array_equal(env.probe(NORMALS, fill=unseen), filled.probe(NORMALS))
+        with_choice, without = el.fit(env, lights=2, fill=unseen), el.fit(filled, lights=2)
         assert with_choice.lights == without.lights
         assert with_choice.notes == filled.notes
 
@@ -108,11 +108,11 @@ def test_the_probe_is_that_of_the_filled_map():
 def test_half_a_sphere_is_refused_without_a_choice(use):
     sentence = (
         "the map shows 50 % of the sphere, so the brightest light may be outside; say what is there"
-        r" by unseen='black', 'harmonic', 'ground' or a radiance \(a number or RGB\)"
+        r" by fill='black', 'harmonic', 'ground' or a radiance \(a number or RGB\)"
     )
     with pytest.raises(el.EnvLightsError, match=sentence):
-        use(el.EnvMap(GREY, seen=ABOVE))
-    el.detect(el.EnvMap(GREY, seen=ABOVE))
+        use(el.EnvMap(GREY, coverage=ABOVE))
+    el.detect(el.EnvMap(GREY, coverage=ABOVE))
 
 
 @pytest.mark.parametrize(
@@ -128,8 +128,8 @@ def test_half_a_sphere_is_refused_without_a_choice(use):
 )
 @pytest.mark.parametrize("seen", [None, ABOVE])
 def test_other_choices_are_refused_for_every_map(unseen, message, seen):
-    env = el.EnvMap(GREY, seen=seen)
-    for use in (env.filled, lambda choice: el.fit(env, lights=1, unseen=choice)):
+    env = el.EnvMap(GREY, coverage=seen)
+    for use in (env.filled, lambda choice: el.fit(env, lights=1, fill=choice)):
         with pytest.raises(el.EnvLightsError, match=message):
             use(unseen)
     with pytest.raises(el.EnvLightsError, match="albedo must be"):
@@ -139,27 +139,30 @@ def test_other_choices_are_refused_for_every_map(unseen, message, seen):
 def test_a_floor_hides_the_lower_half():
     radiance = lamps((0.2, 1, 0.3))
     seen = np.repeat(np.repeat(ABOVE, 2, 0), 2, 1)
-    dome, whole = el.EnvMap(radiance, seen=seen), el.EnvMap(radiance)
+    dome, whole = el.EnvMap(radiance, coverage=seen), el.EnvMap(radiance)
     rig, expected = (el.fit(env, lights=2, floor=True) for env in (dome, whole))
     np.testing.assert_allclose(rig.lights.direction, expected.lights.direction, atol=1e-5)
-    assert rig.report.seen_share == pytest.approx(1, abs=1e-6)
+    assert rig.report.coverage_fraction == pytest.approx(1, abs=1e-6)
     assert rig.report.unseen_spread == pytest.approx(0, abs=1e-6)
 
 
 def test_the_report_has_the_share_and_what_the_rest_may_change():
-    env = el.EnvMap(GREY, seen=NO_NADIR)
+    env = el.EnvMap(GREY, coverage=NO_NADIR)
     report = el.fit(env, lights=1).report
     cap = (1 - np.sin(np.deg2rad(60))) / 2
-    assert report.seen_share == pytest.approx(1 - cap, abs=0.01)
+    assert report.coverage_fraction == pytest.approx(1 - cap, abs=0.01)
     black, grey = (
         el.EnvMap(each.radiance).probe(NORMALS) for each in map(env.filled, ("black", "harmonic"))
     )
     assert report.unseen_spread == pytest.approx(relative_rms(black, grey, SOLID_ANGLES), rel=1e-2)
-    assert f"{100 * report.seen_share:.3g} % of the sphere is seen" in str(report)
+    assert f"{100 * report.coverage_fraction:.3g} % of the sphere is seen" in str(report)
     again = type(report).from_dict(json.loads(json.dumps(report.to_dict())))
-    assert (again.seen_share, again.unseen_spread) == (report.seen_share, report.unseen_spread)
+    assert (again.coverage_fraction, again.unseen_spread) == (
+        report.coverage_fraction,
+        report.unseen_spread,
+    )
     whole = el.fit(el.EnvMap(GREY), lights=1).report
-    assert (whole.seen_share, whole.unseen_spread) == (1.0, 0.0)
+    assert (whole.coverage_fraction, whole.unseen_spread) == (1.0, 0.0)
     assert "seen" not in str(whole)
 
 
@@ -173,17 +176,17 @@ def test_the_command_line_passes_the_choice(tmp_path):
     refused = run(cli.main, ["fit", str(path)])
     assert refused.exit_code != 0
     for choice in ("ground", "0.2", "0.1,0.2,0.3"):
-        done = run(cli.main, ["fit", str(path), "--unseen", choice, "--json"])
+        done = run(cli.main, ["fit", str(path), "--fill", choice, "--json"])
         assert done.exit_code == 0, done.output
         report = json.loads(done.output)["report"]
-        assert report["seen_share"] == pytest.approx(0.5, abs=1e-6)
+        assert report["coverage_fraction"] == pytest.approx(0.5, abs=1e-6)
 
 
 @pytest.mark.parametrize("method", ["tree", "article"])
 def test_a_share_of_one_changes_no_bit(method):
     radiance = lamps((0.2, 1, 0.3), (1, 0, 0))
-    whole, seen = el.EnvMap(radiance), el.EnvMap(radiance, seen=np.ones(radiance.shape[:2]))
-    assert seen.seen is None
+    whole, seen = el.EnvMap(radiance), el.EnvMap(radiance, coverage=np.ones(radiance.shape[:2]))
+    assert seen.coverage is None
     one, other = (el.detect(env, method) for env in (whole, seen))
     assert one.to_dict() == other.to_dict()
     assert not one.is_cut.any()
@@ -196,13 +199,15 @@ def test_the_threshold_is_that_of_the_seen_part(hidden):
     sky = np.repeat(np.geomspace(0.1, 3, 128)[:, None], 256, axis=1)[..., None] * np.ones(3)
     seen = np.ones((128, 256))
     seen[:, hidden] = 0
-    whole, part = el.EnvMap(sky), el.EnvMap(sky, seen=seen)
+    whole, part = el.EnvMap(sky), el.EnvMap(sky, coverage=seen)
     thresholds = [el.detect(env).report.threshold for env in (whole, part)]
     assert thresholds[1] == pytest.approx(thresholds[0], rel=1e-3)
 
 
 def test_a_lamp_at_the_border_is_cut_and_one_inside_is_not():
-    env = el.EnvMap(lamps((1, 0.02, 0), (0, 1, 1)), seen=np.repeat(np.repeat(ABOVE, 2, 0), 2, 1))
+    env = el.EnvMap(
+        lamps((1, 0.02, 0), (0, 1, 1)), coverage=np.repeat(np.repeat(ABOVE, 2, 0), 2, 1)
+    )
     lights = el.detect(env)
     assert len(lights) == 2
     assert lights.is_cut.tolist() == (lights.elevation < 0.5).tolist()
@@ -218,7 +223,7 @@ def test_a_lamp_at_the_border_is_cut_and_one_inside_is_not():
 def test_the_background_of_a_light_at_the_border_is_what_is_seen(tmp_path):
     radiance = lamps((1, 0.12, 0))
     seen = np.repeat(np.repeat(ABOVE, 2, 0), 2, 1)
-    part, whole = el.detect(el.EnvMap(radiance, seen=seen)), el.detect(radiance)
+    part, whole = el.detect(el.EnvMap(radiance, coverage=seen)), el.detect(radiance)
     np.testing.assert_allclose(part.irradiance, whole.irradiance, rtol=1e-3)
     part.save(tmp_path / "lights.json")
     again = el.detection.DetectedLights.load(tmp_path / "lights.json")
@@ -233,7 +238,7 @@ def test_the_background_of_a_light_at_the_border_is_what_is_seen(tmp_path):
 @pytest.mark.parametrize("method", ["tree", "article"])
 def test_an_even_sky_has_no_light_along_the_border(radiance, method):
     seen = (TOWARDS[..., 2] > 0.3) & (abs(TOWARDS[..., 0]) < 0.6)
-    env = el.EnvMap(GREY * radiance * 2, seen=seen)
+    env = el.EnvMap(GREY * radiance * 2, coverage=seen)
     lights = el.detect(env, method, **({"relative": True} if method == "article" else {}))
     assert len(lights) == 0
 
@@ -243,7 +248,7 @@ def test_an_even_sky_has_no_light_along_the_border(radiance, method):
 def test_a_missing_nadir_adds_at_most_a_hundredth_to_the_error(path):
     env = el.EnvMap.open(path)
     towards = pixel_directions(env.height, env.width)
-    part = el.EnvMap(env.radiance, seen=towards[..., 1] > -np.sin(np.deg2rad(60)))
+    part = el.EnvMap(env.radiance, coverage=towards[..., 1] > -np.sin(np.deg2rad(60)))
     truth = env.probe(NORMALS)
     whole, masked = (
         relative_rms(el.fit(each).probe(NORMALS), truth, SOLID_ANGLES) for each in (env, part)

@@ -27,9 +27,9 @@ def linear(code):
 def test_the_clip_level_is_where_the_picture_ends(white, dtype):
     codes = picture(white)
     env = el.EnvMap(codes.astype(dtype) * (1 if dtype == np.uint8 else 257))
-    assert env.white == pytest.approx(linear(white), rel=1e-5)
+    assert env.clip_level == pytest.approx(linear(white), rel=1e-5)
     assert f"the picture is clipped at code {white} of 255, by its histogram" in env.notes
-    assert env.clipped_share > 0
+    assert env.clipped_fraction > 0
     assert el.detect(env).is_clipped.any()
     assert any("lower bound" in note for note in el.fit(env, lights=1).notes)
     assert "no pixel is clipped" not in env.repaired().notes[-1]
@@ -37,7 +37,7 @@ def test_the_clip_level_is_where_the_picture_ends(white, dtype):
 
 @pytest.mark.parametrize("white", [254, 255])
 def test_full_range_is_as_ever(white):
-    assert el.EnvMap(picture(white)).white == 1.0
+    assert el.EnvMap(picture(white)).clip_level == 1.0
 
 
 @pytest.mark.parametrize("peak", [0.1, 0.2, 0.3, 0.4])
@@ -45,13 +45,13 @@ def test_a_smooth_highlight_is_not_clipped(peak):
     codes = picture(255, peak)
     assert codes.max() < 250
     env = el.EnvMap(codes)
-    assert env.white == 1.0
-    assert env.clipped_share == 0
+    assert env.clip_level == 1.0
+    assert env.clipped_fraction == 0
 
 
 def test_an_even_wall_is_not_clipped():
     codes = np.random.default_rng(0).normal(236, 5, (64, 128, 3)).clip(0, 255).astype(np.uint8)
-    assert el.EnvMap(codes).white == 1.0
+    assert el.EnvMap(codes).clip_level == 1.0
 
 
 def test_compression_spreads_the_spike():

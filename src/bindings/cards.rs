@@ -14,7 +14,7 @@ use crate::kernels::sphere;
 /// Cards of a map, and the map without them; see `envlights.cards.cut`.
 #[pyclass(frozen, get_all)]
 pub struct MapCards {
-    rest: Py<PyArray3<f32>>,
+    remainder: Py<PyArray3<f32>>,
     shape: Vec<usize>,
     matrix: Py<PyArray3<f64>>,
     irradiance: Py<PyArray2<f64>>,
@@ -54,7 +54,7 @@ pub fn cut_cards(
         Array3::from_shape_fn((rows, columns, 3), texels).into_pyarray(py).unbind()
     };
     Ok(MapCards {
-        rest: rest.unbind(),
+        remainder: rest.unbind(),
         shape: cuts.iter().map(|cut| cut.shape as usize).collect(),
         matrix: Array3::from(cuts.iter().map(rows).collect::<Vec<_>>()).into_pyarray(py).unbind(),
         irradiance: Array2::from(vectors).into_pyarray(py).unbind(),

@@ -97,10 +97,11 @@ pub fn are_clipped<'py>(
     pixels: PyReadonlyArray2<'py, i64>,
     reach: usize,
     sphere: bool,
-    white: Option<f32>,
+    clip_level: Option<f32>,
 ) -> PyResult<Bound<'py, PyArray1<bool>>> {
     let (radiance, pixels) = (radiance.as_array(), pixels.as_array());
-    let out = interruptible(py, || window_clipping::are_clipped(radiance, pixels, reach, sphere, white))?;
+    let out =
+        interruptible(py, || window_clipping::are_clipped(radiance, pixels, reach, sphere, clip_level))?;
     Ok(out.into_pyarray(py))
 }
 

@@ -5,18 +5,18 @@ use pyo3::prelude::*;
 
 use super::pool::{in_pool, interruptible};
 use super::sphere::registration;
-use crate::kernels::repair::{clipped_share as share, missing_light};
+use crate::kernels::repair::{clipped_fraction as share, missing_light};
 
-/// See `envlights.EnvMap.clipped_share`: clipped fractions of the sphere and of the flux.
+/// See `envlights.EnvMap.clipped_fraction`: clipped fractions of the sphere and of the flux.
 #[pyfunction]
-pub fn clipped_share(
+pub fn clipped_fraction(
     py: Python<'_>,
     radiance: PyReadonlyArray3<'_, f32>,
     border_sampled: bool,
-    white: Option<f32>,
+    clip_level: Option<f32>,
 ) -> PyResult<(f64, f64)> {
     let radiance = radiance.as_array();
-    let share = in_pool(py, || share::clipped_share(radiance, registration(border_sampled), white))?;
+    let share = in_pool(py, || share::clipped_fraction(radiance, registration(border_sampled), clip_level))?;
     Ok((share.sphere, share.flux))
 }
 
@@ -26,14 +26,15 @@ pub fn clipped_light_shares<'py>(
     py: Python<'py>,
     radiance: PyReadonlyArray3<'py, f32>,
     border_sampled: bool,
-    white: f64,
+    clip_level: f64,
     working_columns: usize,
     gap: f64,
 ) -> PyResult<Bound<'py, PyArray2<f32>>> {
     let radiance = radiance.as_array();
     let registration = registration(border_sampled);
-    let shares =
-        interruptible(py, || missing_light::shares(radiance, registration, white, working_columns, gap))?;
+    let shares = interruptible(py, || {
+        missing_light::shares(radiance, registration, clip_level, working_columns, gap)
+    })?;
     Ok(shares.into_pyarray(py))
 }
 
@@ -43,14 +44,14 @@ pub fn clipped_depth<'py>(
     py: Python<'py>,
     radiance: PyReadonlyArray3<'py, f32>,
     border_sampled: bool,
-    white: f64,
+    clip_level: f64,
     working_columns: usize,
     gap: f64,
 ) -> PyResult<Bound<'py, PyArray2<f32>>> {
     let radiance = radiance.as_array();
     let registration = registration(border_sampled);
     let depth = interruptible(py, || {
-        missing_light::clipped_depth(radiance, registration, white, working_columns, gap)
+        missing_light::clipped_depth(radiance, registration, clip_level, working_columns, gap)
     })?;
     Ok(depth.into_pyarray(py))
 }

@@ -10,10 +10,10 @@ use super::output::fill;
 use super::sphere::registration;
 use crate::kernels::split::{self, RemovedLight};
 
-/// The rest of a map, and the lights that were removed; see `envlights.split`.
+/// Remainder of a map, and the lights that were removed; see `envlights.split`.
 #[pyclass(frozen, get_all)]
 pub struct MapSplit {
-    rest: Py<PyArray3<f32>>,
+    remainder: Py<PyArray3<f32>>,
     map_flux: f64,
     direction: Py<PyArray2<f64>>,
     irradiance: Py<PyArray2<f64>>,
@@ -76,6 +76,6 @@ pub fn split_map(
         reach: numbers(|light| light.reach),
         vectors: Array3::from(columns).into_pyarray(py).unbind(),
         map_flux: parts.map_flux,
-        rest: rest.unbind(),
+        remainder: rest.unbind(),
     })
 }

@@ -134,7 +134,7 @@ def test_a_border_sampled_map_has_the_same_card():
 def test_a_map_without_lights_has_no_cards():
     parts = el.split(np.full((64, 128, 3), 0.5, np.float32), shapes=True)
     assert len(parts.cards) == 0
-    assert np.array_equal(parts.rest.radiance, np.full((64, 128, 3), 0.5, np.float32))
+    assert np.array_equal(parts.remainder.radiance, np.full((64, 128, 3), 0.5, np.float32))
     assert "no card" in str(parts)
 
 

@@ -51,7 +51,7 @@ OTHER_NAMES = {
     ("*", "env"): "MAP",
     ("*", "progress"): "--quiet",
     ("*", "width"): "--map-width",
-    ("view", "unseen"): "--unseen",
+    ("view", "fill"): "--fill",
     ("batch", "maps"): "MAP",
     ("batch", "out"): "--output",
     ("batch", "options"): "--set",
@@ -75,9 +75,9 @@ OTHER_NAMES = {
 }
 #: Parameters without an option.
 LEFT_OUT = {
-    ("convert", "unseen"): "a map in another layout keeps what is not seen",
-    ("detect", "unseen"): "lights are detected where the map is seen",
-    ("split", "unseen"): "lights are detected where the map is seen",
+    ("convert", "fill"): "a map in another layout keeps what is not seen",
+    ("detect", "fill"): "lights are detected where the map is seen",
+    ("split", "fill"): "lights are detected where the map is seen",
     ("transfer fit", "virtual"): "an array of images",
     ("transfer fit", "notebook"): "for the display of Jupyter",
     ("transfer apply", "region"): "slices of an array",
@@ -190,13 +190,13 @@ def test_options_of_the_file_reach_its_reader(hall, tmp_path):
     wide = tmp_path / "wide.exr"
     of_file = {"projection": "fisheye", "mapping": "equisolid", "fov": 180.0, "eye": None}
     words = ["--projection", "fisheye", "--mapping", "equisolid", "--fov", 180, "--circle"]
-    words += ["32,32,32", "--towards", "1,0,0", "--map-width", 64, "--channels", "R,G,B"]
+    words += ["32,32,32", "--forward", "1,0,0", "--map-width", 64, "--channels", "R,G,B"]
     run("convert", square, wide, *words)
     env = el.EnvMap.open(
         square,
         **of_file,
         circle=(32, 32, 32),
-        towards=(1, 0, 0),
+        forward=(1, 0, 0),
         width=64,
         channels=["R", "G", "B"],
     )

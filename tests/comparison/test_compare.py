@@ -165,7 +165,7 @@ def test_unseen_pixels_are_filled_and_noted():
     truth = el.EnvMap(even((1, 2, 3)))
     seen = np.ones((16, 32))
     seen[14:] = 0
-    c = el.compare(truth, el.EnvMap(truth.radiance, seen=seen))
+    c = el.compare(truth, el.EnvMap(truth.radiance, coverage=seen))
     assert all(each.relative < 1e-3 for each in c.spheres.values())
     assert any("of the sphere is not seen and was filled" in note for note in c.notes)
 

@@ -136,7 +136,7 @@ def test_a_rotated_set_gives_its_movement_and_its_rotation(seed, count, axis, de
     moved = lights.rotated(matrix)
     movements = angle_deg(lights.direction, lights.direction @ matrix.T)
     difference = el.comparison.compare_lights(lights, moved)
-    assert difference.angle == pytest.approx(movements @ lights.share, abs=1e-6)
+    assert difference.angle == pytest.approx(movements @ lights.fraction, abs=1e-6)
     assert difference.peak_angle == pytest.approx(movements[0], abs=1e-6)
     assert difference.rotation == pytest.approx(degrees, abs=1e-6)
     assert [(row.truth, row.guess) for row in difference.plan] == [(k, k) for k in range(count)]
@@ -154,7 +154,7 @@ def test_a_set_over_the_seam_or_a_pole_is_no_special_case(tilt, degrees):
     matrix = turn([0.6, 0.8, 0], degrees)
     movements = angle_deg(cross.direction, cross.direction @ matrix.T)
     difference = el.comparison.compare_lights(cross, cross.rotated(matrix))
-    assert difference.angle == pytest.approx(movements @ cross.share, abs=1e-6)
+    assert difference.angle == pytest.approx(movements @ cross.fraction, abs=1e-6)
     assert difference.rotation == pytest.approx(degrees, abs=1e-6)
 
 
@@ -180,7 +180,7 @@ def test_the_strongest_lights_are_matched_and_the_others_reported():
     truth = together(lamp(0, 0, [6, 6, 6]), lamp(90, 0, [3, 3, 3]), lamp(180, 0))
     difference = el.comparison.compare_lights(truth, truth, strongest=2)
     assert difference.left_out == pytest.approx(0.1)
-    assert sum(row.share for row in difference.plan) == pytest.approx(1)
+    assert sum(row.fraction for row in difference.plan) == pytest.approx(1)
     assert difference.notes[0] == (
         "of the truth, the 2 strongest of 3 lights are matched; the others hold 10 % of its flux"
     )
@@ -230,12 +230,12 @@ def test_detected_lights_are_compared_at_their_peaks():
 def test_lights_of_a_rig_are_compared_with_detected_ones():
     env = el.EnvMap(el.synthetic.hall(64).radiance)
     difference = el.comparison.compare_lights(el.detect(env), el.fit(env, lights=4).lights)
-    assert sum(row.share for row in difference.plan) == pytest.approx(1, abs=1e-12)
+    assert sum(row.fraction for row in difference.plan) == pytest.approx(1, abs=1e-12)
     assert 0 < difference.angle < 180
 
 
 def test_clipped_lights_and_other_units_are_noted():
-    clipped = el.detect(el.EnvMap(np.minimum(el.synthetic.hall(64).radiance, 1), white=1.0))
+    clipped = el.detect(el.EnvMap(np.minimum(el.synthetic.hall(64).radiance, 1), clip_level=1.0))
     assert clipped.is_clipped.any()
     calibrated = el.Lights([[0, 1, 0]], [WHITE], units="cd/m2")
     notes = el.comparison.compare_lights(clipped, calibrated).notes

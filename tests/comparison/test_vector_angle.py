@@ -23,7 +23,7 @@ def one_pixel(row, column, height=16):
 def irradiance_vector(env):
     """Unit vector along the irradiance vector: E(n) - E(-n) is its product with n."""
     axes = np.eye(3)
-    vector = (env.probe(axes, unseen="black") - env.probe(-axes, unseen="black")) @ LUMINANCE
+    vector = (env.probe(axes, fill="black") - env.probe(-axes, fill="black")) @ LUMINANCE
     return vector / np.linalg.norm(vector)
 
 

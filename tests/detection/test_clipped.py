@@ -181,9 +181,9 @@ def test_pictures_of_eight_bits_without_lights_stay_without(seed):
 
 def test_a_white_that_is_given_counts_as_that_of_integers():
     radiance = np.minimum(glow(128, np.array([0, 0.6, 0.8]), 3.0), 1).astype(np.float32)
-    given = el.detect(radiance, white=1.0)
-    held = el.detect(el.EnvMap(radiance, white=1.0))
-    scaled = el.detect(el.EnvMap(7 * radiance, white=7.0))
+    given = el.detect(radiance, clip_level=1.0)
+    held = el.detect(el.EnvMap(radiance, clip_level=1.0))
+    scaled = el.detect(el.EnvMap(7 * radiance, clip_level=7.0))
     assert len(given) == 1
     assert given.to_dict() == held.to_dict()
     np.testing.assert_allclose(scaled.direction, given.direction, atol=1e-6)
@@ -213,7 +213,7 @@ def test_without_a_white_nothing_changes():
 def test_the_report_says_at_which_level_the_map_is_clipped(largest, words):
     radiance = glow(128, np.array([0, 0.6, 0.8]), 1.0)
     radiance *= largest / radiance.max()
-    report = el.detect(np.minimum(radiance, 1), white=1.0).report
+    report = el.detect(np.minimum(radiance, 1), clip_level=1.0).report
     assert (report.clip_level is None) == (words is None)
     assert ("clipped map: lights are separated by" in str(report)) == (words is not None)
     assert words is None or any(detail.startswith(words) for detail in report.details)
@@ -235,8 +235,8 @@ def test_lights_are_merged_to_a_budget():
 def test_a_white_that_none_can_be_is_refused(white, seen):
     radiance = np.ones((8, 16, 3), np.float32)
     for refused in (
-        lambda: el.EnvMap(radiance, white=white),
-        lambda: el.detect(radiance, white=white),
+        lambda: el.EnvMap(radiance, clip_level=white),
+        lambda: el.detect(radiance, clip_level=white),
     ):
         with pytest.raises(el.EnvLightsError, match=f"white must be .*{seen}"):
             refused()
@@ -244,9 +244,9 @@ def test_a_white_that_none_can_be_is_refused(white, seen):
 
 def test_samples_that_are_no_radiance_are_cleaned_before_detection():
     radiance = np.minimum(glow(64, np.array([0, 0.6, 0.8]), 5.0), 1).astype(np.float32)
-    clean = el.detect(radiance, white=1.0)
+    clean = el.detect(radiance, clip_level=1.0)
     radiance[60, 3] = np.nan
-    lights = el.detect(radiance, white=1.0)
+    lights = el.detect(radiance, clip_level=1.0)
     assert angle_deg(lights.direction, clean.direction).max() < 0.1
     assert any("NaN" in note for note in lights.report.notes)
 
@@ -272,7 +272,7 @@ def test_the_brightest_pixel_of_an_evenly_lit_window_is_not_clipped():
     radiance = radiance * np.random.default_rng(1).normal(1, 0.002, radiance.shape[:2])[..., None]
     for method in ("tree", "article"):
         assert not el.detect(radiance, method).is_clipped.any(), method
-    assert el.EnvMap(radiance).clipped_share == 0
+    assert el.EnvMap(radiance).clipped_fraction == 0
 
 
 @pytest.mark.parametrize("ceiling", [1.0, 4096, 32000, 65025, 65504])
@@ -282,7 +282,7 @@ def test_a_flat_top_at_a_ceiling_is_clipped(ceiling):
         options = {"relative": True} if method == "article" else {}
         assert el.detect(radiance, method, **options).is_clipped[0], method
     share = (1 - np.cos(np.deg2rad(6.0))) / 2
-    np.testing.assert_allclose(el.EnvMap(radiance).clipped_share, share, rtol=0.05)
+    np.testing.assert_allclose(el.EnvMap(radiance).clipped_fraction, share, rtol=0.05)
 
 
 def test_a_sun_with_two_channels_at_the_ceiling_is_clipped():
@@ -291,14 +291,17 @@ def test_a_sun_with_two_channels_at_the_ceiling_is_clipped():
     assert el.detect(radiance).is_clipped.tolist() == [True]
 
 
-def test_the_map_knows_its_clipped_share():
+def test_the_map_knows_its_clipped_fraction():
     radiance = np.full((64, 128, 3), 0.25)
     radiance[:16] = 3.0
     share = (1 - np.cos(np.pi / 4)) / 2
-    for env in (el.EnvMap(np.minimum(radiance, 1), white=1.0), el.EnvMap(eight_bits(radiance))):
-        np.testing.assert_allclose(env.clipped_share, share, rtol=1e-6)
+    for env in (
+        el.EnvMap(np.minimum(radiance, 1), clip_level=1.0),
+        el.EnvMap(eight_bits(radiance)),
+    ):
+        np.testing.assert_allclose(env.clipped_fraction, share, rtol=1e-6)
         wanted = share / (share + env.radiance[40, 0, 0] * (1 - share))
-        np.testing.assert_allclose(env.clipped_flux_share, wanted, rtol=1e-6)
+        np.testing.assert_allclose(env.clipped_flux_fraction, wanted, rtol=1e-6)
         assert f"{100 * share:.2g} % of the sphere is clipped" in repr(env)
     assert "%" not in repr(el.EnvMap(radiance))
 
@@ -307,7 +310,7 @@ def test_what_a_rig_rests_on_is_a_sentence():
     radiance = np.full((64, 128, 3), 0.25)
     assert el.fit(radiance, lights=0).notes == ()
     radiance[:32] = 1
-    (note,) = el.fit(el.EnvMap(radiance, white=1.0), lights=0).notes
+    (note,) = el.fit(el.EnvMap(radiance, clip_level=1.0), lights=0).notes
     assert wording.clipping(0.8) == (note,)
     assert note == (
         "clipped pixels hold 80 % of the map's flux, so the lights there are a lower bound"

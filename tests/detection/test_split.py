@@ -58,7 +58,7 @@ def test_a_disc_before_an_even_sky_leaves_that_sky(direction):
     angles = kernels.pixel_solid_angles(128, 256).reshape(-1, 1)
     flux = (taken * angles).sum(axis=0) @ LUMINANCE
     map_flux = (env.radiance.reshape(-1, 3) * angles).sum(axis=0) @ LUMINANCE
-    np.testing.assert_allclose(lights.flux_share, flux / map_flux, rtol=1e-6)
+    np.testing.assert_allclose(lights.flux_fraction, flux / map_flux, rtol=1e-6)
 
 
 def test_a_removed_light_gives_what_its_disc_gives():
@@ -91,7 +91,7 @@ def test_lights_that_are_apart_are_removed_as_if_alone():
             if np.allclose(taken.lights.direction[0], light.direction, atol=1e-6)
         ]
         np.testing.assert_allclose(light.irradiance, same.irradiance, rtol=1e-6)
-    np.testing.assert_array_equal(together.rest.radiance, alone[0].rest.radiance)
+    np.testing.assert_array_equal(together.remainder.radiance, alone[0].rest.radiance)
 
 
 def test_a_split_map_is_a_fixed_point():
@@ -106,7 +106,7 @@ def test_lights_that_stay_are_found_again_in_the_rest():
     lights, rest = el.split(three(), 1)
     others, nothing = el.split(rest)
     assert (len(lights), len(others), len(el.split(nothing).lights)) == (1, 2, 0)
-    np.testing.assert_array_equal(nothing.radiance, el.split(three()).rest.radiance)
+    np.testing.assert_array_equal(nothing.radiance, el.split(three()).remainder.radiance)
 
 
 @pytest.mark.parametrize("unevenness", [0.0, 0.1])
@@ -210,7 +210,7 @@ def test_a_turned_map_has_turned_lights_and_rest(turn):
     env = (world(shapes).radiance * slope).astype(np.float32)
     there, back = el.split(np.roll(env, turn, axis=1)), el.split(env)
     np.testing.assert_allclose(
-        np.roll(there.rest.radiance, -turn, axis=1), back.rest.radiance, rtol=2e-3
+        np.roll(there.remainder.radiance, -turn, axis=1), back.remainder.radiance, rtol=2e-3
     )
     np.testing.assert_allclose(there.lights.irradiance, back.lights.irradiance, rtol=1e-4)
 
@@ -218,7 +218,7 @@ def test_a_turned_map_has_turned_lights_and_rest(turn):
 def test_a_map_upside_down_has_the_same_rest_upside_down():
     env = world([Disc((0.05, 1, 0.02), 6.0, (40, 50, 60))]).radiance
     np.testing.assert_array_equal(
-        el.split(env[::-1]).rest.radiance, el.split(env).rest.radiance[::-1]
+        el.split(env[::-1]).remainder.radiance, el.split(env).remainder.radiance[::-1]
     )
 
 
@@ -256,7 +256,7 @@ def test_pictures_that_end_at_white_keep_their_white():
     codes[20:24, 40:48] = 255
     lights, rest = el.split(codes)
     assert len(lights) == 1
-    assert rest.white == 1.0
+    assert rest.clip_level == 1.0
     assert "decoded from sRGB" in rest.notes[0]
     assert "1 light with" in rest.notes[1]
     np.testing.assert_allclose(rest.radiance, el.EnvMap(codes).radiance[0, 0, 0], rtol=1e-6)
@@ -291,7 +291,7 @@ def test_removed_lights_are_discs_with_their_irradiance():
 
 def test_a_split_prints_its_lights_and_the_rest():
     parts = el.split(world([Disc((0, 0, 1), 5.0, (9, 9, 9))]))
-    assert str(parts) == f"{parts.lights}\n\nthe map without these lights: {parts.rest}"
+    assert str(parts) == f"{parts.lights}\n\nthe map without these lights: {parts.remainder}"
     assert "<RemovedLights" not in str(parts)
 
 

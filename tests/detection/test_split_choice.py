@@ -16,14 +16,14 @@ def test_lights_are_chosen_by_number_by_share_or_by_name():
     assert len(one.lights) == 1
     np.testing.assert_allclose(one.lights.direction[0], found.direction[0], atol=1e-4)
     assert "2 lights stay in the map" in str(one.lights.report)
-    for same in (el.split(env, found[:1]), el.split(env, found[[0]]), el.split(env, share=0.5)):
-        np.testing.assert_array_equal(same.rest.radiance, one.rest.radiance)
-    assert len(el.split(env, share=0.51).lights) == 2
-    assert len(el.split(env, share=1).lights) == len(el.split(env).lights) == 3
-    assert len(el.split(env, 2, share=1).lights) == 2
-    assert len(el.split(env, 0).lights) == len(el.split(env, share=0).lights) == 0
+    for same in (el.split(env, found[:1]), el.split(env, found[[0]]), el.split(env, fraction=0.5)):
+        np.testing.assert_array_equal(same.remainder.radiance, one.remainder.radiance)
+    assert len(el.split(env, fraction=0.51).lights) == 2
+    assert len(el.split(env, fraction=1).lights) == len(el.split(env).lights) == 3
+    assert len(el.split(env, 2, fraction=1).lights) == 2
+    assert len(el.split(env, 0).lights) == len(el.split(env, fraction=0).lights) == 0
     others = el.split(env, found[np.array([False, True, True])])
-    left = el.detect(others.rest)
+    left = el.detect(others.remainder)
     assert len(left) == 1
     np.testing.assert_allclose(left.direction[0], found.direction[0], atol=1e-4)
 
@@ -34,7 +34,7 @@ def test_a_lamp_that_stays_is_not_touched_by_one_beside_it():
     assert len(found) == 2
     rows, columns = found[1:].members.pixel.T
     np.testing.assert_array_equal(
-        el.split(env, found[:1]).rest.radiance[rows, columns], env.radiance[rows, columns]
+        el.split(env, found[:1]).remainder.radiance[rows, columns], env.radiance[rows, columns]
     )
 
 

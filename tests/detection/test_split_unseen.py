@@ -23,7 +23,7 @@ LAMPS = [(0.3, 0.0, 1), (0.3, 0.05, 1), (0.3, 0.12, 1), (1, 0.02, 0.25), (0.2, 0
 
 
 def partial(radiance, seen, registration="cell-centred"):
-    return el.EnvMap(radiance * seen[..., None], seen=seen, registration=registration)
+    return el.EnvMap(radiance * seen[..., None], coverage=seen, registration=registration)
 
 
 @pytest.mark.parametrize("seen", SHARES.values(), ids=SHARES)
@@ -35,7 +35,7 @@ def test_a_disc_at_the_border_leaves_the_sky_that_is_seen(seen, direction):
     assert len(lights) == 1
     expected = SKY.astype(np.float32) * seen[..., None]
     np.testing.assert_allclose(rest.radiance, expected, rtol=1e-4, atol=1e-7)
-    np.testing.assert_array_equal(rest.seen, seen)
+    np.testing.assert_array_equal(rest.coverage, seen)
     assert not rest.radiance[seen == 0].any()
     # Flux, irradiance and direction are those of the part that is seen.
     removed = (env.radiance.astype(float) - rest.radiance) * pixel_solid_angles(HEIGHT, 2 * HEIGHT)[
@@ -45,7 +45,9 @@ def test_a_disc_at_the_border_leaves_the_sky_that_is_seen(seen, direction):
     vector = np.einsum("hwc,hwk->ck", removed, TOWARDS)
     np.testing.assert_allclose(lights.vector_irradiance[0], vector, rtol=1e-4, atol=1e-4)
     whole = (env.radiance @ LUMINANCE * pixel_solid_angles(HEIGHT, 2 * HEIGHT)).sum()
-    np.testing.assert_allclose(lights.flux_share[0], removed.sum((0, 1)) @ LUMINANCE / whole, 1e-6)
+    np.testing.assert_allclose(
+        lights.flux_fraction[0], removed.sum((0, 1)) @ LUMINANCE / whole, 1e-6
+    )
     assert len(el.split(rest).lights) == 0
 
 
@@ -78,7 +80,7 @@ def test_a_map_of_share_one_is_split_as_a_whole_one():
     seen = np.ones(scene.shape[:2], np.float32)
     seen[-1, 0] = 0
     some, whole = el.split(partial(scene, seen)), el.split(el.EnvMap(scene))
-    np.testing.assert_array_equal(some.rest.radiance[:-1], whole.rest.radiance[:-1])
+    np.testing.assert_array_equal(some.remainder.radiance[:-1], whole.remainder.radiance[:-1])
     np.testing.assert_array_equal(some.lights.irradiance, whole.lights.irradiance)
 
 

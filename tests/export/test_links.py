@@ -49,7 +49,7 @@ def test_a_scene_alone_brings_the_remainder(parts, suffix, tmp_path):
     scene, texture = parts.save(tmp_path / f"sun{suffix}")
     assert names(tmp_path) == sorted([scene.name, texture.name])
     assert {name.removeprefix("./") for name in named_maps(scene)} == {texture.name}
-    np.testing.assert_array_equal(el.EnvMap.open(texture).radiance, parts.rest.radiance)
+    np.testing.assert_array_equal(el.EnvMap.open(texture).radiance, parts.remainder.radiance)
 
 
 @pytest.mark.parametrize("suffix", OTHERS)
@@ -69,7 +69,7 @@ def test_other_files_have_no_map_beside_them(parts, suffix, tmp_path):
     else:  # three.js has the pixels in its file
         image = json.loads(written.read_text())["images"][0]["url"]
         pixels = np.reshape(image["data"], (32, 64, 4))[..., :3]
-        np.testing.assert_allclose(pixels, parts.rest.radiance, rtol=1e-6)
+        np.testing.assert_allclose(pixels, parts.remainder.radiance, rtol=1e-6)
 
 
 def test_three_gets_at_most_1024_columns():
@@ -95,7 +95,7 @@ def test_folders_move_together(parts, suffix, tmp_path):
     scene = tmp_path / f"there/scenes/day/sun{suffix}"
     (name,) = named_maps(scene)
     assert name == "../../maps/rest.exr"
-    assert el.EnvMap.open(scene.parent / name) == parts.rest
+    assert el.EnvMap.open(scene.parent / name) == parts.remainder
     assert names(tmp_path) == ["there/maps/rest.exr", f"there/scenes/day/sun{suffix}"]
 
 

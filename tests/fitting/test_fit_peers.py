@@ -74,7 +74,7 @@ def assert_no_peer_improves(rig, problem, peers):
     for name in peers:
         theirs = PEERS[name](problem, answer)
         if problem.is_possible(theirs):
-            gain = ratio(problem.share(answer), problem.share(theirs)) - 1
+            gain = ratio(problem.fraction(answer), problem.fraction(theirs)) - 1
             assert gain <= 1e-6, f"{name}, {problem.lights} lights, {problem.ambient}: {gain}"
 
 
@@ -130,7 +130,7 @@ def test_from_a_degree_beside_the_answer_no_peer_ends_lower(peer):
             theirs = PEERS[peer](problem, problem.unknowns(ours(problem, fixed=start)))
             if problem.is_possible(theirs):
                 cost = ours_from(problem, start).error ** 2
-                ratios.append(ratio(cost, problem.share(theirs)))
+                ratios.append(ratio(cost, problem.fraction(theirs)))
     # Between start and end lie creases, and beyond each another minimum: not all end in the same.
     assert len(ratios) > 40
     assert np.mean(np.array(ratios) <= 1 + 1e-6) >= 0.98
@@ -150,7 +150,7 @@ def assert_no_peer_ends_lower_than_the_search(irradiance, peers):
         for name in peers:
             theirs = PEERS[name](problem, start)
             if problem.is_possible(theirs):
-                gain = ratio(cost, problem.share(theirs)) - 1
+                gain = ratio(cost, problem.fraction(theirs)) - 1
                 case = problem.lights, problem.ambient
                 gains.append((gain, case, name))
     missed = {case for gain, case, _ in gains if gain > 1e-6}
@@ -184,7 +184,7 @@ def test_from_its_own_starts_jaxopt_does_not_end_lower_than_the_search_on_real_m
         for start in starts:
             theirs = PEERS["jaxopt"](problem, start)
             if problem.is_possible(theirs):
-                gain = np.sqrt(ratio(cost, problem.share(theirs)))
+                gain = np.sqrt(ratio(cost, problem.fraction(theirs)))
                 assert gain <= 1 + 1e-6, f"{problem.lights} lights, {problem.ambient}: {gain}"
 
 
@@ -204,7 +204,7 @@ def test_the_search_ends_where_the_best_of_random_starts_does():
         for problem in problems(irradiance, (1, 2, 4)):
             rng = np.random.default_rng(problem.lights)
             starts = [problem.random_start(rng) for _ in range(6)]
-            best = min(problem.share(PEERS["bounded"](problem, start)) for start in starts)
+            best = min(problem.fraction(PEERS["bounded"](problem, start)) for start in starts)
             case = f"{name}, {problem.lights} lights, ambient {problem.ambient}"
             ratios[case] = np.sqrt(ratio(ours(problem).error ** 2, best))
     worst = max(ratios, key=ratios.get)

@@ -211,7 +211,7 @@ def test_statements_about_a_camera_picture_leave_floats_linear():
 def test_srgb_pictures_keep_every_bit(dtype, said):
     head = header("jpeg", dtype, **said)
     steps = conversion(head, None)
-    assert (steps.notes, steps.white, steps.matrix) == ((SRGB_NOTE,), 1.0, None)
+    assert (steps.notes, steps.clip_level, steps.matrix) == ((SRGB_NOTE,), 1.0, None)
     picture = np.random.default_rng(2).integers(0, np.iinfo(dtype).max, (5, 8, 3)).astype(dtype)
     np.testing.assert_array_equal(Linear(head, steps)(picture), decode_codes(picture))
     largest = np.iinfo(dtype).max
@@ -229,9 +229,9 @@ def test_channels_with_different_curves_are_decoded_each(dtype):
 
 
 def test_white_is_the_light_of_the_largest_code():
-    assert conversion(header(cicp=(9, 16, 0, 1)), None).white == pytest.approx(10000 / 203)
-    assert conversion(header(gamma=1.0), None).white == 1
-    assert conversion(header("tiff", "f4"), None).white is None
+    assert conversion(header(cicp=(9, 16, 0, 1)), None).clip_level == pytest.approx(10000 / 203)
+    assert conversion(header(gamma=1.0), None).clip_level == 1
+    assert conversion(header("tiff", "f4"), None).clip_level is None
 
 
 def test_a_profile_of_another_kind_leaves_a_note():

@@ -29,8 +29,10 @@ def world(sun=(400.0, 200.0, 80.0)):
     return truth
 
 
-def codes(truth, curve=encode_srgb, white=255, times=TIMES):
-    return [np.minimum(np.round(255 * curve(truth * t)), white).astype(np.uint8) for t in times]
+def codes(truth, curve=encode_srgb, clip_level=255, times=TIMES):
+    return [
+        np.minimum(np.round(255 * curve(truth * t)), clip_level).astype(np.uint8) for t in times
+    ]
 
 
 def save(path, picture, quality=None, **attributes):
@@ -68,13 +70,15 @@ def has_note(env, text):
     ("quality", "tolerance"), [(80, 0.15), (90, 0.05), (95, 0.05), (100, 0.05)]
 )
 @pytest.mark.parametrize("white", [255, 250, 245, 240, 235])
-def test_the_sun_keeps_its_radiance(tmp_path, quality, tolerance, white):
+def test_the_sun_keeps_its_radiance(tmp_path, quality, tolerance, clip_level):
     truth = world()
-    env = el.EnvMap.from_exposures(jpegs(tmp_path, codes(truth, white=white), quality), TIMES)
+    env = el.EnvMap.from_exposures(
+        jpegs(tmp_path, codes(truth, clip_level=clip_level), quality), TIMES
+    )
     ratio = sun_over_ground(env.radiance) / sun_over_ground(truth)
     np.testing.assert_allclose(ratio, 1, atol=tolerance)
     if quality >= 90:
-        assert has_note(env, f"end at code {white} of 255") == (white < 254)
+        assert has_note(env, f"end at code {clip_level} of 255") == (clip_level < 254)
 
 
 def test_each_picture_may_have_its_own_white():
@@ -87,11 +91,11 @@ def test_each_picture_may_have_its_own_white():
 
 def test_a_shortest_exposure_at_white_is_said_to_be_clipped():
     truth = world(sun=(4000.0, 3000.0, 2000.0))
-    for white in (255, 245):
-        env = el.EnvMap.from_exposures(codes(truth, white=white), TIMES)
-        assert env.white == pytest.approx(decode_srgb(1.0) / TIMES[0], rel=0.01)
-        assert env.clipped_share > 0
-        np.testing.assert_allclose(env.radiance[SUN], env.white, rtol=0.01)
+    for clip_level in (255, 245):
+        env = el.EnvMap.from_exposures(codes(truth, clip_level=clip_level), TIMES)
+        assert env.clip_level == pytest.approx(decode_srgb(1.0) / TIMES[0], rel=0.01)
+        assert env.clipped_fraction > 0
+        np.testing.assert_allclose(env.radiance[SUN], env.clip_level, rtol=0.01)
 
 
 # Responses

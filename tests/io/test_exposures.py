@@ -56,7 +56,7 @@ def test_floats_are_linear():
     pictures = [np.minimum(radiance * time, 1) for time in TIMES]
     env = el.EnvMap.from_exposures(pictures, TIMES)
     np.testing.assert_allclose(env.radiance, radiance, rtol=1e-5)
-    assert env.white is None
+    assert env.clip_level is None
 
 
 def test_the_order_of_the_exposures_does_not_matter():
@@ -70,9 +70,9 @@ def test_what_every_exposure_lost_ends_at_the_white_of_the_shortest():
     radiance = np.full((8, 16, 3), 0.5)
     radiance[2, 3] = 1000.0
     env = el.EnvMap.from_exposures(series(radiance), TIMES)
-    assert env.white == pytest.approx(250.0)
+    assert env.clip_level == pytest.approx(250.0)
     assert env.radiance[2, 3, 0] == pytest.approx(250.0)
-    assert env.clipped_share > 0
+    assert env.clipped_fraction > 0
 
 
 # Ghosts and times

@@ -64,7 +64,7 @@ def test_a_saved_picture_opens_in_its_layout(tmp_path, name, suffix):
     np.testing.assert_allclose(image.pixels, picture.array, rtol=relative, atol=absolute)
     # The pixels that are seen show the world that was saved.
     assert arranged.layout == picture.layout
-    seen = np.ones(env.radiance.shape[:2]) if env.seen is None else env.seen
+    seen = np.ones(env.radiance.shape[:2]) if env.coverage is None else env.coverage
     inside = seen > 0.999
     truth = ENV.resized(env.width).radiance
     assert np.median(np.abs(env.radiance - truth)[inside]) < 0.1 * np.median(truth)
@@ -171,7 +171,7 @@ def test_arguments_of_the_user_go_before_the_statement(tmp_path):
     fisheye = el.EnvMap.open(file, mapping="equidistant", fov=180)
     assert fisheye.source.projection == "fisheye"
     # A single argument replaces that of the statement.
-    turned = el.EnvMap.open(file, towards=[1, 0, 0])
+    turned = el.EnvMap.open(file, forward=[1, 0, 0])
     assert turned.source.layout.axes == layouts.looking([1, 0, 0])
     assert turned.source.projection == "octahedral"
     with pytest.raises(el.EnvLightsError, match="circle is no argument of an octahedral map"):

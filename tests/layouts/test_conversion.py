@@ -211,7 +211,7 @@ def test_an_even_picture_makes_an_even_map(name, width):
     picture = np.full((layout.height, layout.width, 3), 0.3, np.float32)
     angles = _native.projection_solid_angles(layout)
     env = open_case(CASES[name], picture * (angles > 0)[..., None], width=width)
-    share = np.ones(env.radiance.shape[:2]) if env.seen is None else env.seen
+    share = np.ones(env.radiance.shape[:2]) if env.coverage is None else env.coverage
     np.testing.assert_allclose(env.radiance, 0.3 * share[..., None] * np.ones(3), rtol=1e-6)
 
 
@@ -241,7 +241,7 @@ def test_the_seen_share_is_that_of_the_picture(name, width):
     angles = _native.projection_solid_angles(layout)
     picture = np.full((layout.height, layout.width, 3), 0.3, np.float32) * (angles > 0)[..., None]
     env = open_case(CASES[name], picture, width=width)
-    assert env.seen_share == pytest.approx(angles.sum() / (4 * np.pi), abs=2e-3)
+    assert env.coverage_fraction == pytest.approx(angles.sum() / (4 * np.pi), abs=2e-3)
 
 
 @pytest.mark.parametrize("name", TARGETS)
@@ -251,8 +251,8 @@ def test_an_even_map_makes_an_even_picture(name, width):
     picture = env.to(width=width, **TARGETS[name][0])
     angles = _native.projection_solid_angles(picture.layout)
     shown = np.broadcast_to(angles[..., None] > 0, picture.array.shape)
-    if picture.seen is not None:
-        whole = picture.seen[..., None] * np.ones(3)
+    if picture.coverage is not None:
+        whole = picture.coverage[..., None] * np.ones(3)
         np.testing.assert_allclose(picture.array, 0.3 * whole, rtol=1e-6)
     else:
         np.testing.assert_allclose(picture.array[shown], 0.3, rtol=1e-6)
@@ -325,11 +325,11 @@ def test_axes_of_a_picture_are_a_rotation_of_the_map(name):
     towards = np.array([0.48, 0.6, -0.64])
     looking = np.array(layouts.looking(towards))
     straight = np.array(layouts.looking([0, 0, 1]))
-    axes = env.to(name, width=32, towards=(0, 0, 1), **more).layout.axes
+    axes = env.to(name, width=32, forward=(0, 0, 1), **more).layout.axes
     assert np.array_equal(axes, straight)
     turned = env.rotated(straight.T @ looking)
-    own = env.to(name, width=32, towards=towards, **more).array
-    again = turned.to(name, width=32, towards=(0, 0, 1), **more).array
+    own = env.to(name, width=32, forward=towards, **more).array
+    again = turned.to(name, width=32, forward=(0, 0, 1), **more).array
     assert np.linalg.norm(own - again) < 0.02 * np.linalg.norm(own)
 
 
@@ -337,7 +337,7 @@ def test_a_picture_that_looks_elsewhere_opens_where_it_looks():
     picture = np.zeros((16, 16, 3), np.float32)
     picture[7:9, 7:9] = SUN
     towards = np.array([0.48, 0.6, -0.64])
-    env = el.EnvMap(picture, projection="angular", towards=towards)
+    env = el.EnvMap(picture, projection="angular", forward=towards)
     grid = suns.grid_of_map(env.width)
     centre = np.einsum("hw,hwc->c", env.radiance[..., 0], grid.moments)
     assert angle_deg(centre / np.linalg.norm(centre), towards) < 0.05
@@ -381,5 +381,5 @@ def test_a_sun_beside_the_border_of_what_is_seen_keeps_its_flux():
     seen[8:] = 0
     radiance = 0.1 * seen[..., None] * np.ones(3, np.float32)
     radiance[7, 4] = SUN
-    env = el.EnvMap(radiance, seen=seen)
+    env = el.EnvMap(radiance, coverage=seen)
     np.testing.assert_allclose(flux(env.resized(48).radiance), flux(env.radiance), rtol=1e-3)

@@ -171,9 +171,9 @@ def outcome(work):
 def test_every_command_takes_a_file_for_the_same_map(tmp_path, name):
     path = FILES[name](tmp_path)
     env = outcome(lambda: el.EnvMap.open(path))
-    whole = outcome(lambda: el.fit(env, 2, unseen="black")) if isinstance(env, el.EnvMap) else env
+    whole = outcome(lambda: el.fit(env, 2, fill="black")) if isinstance(env, el.EnvMap) else env
     found = outcome(lambda: el.detect(env)) if isinstance(env, el.EnvMap) else env
-    rig = outcome(lambda: el.fit(path, 2, unseen="black"))
+    rig = outcome(lambda: el.fit(path, 2, fill="black"))
     assert outcome(lambda: el.detect(path)) == found
     if isinstance(whole, str):
         assert rig == whole
@@ -181,7 +181,7 @@ def test_every_command_takes_a_file_for_the_same_map(tmp_path, name):
         assert rig.notes == whole.notes
         np.testing.assert_array_equal(rig.ambient, whole.ambient)
         assert rig.lights == whole.lights
-    said = CliRunner().invoke(main, ["fit", str(path), "-n", "2", "--unseen", "black"])
+    said = CliRunner().invoke(main, ["fit", str(path), "-n", "2", "--fill", "black"])
     of_file = r"it looks like|there is no such file|the file is empty"
     refused = 1 if re.search(of_file, str(whole)) else 2
     assert said.exit_code == (refused if isinstance(whole, str) else 0), said.output

@@ -73,7 +73,7 @@ def test_the_stack_of_openexr_has_the_attribute_of_its_environment(tmp_path):
 def test_pictures_of_other_projections_are_saved_as_they_are(tmp_path):
     samples = smooth(upright_directions(32))[0]
     for name in ("a.exr", "a.hdr"):
-        picture = picture_of(samples, angular_map(32), seen=np.ones((32, 32)))
+        picture = picture_of(samples, angular_map(32), coverage=np.ones((32, 32)))
         picture.save(tmp_path / name)
         arranged = read_back(tmp_path / name, projection="angular")
         np.testing.assert_allclose(arranged.samples, samples, rtol=0.005, atol=0.02)
@@ -131,6 +131,6 @@ def test_faces_are_of_cubes_alone(tmp_path):
 
 def test_the_seen_share_has_the_order_of_the_faces():
     samples = world(False)
-    picture = picture_of(samples, cube(N), faces="opengl", seen=samples[..., 0])
-    np.testing.assert_array_equal(picture.seen, picture.array[..., 0])
+    picture = picture_of(samples, cube(N), faces="opengl", coverage=samples[..., 0])
+    np.testing.assert_array_equal(picture.coverage, picture.array[..., 0])
     assert not np.array_equal(picture.array, samples)

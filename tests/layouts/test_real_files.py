@@ -64,7 +64,7 @@ def test_each_shared_file_has_its_layout_or_its_sentence(path):
 
 def _recognise(path):
     image = read_picture(Path(os.environ["ENVLIGHTS_MAPS"], path))
-    return image, recognise(image.pixels, image.hints, seen=image.seen)
+    return image, recognise(image.pixels, image.hints, coverage=image.coverage)
 
 
 @pytest.mark.skipif("ENVLIGHTS_MAPS" not in os.environ, reason="needs the shared maps")
@@ -77,4 +77,4 @@ def test_the_sun_of_citadella_is_in_the_up_face_58_degrees_high():
     a, b = (2 * (at + 0.5) / 512 - 1 for at in (columns, row))
     elevation = np.rad2deg(np.arctan(1 / np.hypot(a, b)))
     assert np.median(elevation) == pytest.approx(58, abs=2)
-    assert image.white == 1.0
+    assert image.clip_level == 1.0

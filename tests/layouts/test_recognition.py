@@ -181,11 +181,11 @@ def test_codes_and_grey_samples_keep_their_type():
 def test_the_seen_share_is_arranged_like_the_samples():
     faces = smooth(upright_directions(8))
     image = arranged_faces(faces, "openexr", "strip")
-    arranged = recognise(image, arguments=Arguments(faces="openexr"), seen=image[..., 1])
-    np.testing.assert_array_equal(arranged.seen, arranged.samples[..., 1])
+    arranged = recognise(image, arguments=Arguments(faces="openexr"), coverage=image[..., 1])
+    np.testing.assert_array_equal(arranged.coverage, arranged.samples[..., 1])
     halves = noise(64, 64)
-    right = recognise(halves, arguments=Arguments(eye="right"), seen=halves[..., 0])
-    np.testing.assert_array_equal(right.seen, halves[32:, :, 0])
+    right = recognise(halves, arguments=Arguments(eye="right"), coverage=halves[..., 0])
+    np.testing.assert_array_equal(right.coverage, halves[32:, :, 0])
 
 
 def test_cubes_of_dds_and_openexr_with_one_tag_are_one_world(tmp_path):

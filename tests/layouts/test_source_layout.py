@@ -55,7 +55,7 @@ def test_a_picture_comes_back_in_its_own_layout(picture, options):
     again = env.to("source")
     assert np.asarray(again).shape == again.shape == picture.shape
     assert again.layout == env.source.layout
-    assert again.seen is None
+    assert again.coverage is None
     # Pixels are means over cells of their size: smooth radiance changes by a part of a step.
     difference = np.abs(again.array - picture)
     assert np.quantile(difference, 0.95) < 0.03
@@ -82,11 +82,11 @@ def test_a_panorama_comes_back_bit_by_bit(registration, tmp_path):
     seen = np.ones((32, 64), np.float32)
     seen[20:, :9] = 0.25
     env = el.EnvMap(
-        WORLD.resized(64).radiance * seen[..., None], registration=registration, seen=seen
+        WORLD.resized(64).radiance * seen[..., None], registration=registration, coverage=seen
     )
     again = env.to("source")
     np.testing.assert_array_equal(again.array, env.radiance)
-    np.testing.assert_array_equal(again.seen, seen)
+    np.testing.assert_array_equal(again.coverage, seen)
     again.save(tmp_path / "again.exr")
     assert el.EnvMap.open(tmp_path / "again.exr").registration == registration
     # After a rotation samples are no longer on the border.
@@ -121,7 +121,7 @@ def test_the_rest_of_a_split_comes_back_as_the_cube_it_was():
 
 def test_the_border_of_a_photograph_does_not_come_back_darker():
     env = el.EnvMap(np.full((40, 60, 3), 0.5, np.float32), projection="planar", fov=70)
-    assert ((env.seen > 0) & (env.seen < 0.9)).any()
+    assert ((env.coverage > 0) & (env.coverage < 0.9)).any()
     np.testing.assert_allclose(env.to("source").array, 0.5, rtol=1e-4)
 
 
@@ -129,8 +129,8 @@ def test_all_that_keeps_the_world_keeps_its_source():
     env = el.EnvMap(WORLD.to("cube", width=32).array, faces="opengl")
     part = el.EnvMap(smooth(20, 30), projection="planar", fov=80)
     for kept in (
-        el.split(env).rest,
-        el.limit(env, 30).rest,
+        el.split(env).remainder,
+        el.limit(env, 30).remainder,
         env.limited(30),
         env.repaired(),
         env.resized(32),
@@ -139,7 +139,7 @@ def test_all_that_keeps_the_world_keeps_its_source():
         env.calibrated(lux=9),
     ):
         assert kept.source == env.source
-    for kept in (part.filled("harmonic"), el.split(part).rest, part.repaired(unseen="black")):
+    for kept in (part.filled("harmonic"), el.split(part).remainder, part.repaired(fill="black")):
         assert kept.source == part.source
 
 

@@ -33,7 +33,7 @@ def write(folder, order, names, *, prefix="", suffix=".exr", faces=WORLD):
 
 def read(source, **arguments):
     image = read_picture(source)
-    return recognise(image.pixels, image.hints, Arguments(**arguments), image.seen)
+    return recognise(image.pixels, image.hints, Arguments(**arguments), image.coverage)
 
 
 @pytest.mark.parametrize("order", sorted(NAMES))
@@ -148,10 +148,10 @@ def test_the_share_that_alpha_shows_is_stacked(tmp_path):
     file.write_image(alpha)
     file.close()
     arranged = read(paths)
-    seen = arranged.seen.reshape(6, 16, 16)
+    seen = arranged.coverage.reshape(6, 16, 16)
     assert seen[4, :8].max() == 0
     assert seen.sum() == 6 * 256 - 128
-    assert read_picture(paths).white is None
+    assert read_picture(paths).clip_level is None
 
 
 def test_mappings_of_arrays_are_read_by_their_names():

@@ -39,7 +39,7 @@ def in_cards():
 def clipped():
     lamp = el.synthetic.Disc((1, 0.5, 0), 20.0, (9, 9, 9))
     made = el.synthetic.scene(64, background=[0.1] * 3, shapes=[lamp])
-    env = el.EnvMap(np.minimum(made.radiance, 1), white=1.0)
+    env = el.EnvMap(np.minimum(made.radiance, 1), clip_level=1.0)
     return env, el.detect(env)
 
 

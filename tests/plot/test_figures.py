@@ -85,9 +85,9 @@ def test_a_key_names_shares_that_occur_and_draws_them_to_scale(count):
     texts = [text.get_text() for text in legend.get_texts()]
     keys = [float(text.split()[-2]) / 100 for text in texts if text.endswith("%")]
     assert keys
-    assert max(keys) <= max(rig.lights.share.max(), 0.001)
-    assert max(keys) > rig.lights.share.max() / 3
-    sizes = sizes_for(on_map, rig.lights.share)
+    assert max(keys) <= max(rig.lights.fraction.max(), 0.001)
+    assert max(keys) > rig.lights.fraction.max() / 3
+    sizes = sizes_for(on_map, rig.lights.fraction)
     for share, line in zip(keys, legend.get_lines(), strict=False):
         area = np.pi / 4 * line.get_markersize() ** 2
         assert area == pytest.approx(max(sizes.whole * share, sizes.least))

@@ -287,6 +287,6 @@ def test_false_colours_say_which_luminance_is_white():
 def test_a_split_says_how_bright_the_map_was_and_is():
     parts = el.split(HALL)
     titles = [axes.get_title() for axes in plot.split_picture(HALL, parts).axes]
-    for title, env in zip(titles, (HALL, parts.rest), strict=False):
+    for title, env in zip(titles, (HALL, parts.remainder), strict=False):
         largest = (env.radiance @ np.array([0.2126, 0.7152, 0.0722])).max()
         assert float(title.rsplit(" ", 1)[1]) == pytest.approx(largest, rel=5e-3)

@@ -14,7 +14,7 @@ from envlights.synthetic import Disc, scene
 def lamps(count):
     shapes = [Disc((np.sin(a), 0.4, np.cos(a)), 5.0, (9, 9, 9)) for a in np.arange(count) * 0.4]
     return el.EnvMap(
-        np.minimum(scene(128, background=[0.1] * 3, shapes=shapes).radiance, 1), white=1.0
+        np.minimum(scene(128, background=[0.1] * 3, shapes=shapes).radiance, 1), clip_level=1.0
     )
 
 
@@ -23,7 +23,7 @@ def test_the_picture_shows_the_clipped_share_the_depth_and_the_lights():
     figure = plot.plateau_picture(env, el.detect(env))
     above, below, _ = figure.axes
     title = figure.get_suptitle().replace("\n", " ")
-    assert f"{100 * env.clipped_share:.2g} % of the sphere" in title
+    assert f"{100 * env.clipped_fraction:.2g} % of the sphere" in title
     depth = below.images[0].get_array()
     assert np.nanmax(depth) == pytest.approx(5.0, abs=0.8)
     clipped = above.images[1].get_array()[..., 3] > 0

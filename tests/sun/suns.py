@@ -26,7 +26,7 @@ def clipped(height=64, degrees=6.0):
     towards = kernels.pixel_directions(height, 2 * height)
     plateau = towards @ TOWARDS > np.cos(np.radians(degrees))
     radiance = np.where(plateau[..., None], np.float32(1), env.radiance)
-    return el.EnvMap(radiance, white=1.0), plateau
+    return el.EnvMap(radiance, clip_level=1.0), plateau
 
 
 def sun_of(plateau=None, answer="sun", direction=TOWARDS, **options):

@@ -141,7 +141,7 @@ def test_a_film_curve_is_recognised():
         x = radiance / np.quantile(radiance.max(axis=2), 0.95) * (7 if film else 1)
         curve = x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14) if film else x
         env = el.EnvMap(codes(curve))
-        image = sky_image(env.radiance, env.white)
+        image = sky_image(env.radiance, env.clip_level)
         position = sun_position(image, best_part(image))
         assert position.fit.fit.is_film == film
         assert angle_deg(position.direction, sun) < 2 * position.uncertainty
@@ -240,7 +240,7 @@ def test_a_pixel_below_white_is_no_spot_in_a_sky_with_a_white_channel():
 
 def spot_of(picture):
     env = el.EnvMap(picture)
-    return single_spot(sky_image(env.radiance, env.white), env.radiance, env.white)
+    return single_spot(sky_image(env.radiance, env.clip_level), env.radiance, env.clip_level)
 
 
 def test_a_strip_along_the_horizon_is_no_sun():

@@ -150,9 +150,9 @@ def test_over_a_floor_the_sky_above_counts():
     # A bright ground and a weak sun, so that the ground would change the ratio of sky to sun.
     radiance = env.radiance.copy()
     radiance[64:] = 0.95
-    env, weak = el.EnvMap(radiance, white=1.0), IRRADIANCE / 20
+    env, weak = el.EnvMap(radiance, clip_level=1.0), IRRADIANCE / 20
     rig = el.fit(env, 2, sun=sun_of(plateau, irradiance=weak), floor=True)
-    above = el.with_sun(env, sun_of(plateau)).rest.radiance.copy()
+    above = el.with_sun(env, sun_of(plateau)).remainder.radiance.copy()
     above[64:] = 0
     normals, weights = kernels.icosphere(5120)
     sun = el.Rig([0, 0, 0], el.Lights([TOWARDS], [weak], [np.radians(0.265)]), error=0.0)

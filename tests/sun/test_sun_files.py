@@ -65,7 +65,7 @@ def test_the_map_of_mitsuba_holds_the_sun(parts, tmp_path):
     text_of(parts, tmp_path, ".xml")
     radiance = el.io.read_image(tmp_path / "sun.ambient.mitsuba.exr").pixels
     env = el.EnvMap(radiance[:-1] / 2 + radiance[1:] / 2)
-    added = env.probe(TOWARDS) - parts.rest.probe(TOWARDS)
+    added = env.probe(TOWARDS) - parts.remainder.probe(TOWARDS)
     np.testing.assert_allclose(added, IRRADIANCE, rtol=2e-3)
 
 

@@ -61,7 +61,7 @@ def test_a_ratio_gives_the_irradiance_of_the_sun():
 def test_a_turned_picture_turns_the_result(columns):
     _, env, _ = picture_of(0.01)
     lights, rest = el.with_sun(env)
-    rolled = el.EnvMap(np.roll(env.radiance, columns, axis=1), white=env.white)
+    rolled = el.EnvMap(np.roll(env.radiance, columns, axis=1), clip_level=env.clip_level)
     turned = el.with_sun(rolled)
     angle = -2 * np.pi * columns / env.width
     cos, sin = np.cos(angle), np.sin(angle)
@@ -70,7 +70,7 @@ def test_a_turned_picture_turns_the_result(columns):
     assert np.degrees(apart) < 0.2
     np.testing.assert_allclose(turned.lights.irradiance, lights.irradiance, rtol=0.02)
     np.testing.assert_allclose(
-        np.roll(rest.radiance, columns, axis=1), turned.rest.radiance, rtol=0.02
+        np.roll(rest.radiance, columns, axis=1), turned.remainder.radiance, rtol=0.02
     )
 
 

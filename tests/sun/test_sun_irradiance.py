@@ -59,14 +59,14 @@ def test_the_formula_of_the_irradiance():
     height, sine = 128, 0.6
     picture = np.full((height, 2 * height, 3), 0.3)
     picture[height // 2 :] = 0.1
-    answer = el.find_sun(el.EnvMap(picture, white=1.0), direction=[0, sine, 0.8])
+    answer = el.find_sun(el.EnvMap(picture, clip_level=1.0), direction=[0, sine, 0.8])
     sky = 0.3 * np.pi
     ground = max((np.pi * 0.1 / 0.2 - sky) / sine, 0.1 * sky)
     assert answer.irradiance @ LUMINANCE == pytest.approx(2.8 * np.sqrt(ground * sky), rel=1e-3)
 
 
 def test_the_irradiance_scales_with_the_map(env, sun):
-    brighter = el.find_sun(el.EnvMap(7 * env.radiance, white=7.0))
+    brighter = el.find_sun(el.EnvMap(7 * env.radiance, clip_level=7.0))
     np.testing.assert_allclose(brighter.irradiance, 7 * sun.irradiance, rtol=1e-5)
 
 

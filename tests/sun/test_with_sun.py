@@ -19,7 +19,7 @@ NOON = datetime.datetime(2024, 6, 21, 12, tzinfo=datetime.timezone.utc)
 
 def upward(parts):
     """Luminance of the irradiance on an upward surface under sky and sun."""
-    under = parts.rest.probe(UP) + parts.lights.irradiance[0] * parts.lights.direction[0, 1]
+    under = parts.remainder.probe(UP) + parts.lights.irradiance[0] * parts.lights.direction[0, 1]
     return float(under @ LUMINANCE)
 
 
@@ -29,7 +29,7 @@ def test_the_light_is_a_disc_of_the_sun_and_the_rest_has_sky_behind_it():
     np.testing.assert_allclose(lights.direction, [TOWARDS])
     np.testing.assert_allclose(lights.irradiance, [IRRADIANCE])
     assert np.degrees(lights.angular_radius) == pytest.approx([0.265])
-    assert rest.white is None
+    assert rest.clip_level is None
     np.testing.assert_array_equal(rest.radiance[~plateau], env.radiance[~plateau])
     np.testing.assert_allclose(rest.radiance[plateau] @ LUMINANCE, 1.5, rtol=1e-6)
 
@@ -50,7 +50,7 @@ def test_without_the_answer_sun_there_is_no_light_and_the_map_stays(answer):
 def test_a_guess_is_called_a_guess_with_its_interval():
     env, plateau = clipped()
     parts = el.with_sun(env, sun_of(plateau))
-    for text in (parts.lights.notes[0], parts.rest.notes[-1], str(parts), parts._repr_html_()):
+    for text in (parts.lights.notes[0], parts.remainder.notes[-1], str(parts), parts._repr_html_()):
         assert "the direction is a guess, by depth and symmetry" in text
         assert "the irradiance is a guess, in two of three maps true times 0.5 to 2" in text
         assert "± 1.1°" in text
@@ -85,7 +85,7 @@ def test_an_irradiance_is_that_of_sun_and_sky():
 def test_a_ratio_is_that_of_two_readings():
     env, plateau = clipped()
     parts = el.with_sun(env, sun_of(plateau), ratio=6.0)
-    shaded = float(parts.rest.probe(UP) @ LUMINANCE)
+    shaded = float(parts.remainder.probe(UP) @ LUMINANCE)
     assert upward(parts) / shaded == pytest.approx(6.0, rel=1e-9)
 
 
@@ -96,7 +96,9 @@ def test_light_and_rest_turn_with_the_map():
     lights, rest = el.with_sun(env, sun_of(plateau))
     turned = el.with_sun(env.rotated(turn), sun_of(quarter, direction=turn @ TOWARDS))
     np.testing.assert_allclose(turned.lights.direction, lights.rotated(turn).direction)
-    np.testing.assert_allclose(turned.rest.probe(NORMALS @ turn.T), rest.probe(NORMALS), rtol=1e-5)
+    np.testing.assert_allclose(
+        turned.remainder.probe(NORMALS @ turn.T), rest.probe(NORMALS), rtol=1e-5
+    )
 
 
 def test_a_calibrated_map_has_a_sun_in_lux():
@@ -236,7 +238,7 @@ def test_a_reading_is_that_of_the_repaired_map():
     env, plateau = clipped()
     repaired = env.repaired(sun=sun_of(plateau), irradiance=20.0)
     assert float(repaired.probe(UP) @ LUMINANCE) == pytest.approx(20.0, rel=1e-6)
-    assert repaired.white is None
+    assert repaired.clip_level is None
     assert "added as a disc" in repaired.notes[-1]
 
 
@@ -263,7 +265,7 @@ def test_without_the_answer_sun_the_repair_is_that_without_a_sun(answer):
 def test_an_unseen_sun_is_a_light_but_no_pixels():
     seen = np.ones((64, 128))
     seen[:20] = 0
-    env = sky(seen=seen)
+    env = sky(coverage=seen)
     sun = sun_of(direction=[0, 1, 0])
     assert len(el.with_sun(env, sun).lights) == 1
     with pytest.raises(el.EnvLightsError, match="sun must be in the part that the map shows"):

@@ -2,12 +2,53 @@
 
 from __future__ import annotations
 
+import functools
 import warnings
+from collections.abc import Callable
 from operator import attrgetter
-from typing import Any
+from typing import Any, TypeVar
+
+_Class = TypeVar("_Class", bound=type)
+_Function = TypeVar("_Function", bound=Callable[..., Any])
 
 
-def former(old: str, new: str, owner: object, path: str) -> Any:
+def former(old: str, new: str, owner: object, path: str, level: int = 5) -> Any:
     """Attribute `path` of `owner`, with a warning that `old` is called `new` now."""
-    warnings.warn(f"{old} is called {new} now", DeprecationWarning, stacklevel=4)
+    _warn(old, new, level)
     return attrgetter(path)(owner)
+
+
+def former_attributes(**names: str) -> Callable[[_Class], _Class]:
+    """Class whose former attributes, the keywords, return those that replaced them."""
+
+    def decorate(cls: _Class) -> _Class:
+        for old, new in names.items():
+            get = functools.partial(_attribute, f"{cls.__name__}.{old}", new)
+            setattr(cls, old, property(get, doc=f"Former name of `{new}`."))
+        return cls
+
+    return decorate
+
+
+def former_arguments(**names: str) -> Callable[[_Function], _Function]:
+    """Function that accepts former keywords as those that replaced them."""
+
+    def decorate(function: _Function) -> _Function:
+        @functools.wraps(function)
+        def call(*args: Any, **keywords: Any) -> Any:
+            for old in names.keys() & keywords.keys():
+                _warn(f"{old}= of {function.__qualname__}", f"{names[old]}=", 3)
+                keywords[names[old]] = keywords.pop(old)
+            return function(*args, **keywords)
+
+        return call  # type: ignore[return-value]
+
+    return decorate
+
+
+def _attribute(old: str, new: str, owner: object) -> Any:
+    return former(old, f"`{new}`", owner, new, level=4)
+
+
+def _warn(old: str, new: str, level: int) -> None:
+    warnings.warn(f"{old} is called {new} now", DeprecationWarning, stacklevel=level)

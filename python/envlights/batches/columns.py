@@ -42,7 +42,7 @@ COLUMNS = {
         "light": _COUNT,
         **{name: _NUMBER for names in _VECTORS.values() for name in names},
         "angular_radius": _NUMBER,
-        "share": _NUMBER,
+        "fraction": _NUMBER,
         "direction_uncertainty": _NUMBER,
         "direction_tolerance": _NUMBER,
         "is_clipped": _FLAG,

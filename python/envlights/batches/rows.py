@@ -28,8 +28,8 @@ def row_of(result: Any) -> dict[str, Any]:
         return _of_lights(result)
     lights = getattr(result, "lights", None)
     if isinstance(lights, Lights):  # a split, or an excess
-        rest = getattr(result, "rest", None)
-        return {**_of_lights(lights), "notes": note_codes(getattr(rest, "notes", ()))}
+        remainder = getattr(result, "remainder", None)
+        return {**_of_lights(lights), "notes": note_codes(getattr(remainder, "notes", ()))}
     if isinstance(result, Mapping):
         return {"values": plain(result)}
     if isinstance(result, Result) and hasattr(result, "to_dict"):
@@ -72,7 +72,7 @@ def _each_light(lights: Lights, tolerances: Iterable[float] = ()) -> list[dict[s
         "direction": lights.direction.tolist(),
         "irradiance": lights.irradiance.tolist(),
         "angular_radius": lights.angular_radius.tolist(),
-        "share": lights.share.tolist(),
+        "fraction": lights.fraction.tolist(),
     }
     if isinstance(lights, DetectedLights):
         columns |= {"is_clipped": lights.is_clipped.tolist(), "is_cut": lights.is_cut.tolist()}

@@ -105,10 +105,10 @@ def _parts(content: Any) -> Iterator[Any]:
     """Bytes that determine a map, in blocks."""
     if isinstance(content, EnvMap):
         shape, kind = content.radiance.shape, content.registration
-        yield f"{shape} {kind} {content.white} {content.units}".encode()
+        yield f"{shape} {kind} {content.clip_level} {content.units}".encode()
         yield np.ascontiguousarray(content.radiance)
-        if content.seen is not None:
-            yield np.ascontiguousarray(content.seen)
+        if content.coverage is not None:
+            yield np.ascontiguousarray(content.coverage)
     elif isinstance(content, Mapping):
         for name, each in content.items():
             yield str(name).encode()
@@ -133,7 +133,7 @@ def _save(task: Task, result: Any) -> str | None:
     path = Path(task.folder) / f"{task.name}{task.suffix}"
     path.parent.mkdir(parents=True, exist_ok=True)
     paths = [path]
-    if isinstance(getattr(result, "rest", None), EnvMap) and task.suffix not in MAP_SUFFIXES:
+    if isinstance(getattr(result, "remainder", None), EnvMap) and task.suffix not in MAP_SUFFIXES:
         paths.insert(0, path.with_name(f"{Path(task.name).name}{MAP_SUFFIXES[0]}"))
     _check_source_stays(task.source, paths)
     result.save(*paths)

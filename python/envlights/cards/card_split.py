@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 from typing import NamedTuple
 
+from envlights._common.former import former_attributes
 from envlights._native import EnvLightsError
 from envlights.cards.cards import Cards
 from envlights.environment.envmap import EnvMap
@@ -18,10 +19,11 @@ class _Fields(NamedTuple):
     cards: Cards
     """Lights as cards, brightest first."""
 
-    rest: EnvMap
+    remainder: EnvMap
     """The map without them."""
 
 
+@former_attributes(rest="remainder")
 class CardSplit(_Fields, LinkedParts):
     """Light cards, and the map without them."""
 
@@ -33,7 +35,7 @@ class CardSplit(_Fields, LinkedParts):
         return self.cards
 
     def __str__(self) -> str:
-        return f"{self.cards}\n\nthe map without these cards: {self.rest}"
+        return f"{self.cards}\n\nthe map without these cards: {self.remainder}"
 
     def save(
         self,
@@ -84,7 +86,7 @@ class CardSplit(_Fields, LinkedParts):
         """
         if not paths:
             raise EnvLightsError("there is no path; give one or several, such as 'room.usda'")
-        return save_with_map(at_place(self.cards, distance, radius), self.rest, paths)
+        return save_with_map(at_place(self.cards, distance, radius), self.remainder, paths)
 
 
 def at_place(cards: Cards, distance: float | None, radius: float | None) -> Cards:

@@ -13,7 +13,7 @@ from envlights.environment.envmap import EnvMap
 
 def cut(
     env: EnvMap,
-    rest: NDArray[np.float32],
+    remainder: NDArray[np.float32],
     pixels: tuple[NDArray[np.int64], NDArray[np.int64]],
     block: int,
     lights: tuple[NDArray[np.float64], NDArray[np.float64]],
@@ -24,7 +24,7 @@ def cut(
     ----------
     env : EnvMap
         The whole map.
-    rest : ndarray, shape (height, width, 3)
+    remainder : ndarray, shape (height, width, 3)
         The map without the lights; what lies beside the cards returns to it.
     pixels : pair of ndarray, shapes (k, 2) and (k,)
         Row and column of each block of a light, and the index of its light.
@@ -33,7 +33,9 @@ def cut(
     lights : pair of ndarray, shapes (n, 3) and (n,)
         Directions and angular radii of the removed lights.
     """
-    parts = _native.cut_cards(env.radiance, rest, env.is_border_sampled, block, *pixels, *lights)
+    parts = _native.cut_cards(
+        env.radiance, remainder, env.is_border_sampled, block, *pixels, *lights
+    )
     radius = [np.nan if each is None else each for each in parts.radius]
     cards = Cards(
         tuple(SHAPES[shape] for shape in parts.shape),
@@ -45,7 +47,7 @@ def cut(
         units=env.units,
         notes=_notes(parts, len(lights[0])),
     )
-    return cards, parts.rest
+    return cards, parts.remainder
 
 
 def _notes(parts: _native.MapCards, lights: int) -> tuple[str, ...]:

@@ -57,7 +57,7 @@ def layout_option(what: str) -> Callable[[Any], Any]:
     help="Mapping of a fisheye: equidistant, equisolid, stereographic or orthographic.",
 )
 @click.option(
-    "--to-towards",
+    "--to-forward",
     metavar="X,Y,Z",
     help="Direction of the centre of a photograph or a fisheye.",
 )
@@ -86,7 +86,7 @@ def command(
     view: float | None,
     to_registration: str | None,
     to_mapping: str | None,
-    to_towards: str | None,
+    to_forward: str | None,
     half: bool,
     compression: str,
     limit: float | None,
@@ -100,7 +100,7 @@ def command(
         "registration": to_registration,
         "mapping": to_mapping,
         "fov": view,
-        "towards": None if to_towards is None else numbers("--to-towards", to_towards, "0,0,1"),
+        "forward": None if to_forward is None else numbers("--to-forward", to_forward, "0,0,1"),
     }
     env = map_file.open()
     if rotate is not None:

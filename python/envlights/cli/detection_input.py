@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 from envlights.cli.settings import settings_from, settings_of
@@ -10,7 +10,7 @@ from envlights.detection.detect import detect
 from envlights.papers import loghin
 
 #: Detectors, by the name of the option ``--method``.
-METHODS = {"tree": detect, "loghin": loghin.detect}
+METHODS: dict[str, Callable[..., Any]] = {"tree": detect, "loghin": loghin.detect}
 #: Parameters with an option of their own.
 _OWN = ("max_lights", "sampling")
 #: Names of the settings of all methods.

@@ -42,7 +42,7 @@ def command(
     for output in outputs:
         check_output(output, (*TABLE_FILES, *PICTURES), {"the map": map_file.path})
     arguments = curve_arguments(whole_numbers("--lights", lights), options)
-    curve = error_curve(map_file.unread(arguments["unseen"]), **arguments)
+    curve = error_curve(map_file.unread(arguments["fill"]), **arguments)
     for output in outputs:
         _write(curve, output)
     click.echo(json.dumps(curve.to_dict(), indent=2) if as_json else str(curve))

@@ -101,7 +101,7 @@ def command(
     floor: bool,
     start: str,
     fixed: Sequence[str],
-    unseen: str | None,
+    fill: str | None,
     outputs: Sequence[str],
     strict: bool,
     verbose: bool,
@@ -111,7 +111,7 @@ def command(
     """Fit an ambient term and a few lights to MAP (.hdr, .exr, .png, .jpg, .tif)."""
     for output in outputs:
         check_output(output, (*SUFFIXES, *PICTURES), {"the map": map_file.path})
-    choice = radiance_or_name(unseen)
+    choice = radiance_or_name(fill)
     options: dict[str, Any] = {
         "lights": lights,
         "error": error,
@@ -125,7 +125,7 @@ def command(
         "start": start_of(start),
         "fixed": fixed_of(fixed),
         "floor": floor,
-        "unseen": choice,
+        "fill": choice,
         "target": targets or _targets_of(outputs),
     }
     check_options("fit", options)

@@ -72,7 +72,7 @@ def curve_arguments(lights: Sequence[int], options: Mapping[str, Any]) -> dict[s
         "lights": lights,
         **options,
         "max_radius": radius_of(options["max_radius"]),
-        "unseen": radiance_or_name(options["unseen"]),
+        "fill": radiance_or_name(options["fill"]),
     }
     check_options("error_curve", arguments)
     return arguments

@@ -57,7 +57,7 @@ def command(
     objective: str,
     ambient: str,
     floor: bool,
-    unseen: str | None,
+    fill: str | None,
     outputs: Sequence[str],
     as_json: bool,
 ) -> None:
@@ -80,7 +80,7 @@ def command(
         objective=objective,
         ambient=ambient,
         floor=floor,
-        unseen=radiance_or_name(unseen),
+        fill=radiance_or_name(fill),
     ).sequence()
     for output in outputs:
         rigs.save(output)

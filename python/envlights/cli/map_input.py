@@ -16,7 +16,7 @@ from envlights.environment.layouts.records import REGISTRATIONS
 #: Heading of the options on how a file is read, in the help.
 _HEADING = "Options on how MAP is read"
 #: Options of `EnvMap.calibrated`; the others are of `EnvMap.open`.
-_READINGS = ("lux", "facing", "shaded", "nits", "at", "patch", "ev100")
+_READINGS = ("lux", "normal", "shaded", "nits", "at", "patch", "ev100")
 _DIRECTION = "0.5,0.7,0.5"
 
 
@@ -32,14 +32,14 @@ class MapFile(NamedTuple):
     readings: Mapping[str, Any] = MappingProxyType({})
     """Options of `EnvMap.calibrated`."""
 
-    def open(self, unseen: Any = None) -> EnvMap:
+    def open(self, fill: Any = None) -> EnvMap:
         """Map of the file, calibrated if there is a reading."""
         env = EnvMap.open(self.path, **self.layout)
-        return env.calibrated(**self.readings, unseen=unseen) if self.readings else env
+        return env.calibrated(**self.readings, fill=fill) if self.readings else env
 
-    def unread(self, unseen: Any = None) -> str | EnvMap:
+    def unread(self, fill: Any = None) -> str | EnvMap:
         """Path, which is read by rows; the map itself if options say how to read it."""
-        return self.open(unseen) if self.layout or self.readings else self.path
+        return self.open(fill) if self.layout or self.readings else self.path
 
 
 class _MapOption(click.Option):
@@ -89,7 +89,7 @@ def map_argument(function: Callable[..., None]) -> Callable[..., None]:
 
 
 #: Examples of the options that are numbers between commas.
-_VECTORS = {"circle": "512,512,500", "towards": _DIRECTION, "facing": _DIRECTION, "at": _DIRECTION}
+_VECTORS = {"circle": "512,512,500", "forward": _DIRECTION, "normal": _DIRECTION, "at": _DIRECTION}
 #: Options by the name of the parameter; `map_width` is `width` of `EnvMap.open`.
 _OPTIONS: dict[str, dict[str, Any]] = {
     "colour": {
@@ -127,7 +127,7 @@ _OPTIONS: dict[str, dict[str, Any]] = {
         "metavar": "X,Y,RADIUS",
         "help": "Circle of a fisheye or mirror ball, in pixels.",
     },
-    "towards": {
+    "forward": {
         "metavar": "X,Y,Z",
         "help": "Direction of the centre of a circle or a photograph; +z else.",
     },
@@ -137,7 +137,7 @@ _OPTIONS: dict[str, dict[str, Any]] = {
         "metavar": "COLUMNS",
         "help": "Columns of the map that MAP becomes if it has another layout.",
     },
-    "white": {
+    "clip_level": {
         "type": float,
         "metavar": "LEVEL",
         "help": "Clip level of MAP; known for files of integers.",
@@ -152,7 +152,7 @@ _OPTIONS: dict[str, dict[str, Any]] = {
         "metavar": "LUX",
         "help": "Measured illuminance of a horizontal surface; lights are then in lux.",
     },
-    "facing": {
+    "normal": {
         "metavar": "X,Y,Z",
         "help": "Normal of that surface, if it is not horizontal.",
     },
@@ -177,9 +177,9 @@ _OPTIONS: dict[str, dict[str, Any]] = {
 
 
 def unseen_option() -> Callable[[Any], Any]:
-    """Option ``--unseen``; its value is for `radiance_or_name`."""
+    """Option ``--fill``; its value is for `radiance_or_name`."""
     return click.option(
-        "--unseen",
+        "--fill",
         metavar="CHOICE",
         help="Radiance where MAP shows nothing (alpha, a crop): black, harmonic, ground, a number,"
         " or R,G,B. Needed if less than 85 % of the sphere is seen.",
@@ -187,7 +187,7 @@ def unseen_option() -> Callable[[Any], Any]:
 
 
 def radiance_or_name(text: str | None) -> str | list[float] | float | None:
-    """Value of ``--unseen``: a number, RGB between commas, or the name of a fill."""
+    """Value of ``--fill``: a number, RGB between commas, or the name of a fill."""
     if text is None:
         return None
     try:

@@ -30,13 +30,13 @@ def command(
     output: str,
     irradiance: float | None,
     ratio: float | None,
-    unseen: str | None,
+    fill: str | None,
     sun: AnySun | None,
 ) -> None:
     """Estimate the clipped light of MAP, such as a JPEG or PNG."""
     check_output(output, MAPS, {"the map": map_file.path})
-    choice = radiance_or_name(unseen)
-    env = map_file.open(choice).repaired(sun=sun, irradiance=irradiance, ratio=ratio, unseen=choice)
+    choice = radiance_or_name(fill)
+    env = map_file.open(choice).repaired(sun=sun, irradiance=irradiance, ratio=ratio, fill=choice)
     env.save(output)
     click.echo(str(env))
     say_written([output])

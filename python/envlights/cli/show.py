@@ -47,12 +47,12 @@ def command(
     if lights < 0:
         raise click.BadParameter(f"{lights} is less than 0.", param_hint="'-n'")
     arguments = curve_arguments(range(max(lights, _CURVE) + 1), options)
-    env = map_file.open(arguments["unseen"])
+    env = map_file.open(arguments["fill"])
     curve = error_curve(env, **arguments)
     # Importing Matplotlib takes a second.
     from envlights.viewer.report_page import report_page
 
     name = title or Path(map_file.path).stem
-    page = report_page(env.filled(arguments["unseen"]), curve.rigs[lights], curve, name)
+    page = report_page(env.filled(arguments["fill"]), curve.rigs[lights], curve, name)
     write_atomically(output, lambda path: path.write_text(page, encoding="utf-8"))
     say_written([output])

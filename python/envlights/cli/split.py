@@ -52,7 +52,7 @@ _Parts = Split | CardSplit | Limit | SunSplit
     help="Largest number of lights to remove, brightest first, such as 1 for the sun.",
 )
 @click.option(
-    "--share",
+    "--fraction",
     type=float,
     help="Remove the fewest lights that together give this fraction of the flux of all lights, such"
     " as 0.9.",
@@ -90,7 +90,7 @@ _Parts = Split | CardSplit | Limit | SunSplit
 def command(
     map_file: MapFile,
     lights: int | None,
-    share: float | None,
+    fraction: float | None,
     maximum: float | None,
     shapes: bool,
     distance: float | None,
@@ -110,11 +110,11 @@ def command(
     options = detection_settings(settings, "tree")
     if options and (sun is not None or maximum is not None):
         raise EnvLightsError("--set is of detected lights; leave out --sun and --limit, or --set")
-    check_options("split", {"lights": lights, "share": share, "shapes": shapes, **options})
+    check_options("split", {"lights": lights, "fraction": fraction, "shapes": shapes, **options})
     env = map_file.open()
     found = None if sun is None else sun_of(env, sun)
     readings = {"irradiance": irradiance, "ratio": ratio}
-    parts = _parts(env, lights, share, maximum, found, readings, shapes, options)
+    parts = _parts(env, lights, fraction, maximum, found, readings, shapes, options)
     parts = _at_place(parts, distance, radius)
     draw = partial(_draw, env, parts, found)
     written = _write(parts, map_file.path, outputs, layout, draw)
@@ -127,7 +127,7 @@ def command(
 def _parts(
     env: EnvMap,
     lights: int | None,
-    share: float | None,
+    fraction: float | None,
     maximum: float | None,
     sun: Sun | None,
     readings: dict[str, float | None],
@@ -135,24 +135,26 @@ def _parts(
     options: dict[str, Any],
 ) -> _Parts:
     """Lights and rest, of detection, above a maximum, or of the sun."""
-    has_choice = lights is not None or share is not None
+    has_choice = lights is not None or fraction is not None
     if shapes and (sun is not None or maximum is not None):
         raise EnvLightsError("cards are detected lights; leave out --sun and --limit, or --shapes")
     if sun is not None:
         if has_choice or maximum is not None:
             raise EnvLightsError(
-                "a sun is one light; leave out --lights, --share and --limit, or --sun"
+                "a sun is one light; leave out --lights, --fraction and --limit, or --sun"
             )
         return with_sun(env, sun, **readings)
     if any(reading is not None for reading in readings.values()):
         raise EnvLightsError("--irradiance and --ratio are readings of a sun; add --sun")
     if shapes:
-        return split(env, lights, share=share, shapes=True, **options)
+        return split(env, lights, fraction=fraction, shapes=True, **options)
     if maximum is None:
-        parts: Split = split(env, lights, share=share, **options)
+        parts: Split = split(env, lights, fraction=fraction, **options)
         return parts
     if has_choice:
-        raise EnvLightsError("--limit takes all radiance above it; leave out --lights and --share")
+        raise EnvLightsError(
+            "--limit takes all radiance above it; leave out --lights and --fraction"
+        )
     return limit(env, maximum)
 
 
@@ -173,13 +175,13 @@ def _write(
     # Programs read panoramas alone, so scenes name no map of another layout.
     maps = [output for output in outputs if layout != PROJECTION and _is_map(output)]
     scenes = [output for output in outputs if output not in (*pictures, *maps)]
-    written = list(map(str, paths_of(plan(parts.rest, scenes, parts.lights))))
+    written = list(map(str, paths_of(plan(parts.remainder, scenes, parts.lights))))
     for path in written:
         check_source(path, {"the map": source})
     with print_losses():
-        save_with_map(parts.lights, parts.rest, scenes)
+        save_with_map(parts.lights, parts.remainder, scenes)
     for output in maps:
-        written += write_map(parts.rest, output, layout)
+        written += write_map(parts.remainder, output, layout)
     for output in pictures:
         draw(output)
     return [*written, *pictures]

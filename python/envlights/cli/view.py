@@ -26,7 +26,7 @@ from envlights.viewer.page import SUFFIXES, view
 )
 @click.option("--title", metavar="TEXT", help="Text above the controls. Default: the file's name.")
 @click.option(
-    "--unseen",
+    "--fill",
     metavar="CHOICE",
     help="Radiance where MAP shows nothing (alpha, a crop): black, harmonic, ground, a number, or"
     " R,G,B.",
@@ -46,7 +46,7 @@ def command(
     rig: str | None,
     output: str,
     title: str | None,
-    unseen: str | None,
+    fill: str | None,
     model: str | None,
     scale: float,
     up: str,
@@ -64,9 +64,9 @@ def command(
     if is_rig:
         page = view(Rig.load(map_file.path), lights, title=title, model=shown, truth=truth)
     else:
-        filling = radiance_or_name(unseen)
+        filling = radiance_or_name(fill)
         page = view(
-            map_file.open(filling), lights, title=title, unseen=filling, model=shown, truth=truth
+            map_file.open(filling), lights, title=title, fill=filling, model=shown, truth=truth
         )
     page.save(output)
     say_written([output])

@@ -63,8 +63,8 @@ def _degrees(angle: float | None) -> str:
     return "-" if angle is None else f"{angle:.3g}°"
 
 
-def _percent(share: float | None) -> str:
-    return "-" if share is None else f"{100 * share:.3g} %"
+def _percent(fraction: float | None) -> str:
+    return "-" if fraction is None else f"{100 * fraction:.3g} %"
 
 
 def errors_table(errors: dict[str, ImageErrors]) -> Table:
@@ -175,10 +175,10 @@ def pixel_sums(
     """Sums over pixels, (n, 3), with equal or other `weights`, (n,)."""
     # Channels first: sums over the last axis of (n, 3) take ten times as long.
     one, other = np.ascontiguousarray(truth.T), np.ascontiguousarray(guess.T)
-    share = np.ones(len(truth)) if weights is None else weights
+    fraction = np.ones(len(truth)) if weights is None else weights
     difference = other - one
     pairs = (one, one), (one, other), (other, other), (difference, difference)
-    products = np.array([(a * b @ share).sum() / 3 for a, b in pairs])
+    products = np.array([(a * b @ fraction).sum() / 3 for a, b in pairs])
     # Scale each vector, so that products neither overflow nor vanish.
     largest = [np.maximum.reduce(np.abs(each)) for each in (one, other)]
     is_seen = (largest[0] > 0) & (largest[1] > 0)
@@ -186,9 +186,9 @@ def pixel_sums(
         each / np.where(is_seen, most, 1) for each, most in zip((one, other), largest, strict=True)
     ]
     angles = degrees_between(units[0].T, units[1].T)
-    seen = share * is_seen
+    seen = fraction * is_seen
     every = np.ones(len(truth))
-    return PixelSums(float(share @ every), products, float(seen @ every), float(seen @ angles))
+    return PixelSums(float(fraction @ every), products, float(seen @ every), float(seen @ angles))
 
 
 def image_errors(

@@ -21,7 +21,7 @@ class Movement(NamedTuple):
     guess: int
     """Index of the light in the guess."""
 
-    share: float
+    fraction: float
     """Share of the flux; those of a plan sum to 1."""
 
     angle: float
@@ -91,14 +91,14 @@ class LightSetDifference(Result):
 
     def table(self) -> Table:
         """Table of the dozen largest movements, and a summary of the others."""
-        largest = sorted(self.plan, key=lambda movement: -movement.share)
+        largest = sorted(self.plan, key=lambda movement: -movement.fraction)
         rows = [
-            [str(each.truth), str(each.guess), _percent(each.share), _degrees(each.angle)]
+            [str(each.truth), str(each.guess), _percent(each.fraction), _degrees(each.angle)]
             for each in largest[:MOST_ROWS]
         ]
         hidden = largest[MOST_ROWS:]
-        rest = f"{len(hidden)} more, {_percent(sum(each.share for each in hidden))} together"
-        return Table(["truth", "guess", "share", "angle"], rows, rest if hidden else "")
+        rest = f"{len(hidden)} more, {_percent(sum(each.fraction for each in hidden))} together"
+        return Table(["truth", "guess", "fraction", "angle"], rows, rest if hidden else "")
 
     def _html_parts(self) -> tuple[str, ...]:
         return (*super()._html_parts(), *([self.table().html()] if self.plan else []))
@@ -127,8 +127,8 @@ def _degrees(angle: float | None) -> str:
     return "none" if angle is None else f"{angle:.3g}°"
 
 
-def _percent(share: float | None) -> str:
-    return "none" if share is None else f"{100 * share:.3g} %"
+def _percent(fraction: float | None) -> str:
+    return "none" if fraction is None else f"{100 * fraction:.3g} %"
 
 
 def _ratio(binary_logarithm: float | None) -> str:

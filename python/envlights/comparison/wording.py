@@ -27,8 +27,8 @@ def notes_of_size(sides: Mapping[str, EnvMap | Rig | Lights], rows: int) -> list
             change = "reduced" if what.height > rows else "enlarged"
             size = f"{what.width}x{what.height} to {2 * rows}x{rows} pixels"
             notes.append(f"{name}: {change} from {size} by area means")
-        if what.seen is not None:
-            percent = 100 * (1 - what.seen_share)
+        if what.coverage is not None:
+            percent = 100 * (1 - what.coverage_fraction)
             notes.append(f"{name}: {percent:.3g} % of the sphere is not seen and was filled")
     return notes
 
@@ -80,7 +80,7 @@ def note_of_black(spheres: Mapping[str, ImageErrors], black: str) -> list[str]:
     shares = {name: each.black for name, each in spheres.items() if each.black > 0}
     if not shares:
         return []
-    texts = ", ".join(f"{100 * share:.2g} % of '{name}'" for name, share in shares.items())
+    texts = ", ".join(f"{100 * fraction:.2g} % of '{name}'" for name, fraction in shares.items())
     rule = "left out of the angle" if black == "left out" else "counted as perfect in the angle"
     return [f"black pixels are {rule}: {texts}"]
 

@@ -17,7 +17,7 @@ from envlights.detection.colour_casts import colour_cast_notes
 from envlights.detection.lights import DetectedLights, DetectionReport
 from envlights.detection.members import Members
 from envlights.environment.envmap import AnyMap, EnvMap, apply_to_map
-from envlights.environment.map_pixels import checked_white
+from envlights.environment.map_pixels import checked_clip_level
 
 #: Smallest number of columns of the reduced map.
 _LEAST_COLUMNS = 16
@@ -32,17 +32,17 @@ class TreeOptions(NamedTuple):
     prominence: float
     extent: float
     gap: float
-    min_flux_share: float
+    min_flux_fraction: float
     min_worth: float
     max_lights: int
-    white: float | None
+    clip_level: float | None
 
 
 def detect(
     env: AnyMap,
     *,
     max_lights: int | None = None,
-    min_flux_share: float = 0.0,
+    min_flux_fraction: float = 0.0,
     min_worth: float = 0.0005,
     threshold: float | None = None,
     rise: float = 2.5,
@@ -50,7 +50,7 @@ def detect(
     gap_deg: float = 0.8,
     extent: float = 0.1,
     working_width: int = 1024,
-    white: float | None = None,
+    clip_level: float | None = None,
 ) -> DetectedLights:
     r"""Lights of a map: the branches of its component tree.
 
@@ -67,7 +67,7 @@ def detect(
     max_lights : int, optional
         Largest number of lights. Neighbours are merged until it is reached, the pair with the
         least cost first (Ward 1963); no flux is dropped. `papers.loghin.detect` drops lights instead.
-    min_flux_share : float
+    min_flux_fraction : float
         Lights with a smaller fraction of the map's flux are dropped.
     min_worth : float
         Least product of a light's fraction of the map's flux and its contrast, the ratio of its
@@ -88,8 +88,8 @@ def detect(
     working_width : int
         Largest number of columns of the reduced map in which lights are searched. A clipped map is
         reduced to half of them, and further if more than 12 % of the sphere is bright.
-    white : float, optional
-        Largest value that the map can hold, in place of `EnvMap.white`.
+    clip_level : float, optional
+        Largest value that the map can hold, in place of `EnvMap.clip_level`.
 
     Returns
     -------
@@ -127,7 +127,7 @@ def detect(
     `direction_uncertainty` is calibrated on pictures of HDR maps. Irradiance and flux are lower
     bounds. The rules are ours; the expansion inverts that of Schlick (1994).
 
-    Of a map that shows a part of the sphere (`EnvMap.seen`), only this part has lights, and only it
+    Of a map that shows a part of the sphere (`EnvMap.coverage`), only this part has lights, and only it
     counts for the threshold and for the background of a light. Lights that touch its border are
     flagged by `DetectedLights.is_cut`.
 
@@ -150,7 +150,7 @@ def detect(
     lights, _ = _detect(
         env,
         max_lights=max_lights,
-        min_flux_share=min_flux_share,
+        min_flux_fraction=min_flux_fraction,
         min_worth=min_worth,
         threshold=threshold,
         rise=rise,
@@ -158,7 +158,7 @@ def detect(
         gap_deg=gap_deg,
         extent=extent,
         working_width=working_width,
-        white=white,
+        clip_level=clip_level,
     )
     return lights
 
@@ -178,10 +178,10 @@ def _detect(env: AnyMap, **arguments: Any) -> tuple[DetectedLights, NDArray[np.f
     options = _options(**arguments)
 
     def detection_in(world: EnvMap) -> _native.TreeDetection:
-        white = world.white if options.white is None else options.white
+        clip_level = world.clip_level if options.clip_level is None else options.clip_level
         is_border = world.registration == "border-sampled"
-        options_of_map = options._replace(white=white)
-        return _native.detect_tree(world.radiance, is_border, options_of_map, world.seen)
+        options_of_map = options._replace(clip_level=clip_level)
+        return _native.detect_tree(world.radiance, is_border, options_of_map, world.coverage)
 
     world, detection = apply_to_map(env, detection_in)
     casts = colour_cast_notes(world, detection.peak_direction, detection.peak_luminance)
@@ -193,7 +193,7 @@ def _detect(env: AnyMap, **arguments: Any) -> tuple[DetectedLights, NDArray[np.f
 def _options(
     *,
     max_lights: int | None,
-    min_flux_share: float,
+    min_flux_fraction: float,
     min_worth: float,
     threshold: float | None,
     rise: float,
@@ -201,7 +201,7 @@ def _options(
     gap_deg: float,
     extent: float,
     working_width: int,
-    white: float | None,
+    clip_level: float | None,
 ) -> TreeOptions:
     """Checked options."""
     return TreeOptions(
@@ -211,10 +211,10 @@ def _options(
         prominence=amount("prominence", prominence, least=1.0),
         extent=amount("extent", extent, most=1.0),
         gap=math.radians(amount("gap_deg", gap_deg, most=90.0)),
-        min_flux_share=amount("min_flux_share", min_flux_share, most=1.0),
+        min_flux_fraction=amount("min_flux_fraction", min_flux_fraction, most=1.0),
         min_worth=amount("min_worth", min_worth),
         max_lights=LARGEST_COUNT if max_lights is None else count("max_lights", max_lights, 1),
-        white=None if white is None else checked_white(white),
+        clip_level=None if clip_level is None else checked_clip_level(clip_level),
     )
 
 
@@ -242,7 +242,7 @@ def _lights(
         elongation=detection.elongation,
         orientation=detection.orientation,
         peak_luminance=detection.peak_luminance,
-        flux_share=detection.flux_share,
+        flux_fraction=detection.flux_fraction,
         is_clipped=detection.is_clipped,
         members=Members(detection.pixel, detection.light_of_pixel),
         report=report,

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from envlights._common import html
 from envlights._common.arrays import seal
 from envlights._common.check import amount, counts, flag, reals, rotation, texts
+from envlights._common.former import former_attributes
 from envlights._common.result import Result
 from envlights._common.tables import MOST_ROWS
 from envlights._common.times import time_lines
@@ -131,6 +132,7 @@ class DetectionReport(Result):
         return "\n".join(lines)
 
 
+@former_attributes(share="fraction", flux_share="flux_fraction")
 @dataclass(frozen=True, eq=False, repr=False)
 class DetectedLights(Lights):
     r"""Lights of a map, brightest first, and the measurements of each.
@@ -172,7 +174,7 @@ class DetectedLights(Lights):
     peak_luminance: NDArray[np.float64]
     """Luminance at the peak, shape (n,)."""
 
-    flux_share: NDArray[np.float64]
+    flux_fraction: NDArray[np.float64]
     """Fraction of the luminance flux of the whole map, shape (n,)."""
 
     is_clipped: NDArray[np.bool_]
@@ -267,9 +269,9 @@ class DetectedLights(Lights):
         return (self._light(row) for row in range(len(self)))
 
     @property
-    def share(self) -> NDArray[np.float64]:
-        """Fraction of the flux of the whole map in each light: `flux_share`, (n,)."""
-        return self.flux_share
+    def fraction(self) -> NDArray[np.float64]:
+        """Fraction of the flux of the whole map in each light: `flux_fraction`, (n,)."""
+        return self.flux_fraction
 
     def rotated(self, matrix: ArrayLike) -> Self:
         """The lights after a rotation; members and report still describe the map before it."""
@@ -337,10 +339,10 @@ class DetectedLights(Lights):
         return (*super()._html_parts(), html.lines(f"{self._together()}\n{self.report}"))
 
     def _together(self) -> str:
-        return f"together: {100 * self.flux_share.sum():.3g} % of all light in the map"
+        return f"together: {100 * self.flux_fraction.sum():.3g} % of all light in the map"
 
     def _cells(self) -> tuple[list[str], list[list[str]]]:
-        columns = ["light", "azimuth", "elevation", "share", "radius", "peak"]
+        columns = ["light", "azimuth", "elevation", "fraction", "radius", "peak"]
         rows = [
             [
                 *place_cells(self, row),

@@ -12,8 +12,8 @@ def reason_of_tree(detection: _native.TreeDetection) -> str:
     """Rule that set the threshold, with its numbers."""
     if detection.threshold_rule is None:
         return "set by the caller"
-    factor, share, light_share = detection.threshold_rule
-    quantile = f"{factor:g} x the {100 * share:.3g} % quantile"
+    factor, fraction, light_share = detection.threshold_rule
+    quantile = f"{factor:g} x the {100 * fraction:.3g} % quantile"
     if light_share is None:
         return quantile
     return f"{quantile} of all but the brightest parts"
@@ -22,12 +22,12 @@ def reason_of_tree(detection: _native.TreeDetection) -> str:
 def dropped_by_tree(detection: _native.TreeDetection) -> tuple[str, ...]:
     """Sentences on lights that the result does not list."""
     lines = []
-    if not len(detection.flux_share) and not detection.dropped:
+    if not len(detection.flux_fraction) and not detection.dropped:
         lines.append("no lights: nothing is much brighter than the threshold")
     if detection.dropped:
         lights = "light is" if detection.dropped == 1 else "lights are"
         lines.append(
-            f"{detection.dropped} {lights} too weak to list (options min_flux_share, min_worth)"
+            f"{detection.dropped} {lights} too weak to list (options min_flux_fraction, min_worth)"
         )
     if detection.merged:
         lights = "light was" if detection.merged == 1 else "lights were"
@@ -61,9 +61,9 @@ def details_of_tree(detection: _native.TreeDetection) -> tuple[str, ...]:
 def _rules(detection: _native.TreeDetection) -> list[str]:
     lines = []
     if detection.threshold_rule is not None and detection.threshold_rule[2] is not None:
-        share = 100 * detection.threshold_rule[2]
+        fraction = 100 * detection.threshold_rule[2]
         lines.append(
-            f"the brightest {share:.3g} % of the sphere counts as light, so the quantile is taken"
+            f"the brightest {fraction:.3g} % of the sphere counts as light, so the quantile is taken"
             " below the flux-weighted Otsu threshold"
         )
     if any(detection.panes):
@@ -80,14 +80,14 @@ def _clipping(detection: _native.TreeDetection) -> list[str]:
     if clipped is None:
         return []
     level = f"the map is clipped at {clipped.clip_level:.3g}"
-    if clipped.is_below_white:
+    if clipped.is_below_largest:
         level += ", below its largest possible value"
-    share = f"{100 * clipped.clipped_share:.2g} % of the sphere is clipped"
+    fraction = f"{100 * clipped.clipped_fraction:.2g} % of the sphere is clipped"
     expanded = (
         "the search used expanded luminance (Schlick 1994), in which values near the clip"
         " level are up to 50 times larger"
     )
-    return [f"{level}; {share}", expanded]
+    return [f"{level}; {fraction}", expanded]
 
 
 def _tiles(detection: _native.TreeDetection) -> list[str]:
@@ -95,15 +95,15 @@ def _tiles(detection: _native.TreeDetection) -> list[str]:
     return [f"{dark} of {tiles} tiles ({100 * dark / tiles:.3g} %) are dark and were not searched"]
 
 
-def reason_of_article(relative: str, level: float, white: float | None, code: float) -> str:
+def reason_of_article(relative: str, level: float, clip_level: float | None, code: float) -> str:
     """Origin of the article's threshold, and its code in an 8-bit file.
 
     `relative` is the rule of a relative threshold, and empty for an absolute one.
     """
     reason = relative or "a fixed value, as in the article"
-    if white is None:
+    if clip_level is None:
         return reason
-    if level >= white:
+    if level >= clip_level:
         return f"{reason}; it lies above the clip level"
-    share = f"{100 * level / white:.3g} % of the clip level"
-    return f"{reason}; {share}, code {code:.0f} of 255 in sRGB"
+    fraction = f"{100 * level / clip_level:.3g} % of the clip level"
+    return f"{reason}; {fraction}, code {code:.0f} of 255 in sRGB"

@@ -29,7 +29,7 @@ class Readings(NamedTuple):
     """Arguments of `EnvMap.calibrated`, with None where nothing was measured."""
 
     lux: float | None
-    facing: ArrayLike | None
+    normal: ArrayLike | None
     shaded: float | None
     nits: float | None
     at: ArrayLike | None
@@ -43,7 +43,7 @@ class Readings(NamedTuple):
                 f"a map has one scale; got {' and '.join(kinds)}; give one of them, and compare the"
                 " other with the calibrated map"
             )
-        for name, of in (("facing", "lux"), ("shaded", "lux"), ("at", "nits")):
+        for name, of in (("normal", "lux"), ("shaded", "lux"), ("at", "nits")):
             if getattr(self, name) is not None and kinds != [of]:
                 raise EnvLightsError(f"{name} belongs to {of}; give {of} too, or leave {name} out")
         if self.nits is not None and self.at is None:
@@ -53,9 +53,9 @@ class Readings(NamedTuple):
 
     def of_lux(self) -> tuple[float, NDArray[np.float64]]:
         """Measured illuminance, and the unit vector that the surface faces."""
-        facing = reals("facing", UP if self.facing is None else self.facing, 1)
-        sphere.direction_to_uv(facing[None])  # refuses a vector that is not of length 1
-        return reading("lux", self.lux), facing
+        normal = reals("normal", UP if self.normal is None else self.normal, 1)
+        sphere.direction_to_uv(normal[None])  # refuses a vector that is not of length 1
+        return reading("lux", self.lux), normal
 
     def ratio(self, lux: float) -> float | None:
         """Illuminance over that with the sun shaded; None without a second reading."""
@@ -119,19 +119,19 @@ class Patch(NamedTuple):
     largest: float
     """Largest sample."""
 
-    seen: float
+    coverage: float
     """Least share of a pixel that is seen."""
 
-    def check(self, white: float | None) -> None:
+    def check(self, clip_level: float | None) -> None:
         """Refuse a disc whose luminance the map does not hold."""
-        if self.seen < 1:
+        if self.coverage < 1:
             raise EnvLightsError(
-                f"the map does not show all of the disc at `at` ({100 * self.seen:.3g} % of a"
+                f"the map does not show all of the disc at `at` ({100 * self.coverage:.3g} % of a"
                 " pixel); measure a place that it shows"
             )
-        if white is not None and self.largest >= LEAST_WHITE * white:
+        if clip_level is not None and self.largest >= LEAST_WHITE * clip_level:
             raise EnvLightsError(
-                f"the disc at `at` is clipped at {white:g}, so its luminance is unknown; measure a"
+                f"the disc at `at` is clipped at {clip_level:g}, so its luminance is unknown; measure a"
                 " darker place"
             )
 
@@ -159,7 +159,7 @@ def direction_at(at: ArrayLike, height: int, width: int) -> NDArray[np.float64]:
 
 def patch_of(
     cells: NDArray[np.float32],
-    seen: NDArray[np.float32] | None,
+    coverage: NDArray[np.float32] | None,
     direction: NDArray[np.float64],
     diameter: float,
 ) -> Patch:
@@ -169,11 +169,11 @@ def patch_of(
     theta = math.acos(min(max(direction[1], -1.0), 1.0))
     first = max(math.floor((theta - radius) / math.pi * height), 0)
     rows = slice(first, min(math.ceil((theta + radius) / math.pi * height) + 1, height))
-    towards = sphere.row_directions(height, rows) @ direction
+    forward = sphere.row_directions(height, rows) @ direction
     # Keep the nearest pixel of a disc that holds no centre.
-    is_in = towards >= min(math.cos(radius), float(towards.max()))
+    is_in = forward >= min(math.cos(radius), float(forward.max()))
     weight = sphere.pixel_solid_angles(height, 2)[rows, :1].repeat(width, axis=1)[is_in]
     pixels = cells[rows][is_in]
     luminance = float(weight @ (pixels @ LUMINANCE) / weight.sum())
-    share = 1.0 if seen is None else float(seen[rows][is_in].min())
-    return Patch(luminance, float(pixels.max()), share)
+    fraction = 1.0 if coverage is None else float(coverage[rows][is_in].min())
+    return Patch(luminance, float(pixels.max()), fraction)

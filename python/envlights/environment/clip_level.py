@@ -49,17 +49,17 @@ def white_of(histogram: CodeHistogram, table: NDArray[np.float32]) -> tuple[floa
     return value, notes
 
 
-def white_of_codes(
-    codes: NDArray[Any], seen: NDArray[np.float32] | None, notes: list[str]
+def clip_level_of_codes(
+    codes: NDArray[Any], coverage: NDArray[np.float32] | None, notes: list[str]
 ) -> float:
     """Linear clip level of sRGB codes, (height, width, 3), with a note if it is below 1.
 
-    Pixels with a `seen` share of 0 do not count.
+    Pixels with a `coverage` share of 0 do not count.
     """
-    if seen is not None:
-        codes = np.where(seen[..., None] > 0, codes, 0).astype(codes.dtype, copy=False)
+    if coverage is not None:
+        codes = np.where(coverage[..., None] > 0, codes, 0).astype(codes.dtype, copy=False)
     histogram = CodeHistogram(len(codes))
     histogram.add(codes)
-    white, said = white_of(histogram, decode_srgb(np.linspace(0, 1, 256)))
+    clip_level, said = white_of(histogram, decode_srgb(np.linspace(0, 1, 256)))
     notes += said
-    return white
+    return clip_level

@@ -1,4 +1,4 @@
-"""Share of each pixel of a map that was seen: alpha, a mask, or a part of the sphere."""
+"""Coverage of the pixels of a map: alpha, a mask, or a part of the sphere."""
 
 from __future__ import annotations
 
@@ -11,41 +11,47 @@ from envlights._native import EnvLightsError
 from envlights.kernels.sphere import pixel_solid_angles
 
 
-def checked_seen(seen: ArrayLike, shape: tuple[int, int]) -> NDArray[np.float32] | None:
-    """Share of each pixel as an array from 0 to 1, or a refusal; None if all is seen."""
+def checked_coverage(coverage: ArrayLike, shape: tuple[int, int]) -> NDArray[np.float32] | None:
+    """Coverage of each pixel as an array from 0 to 1, or a refusal; None if all is seen."""
     try:
-        share = np.array(seen, dtype=np.float32)
+        fraction = np.array(coverage, dtype=np.float32)
     except (TypeError, ValueError):
-        raise EnvLightsError(f"seen must be an array of numbers; got {describe(seen)}") from None
-    if share.shape != shape:
-        raise EnvLightsError(f"seen must have the shape {shape} of the pixels; got {share.shape}")
-    if not ((share >= 0) & (share <= 1)).all():
-        raise EnvLightsError(f"seen must lie from 0 to 1; got {share.min():g} to {share.max():g}")
-    if not share.any():
-        raise EnvLightsError("no pixel of the map is seen; leave out its alpha, mask or `seen`")
-    return None if (share == 1).all() else share
+        raise EnvLightsError(
+            f"coverage must be an array of numbers; got {describe(coverage)}"
+        ) from None
+    if fraction.shape != shape:
+        raise EnvLightsError(
+            f"coverage must have the shape {shape} of the pixels; got {fraction.shape}"
+        )
+    if not ((fraction >= 0) & (fraction <= 1)).all():
+        raise EnvLightsError(
+            f"coverage must lie from 0 to 1; got {fraction.min():g} to {fraction.max():g}"
+        )
+    if not fraction.any():
+        raise EnvLightsError("no pixel of the map is seen; leave out its alpha, mask or `coverage`")
+    return None if (fraction == 1).all() else fraction
 
 
-def multiply_by_share(
-    radiance: NDArray[np.float32], share: NDArray[np.float32]
+def multiply_by_coverage(
+    radiance: NDArray[np.float32], fraction: NDArray[np.float32]
 ) -> NDArray[np.float32]:
-    """Radiance multiplied by its share; 0 where nothing is seen, whatever the sample."""
+    """Radiance multiplied by its coverage; 0 where nothing is seen, whatever the sample."""
 
     def block(rows: slice) -> NDArray[np.float32]:
-        part = share[rows, :, None]
+        part = fraction[rows, :, None]
         with np.errstate(invalid="ignore"):
             return np.where(part > 0, radiance[rows] * part, np.float32(0))
 
     return in_blocks(radiance.shape, block)
 
 
-def share_of_sphere(share: NDArray[np.float32], border_sampled: bool) -> float:
-    """Mean of the share over the sphere."""
-    height, width = share.shape
+def fraction_of_sphere(fraction: NDArray[np.float32], border_sampled: bool) -> float:
+    """Mean of the coverage over the sphere."""
+    height, width = fraction.shape
     weights = pixel_solid_angles(height, width, border_sampled=border_sampled)
-    return float((share * weights).sum() / weights.sum())
+    return float((fraction * weights).sum() / weights.sum())
 
 
-def note_of_unseen(share_of_sphere: float) -> str:
+def note_of_coverage(fraction_of_sphere: float) -> str:
     """Note on the fraction of the sphere that is not seen."""
-    return f"{100 * (1 - share_of_sphere):.2g} % of the sphere is not seen"
+    return f"{100 * (1 - fraction_of_sphere):.2g} % of the sphere is not seen"

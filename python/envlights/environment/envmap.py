@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 
 from numpy.typing import ArrayLike
 
+from envlights._common.former import former_arguments, former_attributes
 from envlights._common.notes import log
 from envlights._native import EnvLightsError, UnusableSamplesError
 from envlights.environment.colour.choice import ColourArgument
@@ -19,12 +20,19 @@ from envlights.environment.layouts.records import REGISTRATIONS, Arguments
 from envlights.environment.layouts.sources import PictureSource, is_picture_source, read_picture
 from envlights.environment.map_calibration import MapCalibration
 from envlights.environment.map_layouts import MapLayouts
-from envlights.environment.map_pixels import checked_white
+from envlights.environment.map_pixels import checked_clip_level
 from envlights.environment.map_repair import MapRepair
 
 _T = TypeVar("_T")
 
 
+@former_attributes(
+    white="clip_level",
+    seen="coverage",
+    seen_share="coverage_fraction",
+    clipped_share="clipped_fraction",
+    clipped_flux_share="clipped_flux_fraction",
+)
 class EnvMap(MapCalibration, MapRepair, MapLayouts):
     r"""An environment map: radiance from every direction.
 
@@ -63,7 +71,7 @@ class EnvMap(MapCalibration, MapRepair, MapLayouts):
         Row of elevation 0 in a cylinder or a part of a panorama; the middle when left out.
     circle : array_like, shape (3,), optional
         Centre x, centre y and radius of a fisheye or mirror ball, in pixels.
-    towards : array_like, shape (3,), optional
+    forward : array_like, shape (3,), optional
         Direction of the centre of a circle or a photograph; +z when left out.
     eye : {"left", "right"}, optional
         Half of a stereo panorama.
@@ -72,11 +80,11 @@ class EnvMap(MapCalibration, MapRepair, MapLayouts):
         are as large as the pixels of the picture.
     notes : str or iterable of str
         Remarks on the map's origin.
-    white : float, optional
+    clip_level : float, optional
         Clip level: the largest value that the radiance could hold, such as 1.0 for a linearised
         picture. Known for uint8 and uint16. Detection treats pixels at the clip level as lights of
         unknown brightness; see `detect`.
-    seen : array_like, shape of the array without channels, optional
+    coverage : array_like, shape of the array without channels, optional
         Share of each pixel that the picture shows, from 0 to 1. The radiance is multiplied by it
         already; pixels of share 0 become black. `filled` has radiance for them.
     units : {"the map's own scale", "cd/m2"}
@@ -98,6 +106,7 @@ class EnvMap(MapCalibration, MapRepair, MapLayouts):
     """
 
     @classmethod
+    @former_arguments(white="clip_level", towards="forward")
     def open(
         cls,
         path: PictureSource,
@@ -109,10 +118,10 @@ class EnvMap(MapCalibration, MapRepair, MapLayouts):
         fov: float | None = None,
         horizon: float | None = None,
         circle: ArrayLike | None = None,
-        towards: ArrayLike | None = None,
+        forward: ArrayLike | None = None,
         eye: str | None = None,
         width: int | None = None,
-        white: float | None = None,
+        clip_level: float | None = None,
         colour: ColourArgument | None = None,
         part: str | int | None = None,
         channels: str | Sequence[str] | None = None,
@@ -127,12 +136,12 @@ class EnvMap(MapCalibration, MapRepair, MapLayouts):
             Radiance .hdr, OpenEXR, PNG, JPEG or TIFF; the first bytes decide. "-" is the standard
             input; addresses like ``s3://`` are read by fsspec, if it is installed. The colour space
             of the file is converted to linear Rec.709: transfer curve, ICC profile, primaries.
-            Integers without a statement are sRGB. What alpha or a crop hides is black; see `seen`.
+            Integers without a statement are sRGB. What alpha or a crop hides is black; see `coverage`.
             Six faces of a cube: a list, a mapping, a folder, or a name like ``sky_{face}.hdr``.
-        projection, faces, registration, mapping, fov, horizon, circle, towards, eye, width
+        projection, faces, registration, mapping, fov, horizon, circle, forward, eye, width
             Layout of the picture; see `EnvMap`. When left out, the statement of `Picture.save` or
             other metadata of the file decide, then names, shape and content.
-        white : float, optional
+        clip_level : float, optional
             Clip level; see `EnvMap`. Known for files of integers, from their own histogram.
         colour : str, bytes or path-like, optional
             Colour space of the samples, instead of what the file says: "linear", "srgb", "p3",
@@ -161,7 +170,7 @@ class EnvMap(MapCalibration, MapRepair, MapLayouts):
             candidates.
         """
         arguments = Arguments(
-            projection, faces, registration, mapping, fov, horizon, circle, towards, eye
+            projection, faces, registration, mapping, fov, horizon, circle, forward, eye
         )
         arguments.check()
         image = read_picture(
@@ -174,10 +183,10 @@ class EnvMap(MapCalibration, MapRepair, MapLayouts):
         )
         env = cls.__new__(cls)
         env._notes = list(image.notes)
-        env._white = image.white if white is None else checked_white(white)
+        env._clip_level = image.clip_level if clip_level is None else checked_clip_level(clip_level)
         env._units, env._ev100 = image.units, image.ev100
         try:
-            env._set_pixels(image.pixels, image.seen, image.hints, arguments, width)
+            env._set_pixels(image.pixels, image.coverage, image.hints, arguments, width)
         except EnvLightsError as refusal:
             raise EnvLightsError(f"{name_of(path)}: {refusal}") from None
         log(env._notes)
@@ -214,7 +223,7 @@ class EnvMap(MapCalibration, MapRepair, MapLayouts):
         Returns
         -------
         EnvMap
-            Radiance 1 is the clip level at an exposure time of 1. `white` is set if the shortest
+            Radiance 1 is the clip level at an exposure time of 1. `clip_level` is set if the shortest
             exposure is still clipped. `notes` report white below 254, a response other than sRGB, a
             corrected time, moved pictures, drift of the white balance, and contradictions.
 
@@ -236,7 +245,10 @@ class EnvMap(MapCalibration, MapRepair, MapLayouts):
         merged = merge_exposures(pictures, times, response)
         registration = REGISTRATIONS[merged.border_sampled]
         env = cls(
-            merged.radiance, registration=registration, notes=merged.notes, white=merged.white
+            merged.radiance,
+            registration=registration,
+            notes=merged.notes,
+            clip_level=merged.clip_level,
         )
         env._ev100 = merged.ev100
         return env

@@ -16,7 +16,7 @@ class ImageArray(NamedTuple):
     samples: NDArray[Any]
     """Red, green and blue, (height, width, 3) or (6, n, n, 3)."""
 
-    seen: NDArray[np.float32] | None
+    coverage: NDArray[np.float32] | None
     """Share of each pixel that alpha and mask show, without channels; None if all is seen."""
 
 
@@ -37,8 +37,8 @@ def image_array(image: ArrayLike, notes: list[str], what: str) -> ImageArray:
         raise EnvLightsError(
             f"{what} must be floating point, uint8 or uint16; got the dtype {array.dtype}"
         )
-    samples, seen = _rgb(array, notes, what)
-    return ImageArray(samples, _without_masked(image, seen))
+    samples, coverage = _rgb(array, notes, what)
+    return ImageArray(samples, _without_masked(image, coverage))
 
 
 def _rgb(array: NDArray[Any], notes: list[str], what: str) -> ImageArray:
@@ -64,20 +64,20 @@ def _rgb(array: NDArray[Any], notes: list[str], what: str) -> ImageArray:
 def _share_of_alpha(alpha: NDArray[Any]) -> NDArray[np.float32] | None:
     """Alpha from 0 to 1; None if all is opaque. NaN is opaque."""
     if alpha.dtype.kind == "f":
-        share = np.nan_to_num(alpha.astype(np.float32), nan=1.0).clip(0, 1)
+        fraction = np.nan_to_num(alpha.astype(np.float32), nan=1.0).clip(0, 1)
     else:
-        share = alpha.astype(np.float32) / np.float32(np.iinfo(alpha.dtype).max)
-    return None if (share == 1).all() else share
+        fraction = alpha.astype(np.float32) / np.float32(np.iinfo(alpha.dtype).max)
+    return None if (fraction == 1).all() else fraction
 
 
 def _without_masked(
-    radiance: ArrayLike, seen: NDArray[np.float32] | None
+    radiance: ArrayLike, coverage: NDArray[np.float32] | None
 ) -> NDArray[np.float32] | None:
     """Share of each pixel, 0 where a channel of a masked array is masked."""
     # `numpy.ma` would load a module that only masked arrays need.
     mask = np.asarray(isinstance(radiance, np.ndarray) and getattr(radiance, "mask", False))
     if not mask.any():
-        return seen
+        return coverage
     hidden = mask if mask.ndim == 2 else mask.any(axis=-1)
-    share = np.ones(hidden.shape, np.float32) if seen is None else seen
-    return np.where(hidden, np.float32(0), share)
+    fraction = np.ones(hidden.shape, np.float32) if coverage is None else coverage
+    return np.where(hidden, np.float32(0), fraction)

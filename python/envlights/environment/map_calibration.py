@@ -8,13 +8,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights._common.check import amount
+from envlights._common.former import former_arguments
 from envlights._common.units import PHOTOMETRIC
 from envlights._native import EnvLightsError
 from envlights.environment import calibration
 from envlights.environment.calibration import Readings
+from envlights.environment.fill import Fill
 from envlights.environment.map_light import MapLight
 from envlights.environment.repair import repair
-from envlights.environment.unseen import Unseen
 from envlights.kernels.image import LUMINANCE
 
 if TYPE_CHECKING:
@@ -24,17 +25,18 @@ if TYPE_CHECKING:
 class MapCalibration(MapLight):
     """Radiance in cd/m2; see `EnvMap`."""
 
+    @former_arguments(unseen="fill", facing="normal")
     def calibrated(
         self,
         *,
         lux: float | None = None,
-        facing: ArrayLike | None = None,
+        normal: ArrayLike | None = None,
         shaded: float | None = None,
         nits: float | None = None,
         at: ArrayLike | None = None,
         patch: float = 1.0,
         ev100: float | None = None,
-        unseen: Unseen = None,
+        fill: Fill = None,
     ) -> Self:
         r"""Map in photometric units: the luminance of its radiance is in cd/m2.
 
@@ -45,7 +47,7 @@ class MapCalibration(MapLight):
         ----------
         lux : float, optional
             Illuminance of a surface, as a lux meter shows it.
-        facing : array_like, shape (3,), optional
+        normal : array_like, shape (3,), optional
             Unit vector that this surface faces. Default: up, (0, 1, 0).
         shaded : float, optional
             The same illuminance with only the sun shaded, for a map with a clipped sun: it gives
@@ -60,7 +62,7 @@ class MapCalibration(MapLight):
         ev100 : float, optional
             Exposure value at ISO 100 of a picture in which 1 is the saturation of the sensor: 1
             becomes :math:`1.2 \cdot 2^{EV}` cd/m2.
-        unseen : {"black", "harmonic", "ground"}, float or array_like, shape (3,), optional
+        fill : {"black", "harmonic", "ground"}, float or array_like, shape (3,), optional
             For `lux`: radiance where the map shows nothing; see `filled`.
 
         Returns
@@ -95,51 +97,51 @@ class MapCalibration(MapLight):
 
         >>> sky = np.full((32, 64, 3), 0.1)
         >>> sky[6:8, 30:32] = 1.0
-        >>> env = el.EnvMap(sky, white=1.0).calibrated(lux=98000, shaded=15000)
+        >>> env = el.EnvMap(sky, clip_level=1.0).calibrated(lux=98000, shaded=15000)
         >>> env.probe([[0, 1, 0]]).round(0)
         array([[98000., 98000., 98000.]])
         """
-        readings = Readings(lux, facing, shaded, nits, at, ev100)
+        readings = Readings(lux, normal, shaded, nits, at, ev100)
         readings.check()
         diameter = amount("patch", patch, most=180)
         if lux is not None:
-            return self._by_lux(readings, unseen)
+            return self._by_lux(readings, fill)
         if nits is not None and at is not None:
             return self._by_luminance(calibration.reading("nits", nits), at, diameter)
         return self._by_exposure(ev100)
 
-    def _by_lux(self, readings: Readings, unseen: Unseen) -> Self:
+    def _by_lux(self, readings: Readings, fill: Fill) -> Self:
         """Map whose irradiance has the luminance that a lux meter shows."""
-        lux, facing = readings.of_lux()
+        lux, normal = readings.of_lux()
         ratio = readings.ratio(lux)
-        source = f"{lux:g} lux on a surface that faces {_numbers(facing)}"
+        source = f"{lux:g} lux on a surface that faces {_numbers(normal)}"
         if ratio is None:
-            measured = float(self.probe(facing, unseen=unseen) @ LUMINANCE)
+            measured = float(self.probe(normal, fill=fill) @ LUMINANCE)
             return self._scaled(lux, measured, source)
-        sunlit = self._with_sun(ratio, facing, readings, unseen)
-        measured = float(sunlit.probe(facing, unseen=unseen) @ LUMINANCE)
+        sunlit = self._with_sun(ratio, normal, readings, fill)
+        measured = float(sunlit.probe(normal, fill=fill) @ LUMINANCE)
         return sunlit._scaled(lux, measured, f"{source}, {readings.shaded:g} in the shade")
 
     def _with_sun(
-        self, ratio: float, facing: NDArray[np.float64], readings: Readings, unseen: Unseen
+        self, ratio: float, normal: NDArray[np.float64], readings: Readings, fill: Fill
     ) -> Self:
         """Map with the clipped light that two readings show; see `repaired`."""
-        if not self.clipped_share:
+        if not self.clipped_fraction:
             raise EnvLightsError(
                 "shaded needs a map with a clipped sun, but no pixel is clipped: its sun has its"
                 " true ratio to the sky; leave shaded out"
             )
-        white = float(self._radiance.max()) if self._white is None else self._white
-        received, assumed = self._from_unseen(unseen, facing)
+        clip_level = float(self._radiance.max()) if self._clip_level is None else self._clip_level
+        received, assumed = self._from_unseen(fill, normal)
         try:
             repaired = repair(
                 self._radiance,
                 self.is_border_sampled,
-                white,
+                clip_level,
                 None,
                 ratio,
-                facing,
-                seen=self._seen,
+                normal,
+                coverage=self._coverage,
                 from_unseen=received,
             )
         except EnvLightsError as refusal:
@@ -151,15 +153,15 @@ class MapCalibration(MapLight):
             repaired.radiance,
             registration=self._registration,
             notes=[*self._notes, *filter(None, [assumed]), repaired.note],
-            seen=self._seen,
+            coverage=self._coverage,
             source=self._source,
         )
 
     def _by_luminance(self, nits: float, at: ArrayLike, diameter: float) -> Self:
         """Map whose disc has the luminance that a meter shows."""
         direction = calibration.direction_at(at, self.height, self.width)
-        patch = calibration.patch_of(self.cells(), self._seen, direction, diameter)
-        patch.check(self._white)
+        patch = calibration.patch_of(self.cells(), self._coverage, direction, diameter)
+        patch.check(self._clip_level)
         source = f"{nits:g} cd/m2 in a disc of {diameter:g} degrees at {_numbers(direction)}"
         return self._scaled(nits, patch.luminance, source)
 
@@ -184,8 +186,8 @@ class MapCalibration(MapLight):
             radiance,
             registration=self._registration,
             notes=[*calibration.other_notes(self._notes), note],
-            white=None if self._white is None else factor * self._white,
-            seen=self._seen,
+            clip_level=None if self._clip_level is None else factor * self._clip_level,
+            coverage=self._coverage,
             units=PHOTOMETRIC,
             source=self._source,
         )

@@ -58,10 +58,10 @@ class MapLayouts(MapPixels):
         >>> np.array_equal(turned.radiance, np.roll(env.radiance, -2, axis=1))
         True
         """
-        radiance, seen, is_border = resample.rotate(
-            self._radiance, self._seen, rotation(matrix), border_sampled=self.is_border_sampled
+        radiance, coverage, is_border = resample.rotate(
+            self._radiance, self._coverage, rotation(matrix), border_sampled=self.is_border_sampled
         )
-        return self._with(radiance, seen, REGISTRATIONS[is_border])
+        return self._with(radiance, coverage, REGISTRATIONS[is_border])
 
     def resized(self, width: int) -> Self:
         """Map of another size, with the same flux.
@@ -83,8 +83,10 @@ class MapLayouts(MapPixels):
         EnvMap(32x16 equirectangular, cell-centred)
         """
         target = layouts.equirectangular(checked_width(width) // 2)
-        radiance, seen = resample.resample(self._radiance, self._seen, self._layout(), target)
-        return self._with(radiance, seen, REGISTRATIONS[0])
+        radiance, coverage = resample.resample(
+            self._radiance, self._coverage, self._layout(), target
+        )
+        return self._with(radiance, coverage, REGISTRATIONS[0])
 
     def to(
         self,
@@ -95,7 +97,7 @@ class MapLayouts(MapPixels):
         registration: str | None = None,
         mapping: str | None = None,
         fov: float | None = None,
-        towards: ArrayLike | None = None,
+        forward: ArrayLike | None = None,
     ) -> Picture:
         """Picture of the map in another projection.
 
@@ -118,7 +120,7 @@ class MapLayouts(MapPixels):
         fov : float, optional
             Field of view in degrees: across the circle of a fisheye, horizontally of a photograph
             or a cylinder.
-        towards : array_like, shape (3,), optional
+        forward : array_like, shape (3,), optional
             Direction of the centre of a circle, a square or a photograph.
 
         Returns
@@ -140,7 +142,7 @@ class MapLayouts(MapPixels):
         """
         check_choice("projection", projection, (*_TARGETS, SOURCE))
         check_choice("faces", faces, tuple(CONVENTIONS))
-        options = {"registration": registration, "mapping": mapping, "fov": fov, "towards": towards}
+        options = {"registration": registration, "mapping": mapping, "fov": fov, "forward": forward}
         options |= {"width": width} if projection == SOURCE else {}
         _check_options(projection, [name for name, value in options.items() if value is not None])
         if projection == SOURCE:
@@ -149,7 +151,7 @@ class MapLayouts(MapPixels):
         if registration is not None:
             check_choice("registration", registration, REGISTRATIONS)
             is_border = registration == REGISTRATIONS[1]
-        request = _Request(projection, is_border, mapping, fov, towards)
+        request = _Request(projection, is_border, mapping, fov, forward)
         columns = self._width_of(request) if width is None else count("width", width, least=2)
         layout = request.layout(columns)
         if layout.height * layout.width > MOST_PIXELS:
@@ -227,8 +229,8 @@ class MapLayouts(MapPixels):
         'limited to 65504: 32 % of the flux was moved by up to 4.2 degrees'
         """
         level = amount("maximum", maximum)
-        radiance, note = spread_peaks(self._radiance, level, self.is_border_sampled, self._seen)
-        limited = self._with(radiance, self._seen, self.registration)
+        radiance, note = spread_peaks(self._radiance, level, self.is_border_sampled, self._coverage)
+        limited = self._with(radiance, self._coverage, self.registration)
         limited._notes += note
         return limited
 
@@ -237,28 +239,28 @@ class MapLayouts(MapPixels):
         return layouts.equirectangular(*size, border_sampled=self.is_border_sampled)
 
     def _with(
-        self, radiance: NDArray[np.float32], seen: NDArray[np.float32] | None, registration: str
+        self, radiance: NDArray[np.float32], coverage: NDArray[np.float32] | None, registration: str
     ) -> Self:
         """Map with other pixels of the same world."""
-        white = self._white
-        if white is not None:
-            radiance = np.minimum(radiance, np.float32(white))
+        clip_level = self._clip_level
+        if clip_level is not None:
+            radiance = np.minimum(radiance, np.float32(clip_level))
         env = type(self).unchecked(
             radiance,
             registration=registration,
             notes=self._notes,
-            white=white,
-            seen=seen,
+            clip_level=clip_level,
+            coverage=coverage,
             source=self._source,
         )
         return self._of_same_scale(env)
 
     def _picture(self, layout: Layout, faces: str, arrangement: str = "stack") -> Picture:
-        image, seen = self._radiance, self._seen
+        image, coverage = self._radiance, self._coverage
         if layout != self._layout():
-            image, seen = resample.resample(image, seen, self._layout(), layout)
+            image, coverage = resample.resample(image, coverage, self._layout(), layout)
         picture = picture_of(
-            image, layout, faces=faces, seen=seen, notes=self.notes, arrangement=arrangement
+            image, layout, faces=faces, coverage=coverage, notes=self.notes, arrangement=arrangement
         )
         return replace(picture, units=self._units)
 
@@ -300,10 +302,10 @@ class _Request:
         border_sampled: bool,
         mapping: str | None,
         fov: float | None,
-        towards: ArrayLike | None,
+        forward: ArrayLike | None,
     ) -> None:
         self.projection, self.border_sampled = projection, border_sampled
-        self.mapping, self.fov, self.towards = mapping, fov, towards
+        self.mapping, self.fov, self.forward = mapping, fov, forward
 
     def layout(self, width: int) -> Layout:
         """Layout with a number of columns."""
@@ -311,7 +313,7 @@ class _Request:
 
     def axes(self, default: layouts.Axes = layouts.FRONT) -> layouts.Axes:
         """Axes of the picture."""
-        return default if self.towards is None else layouts.looking(self.towards)
+        return default if self.forward is None else layouts.looking(self.forward)
 
     def view(self, default: float | None) -> float:
         """Field of view in radians, or a refusal if it is missing."""
@@ -379,12 +381,12 @@ _TARGETS: dict[str, Callable[[_Request, int], Layout]] = {
 _OPTIONS: dict[str, tuple[str, ...]] = {
     "equirectangular": (),
     "cube": ("registration",),
-    "octahedral": ("towards",),
-    "octahedral-equal-area": ("towards",),
-    "angular": ("towards",),
+    "octahedral": ("forward",),
+    "octahedral-equal-area": ("forward",),
+    "angular": ("forward",),
     "mirror-ball": (),
-    "fisheye": ("mapping", "fov", "towards"),
+    "fisheye": ("mapping", "fov", "forward"),
     "cylinder": ("fov",),
-    "planar": ("fov", "towards"),
+    "planar": ("fov", "forward"),
     SOURCE: (),
 }

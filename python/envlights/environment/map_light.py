@@ -8,18 +8,19 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights._common.check import amount, check_choice, count, one_or_more
-from envlights.environment import coverage
-from envlights.environment.harmonics import CONVENTIONS, in_convention, map_harmonics
-from envlights.environment.map_pixels import MapPixels
-from envlights.environment.unseen import (
+from envlights._common.former import former_arguments
+from envlights.environment.coverage import note_of_coverage
+from envlights.environment.fill import (
+    Fill,
     PartialMap,
-    Unseen,
     checked_unseen,
     choice_of,
-    fill,
+    fill_part,
     note_of_fill,
     share_above_horizon,
 )
+from envlights.environment.harmonics import CONVENTIONS, in_convention, map_harmonics
+from envlights.environment.map_pixels import MapPixels
 from envlights.kernels.image import LUMINANCE
 from envlights.kernels.probe import irradiance
 
@@ -34,7 +35,7 @@ _UP = np.array([0.0, 1.0, 0.0])
 class MapLight(MapPixels):
     """Probe and fill of a map; see `EnvMap`."""
 
-    def probe(self, normals: ArrayLike, *, unseen: Unseen = None) -> NDArray[np.float64]:
+    def probe(self, normals: ArrayLike, *, fill: Fill = None) -> NDArray[np.float64]:
         r"""Exact irradiance of a white Lambertian probe under the map.
 
         It is integrated over all pixels: the reference for `fit`.
@@ -43,7 +44,7 @@ class MapLight(MapPixels):
         ----------
         normals : array_like, shape (n, 3) or (3,)
             Unit normals, or one.
-        unseen : {"black", "harmonic", "ground"}, float or array_like, shape (3,), optional
+        fill : {"black", "harmonic", "ground"}, float or array_like, shape (3,), optional
             Radiance where the map shows nothing; see `filled`. For several calls, fill once:
             ``env.filled().probe(normals)``.
 
@@ -58,15 +59,15 @@ class MapLight(MapPixels):
         ------
         EnvLightsError
             If `normals` has another shape or holds a vector whose length is not 1, or `filled`
-            refuses `unseen`.
+            refuses `fill`.
         """
         rows, is_one = one_or_more("normals", normals)
-        radiance = self.filled(unseen).radiance
+        radiance = self.filled(fill).radiance
         values = irradiance(radiance, rows, border_sampled=self.is_border_sampled)
         return values[0] if is_one else values
 
     def harmonics(
-        self, degree: int = 2, convention: str = "envlights", *, unseen: Unseen = None
+        self, degree: int = 2, convention: str = "envlights", *, fill: Fill = None
     ) -> NDArray[np.float64]:
         r"""Spherical harmonics of the map up to order 2, as other programs store them.
 
@@ -80,7 +81,7 @@ class MapLight(MapPixels):
             axes. "three": the same in the axes of three.js, for ``LightProbe.sh.coefficients``.
             "unity": row i is ``sh[channel, i]`` of ``SphericalHarmonicsL2``, in the axes of Unity:
             irradiance over pi, with the factors of the polynomials multiplied in.
-        unseen : {"black", "harmonic", "ground"}, float or array_like, shape (3,), optional
+        fill : {"black", "harmonic", "ground"}, float or array_like, shape (3,), optional
             Radiance where the map shows nothing; see `filled`.
 
         Returns
@@ -92,7 +93,7 @@ class MapLight(MapPixels):
         Raises
         ------
         EnvLightsError
-            If `degree` is not from 0 to 2, `convention` is unknown, or `filled` refuses `unseen`.
+            If `degree` is not from 0 to 2, `convention` is unknown, or `filled` refuses `fill`.
 
         References
         ----------
@@ -110,16 +111,17 @@ class MapLight(MapPixels):
         """
         count("degree", degree, most=2)
         check_choice("convention", convention, CONVENTIONS)
-        radiance = self.filled(unseen).radiance
+        radiance = self.filled(fill).radiance
         rows = in_convention(map_harmonics(radiance, self.is_border_sampled), convention)
         return rows[: (degree + 1) ** 2]
 
-    def filled(self, unseen: Unseen = None, *, albedo: float = 0.25) -> Self:
+    @former_arguments(unseen="fill")
+    def filled(self, fill: Fill = None, *, albedo: float = 0.25) -> Self:
         r"""Map with radiance where it shows nothing: its unseen part is filled.
 
         Parameters
         ----------
-        unseen : {"black", "harmonic", "ground"}, float or array_like, shape (3,), optional
+        fill : {"black", "harmonic", "ground"}, float or array_like, shape (3,), optional
             Radiance of the unseen part. "black": none. "harmonic": a smooth continuation of the
             pixels around it, which solves Laplace's equation on the sphere. "ground": above the
             horizon the same, of radiance up to 8 times the median luminance; below it, diffuse
@@ -132,13 +134,13 @@ class MapLight(MapPixels):
         Returns
         -------
         EnvMap
-            Map without `seen`; its last note names the fill. A map that shows all is returned
+            Map without `coverage`; its last note names the fill. A map that shows all is returned
             as it is. A partly seen pixel keeps its radiance, and the fill adds the unseen share.
 
         Raises
         ------
         EnvLightsError
-            If `unseen` is none of these or left out with less than 85 % seen, or `albedo` is not
+            If `fill` is none of these or left out with less than 85 % seen, or `albedo` is not
             from 0 to 1.
 
         Notes
@@ -155,45 +157,45 @@ class MapLight(MapPixels):
 
         >>> import envlights as el
         >>> seen = np.repeat([1.0, 0.0], 16)[:, None] * np.ones(64)
-        >>> env = el.EnvMap(np.full((32, 64, 3), 0.5), seen=seen)
+        >>> env = el.EnvMap(np.full((32, 64, 3), 0.5), coverage=seen)
         >>> env.filled("harmonic").probe([[0, -1, 0]]).round(3)
         array([[1.571, 1.571, 1.571]])
         >>> env.filled("ground").radiance[-1, 0].round(3)
         array([0.125, 0.125, 0.125], dtype=float32)
         """
         amount("albedo", albedo, most=1.0)
-        if self._seen is None:
-            checked_unseen(unseen)
+        if self._coverage is None:
+            checked_unseen(fill)
             return self
-        part = PartialMap(self._radiance, self._seen, self.is_border_sampled)
-        share = part.share
-        choice = choice_of(unseen, share)
-        of_unseen = coverage.note_of_unseen(share)
+        part = PartialMap(self._radiance, self._coverage, self.is_border_sampled)
+        fraction = part.fraction
+        choice = choice_of(fill, fraction)
+        of_unseen = note_of_coverage(fraction)
         notes = [note for note in self._notes if note != of_unseen]
         env = type(self).unchecked(
-            fill(part, choice, albedo),
+            fill_part(part, choice, albedo),
             registration=self._registration,
-            notes=[*notes, note_of_fill(choice, share, albedo)],
-            white=self._white,
+            notes=[*notes, note_of_fill(choice, fraction, albedo)],
+            clip_level=self._clip_level,
             source=self._source,
         )
         return self._of_same_scale(env)
 
     def _from_unseen(
-        self, unseen: Unseen, facing: NDArray[np.float64] | None = None
+        self, fill: Fill, normal: NDArray[np.float64] | None = None
     ) -> tuple[float, str]:
         """Luminance of the irradiance that a fill adds to a surface of a clipped map, and a note.
 
         The surface faces a unit vector; up when left out.
         """
-        checked_unseen(unseen)
-        if self._seen is None or not self.clipped_share:
+        checked_unseen(fill)
+        if self._coverage is None or not self.clipped_fraction:
             return 0.0, ""
-        part = PartialMap(self._radiance, self._seen, self.is_border_sampled)
-        share = part.share if facing is not None else share_above_horizon(part)
-        filled = self.filled(choice_of(unseen, share))
-        normal = _UP if facing is None else facing
-        with_fill, seen = (
-            float(env.probe(normal, unseen="black") @ LUMINANCE) for env in (filled, self)
+        part = PartialMap(self._radiance, self._coverage, self.is_border_sampled)
+        fraction = part.fraction if normal is not None else share_above_horizon(part)
+        filled = self.filled(choice_of(fill, fraction))
+        normal = _UP if normal is None else normal
+        with_fill, coverage = (
+            float(env.probe(normal, fill="black") @ LUMINANCE) for env in (filled, self)
         )
-        return with_fill - seen, f"for the irradiance of the surface, {filled.notes[-1]}"
+        return with_fill - coverage, f"for the irradiance of the surface, {filled.notes[-1]}"

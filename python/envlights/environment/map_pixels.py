@@ -14,11 +14,18 @@ from envlights import _native
 from envlights._common import html
 from envlights._common.arrays import convert
 from envlights._common.check import amount, count, describe, texts
+from envlights._common.former import former_arguments
 from envlights._common.notes import Note
 from envlights._common.units import OWN_SCALE, checked_units, in_nits
 from envlights._native import EnvLightsError
-from envlights.environment import clean, coverage, resample, text, thumbnails
-from envlights.environment.clip_level import white_of_codes
+from envlights.environment import clean, resample, text, thumbnails
+from envlights.environment.clip_level import clip_level_of_codes
+from envlights.environment.coverage import (
+    checked_coverage,
+    fraction_of_sphere,
+    multiply_by_coverage,
+    note_of_coverage,
+)
 from envlights.environment.files.hints import NO_HINTS, Hints
 from envlights.environment.files.images import MOST_PIXELS
 from envlights.environment.layouts.layout import equirectangular
@@ -40,6 +47,7 @@ class MapPixels:
     _units = OWN_SCALE
     _ev100: float | None = None
 
+    @former_arguments(white="clip_level", towards="forward", seen="coverage")
     def __init__(
         self,
         radiance: ArrayLike | Mapping[str, ArrayLike],
@@ -51,27 +59,27 @@ class MapPixels:
         fov: float | None = None,
         horizon: float | None = None,
         circle: ArrayLike | None = None,
-        towards: ArrayLike | None = None,
+        forward: ArrayLike | None = None,
         eye: str | None = None,
         width: int | None = None,
         notes: str | Iterable[str] = (),
-        white: float | None = None,
-        seen: ArrayLike | None = None,
+        clip_level: float | None = None,
+        coverage: ArrayLike | None = None,
         units: str = OWN_SCALE,
     ) -> None:
         self._units = checked_units(units)
         arguments = Arguments(
-            projection, faces, registration, mapping, fov, horizon, circle, towards, eye
+            projection, faces, registration, mapping, fov, horizon, circle, forward, eye
         )
         arguments.check()
-        self._white = None if white is None else checked_white(white)
+        self._clip_level = None if clip_level is None else checked_clip_level(clip_level)
         self._notes = texts("notes", notes)
         if isinstance(radiance, str | os.PathLike):
             raise EnvLightsError(
                 "a map must be an array; `EnvMap.open` reads files; got"
                 f" {describe(os.fspath(radiance))}"
             )
-        self._set_pixels(radiance, seen, NO_HINTS, arguments, width)
+        self._set_pixels(radiance, coverage, NO_HINTS, arguments, width)
 
     @classmethod
     def unchecked(
@@ -80,8 +88,8 @@ class MapPixels:
         *,
         registration: str = REGISTRATIONS[0],
         notes: Iterable[str] = (),
-        white: float | None = None,
-        seen: NDArray[np.float32] | None = None,
+        clip_level: float | None = None,
+        coverage: NDArray[np.float32] | None = None,
         source: Source | None = None,
         units: str = OWN_SCALE,
     ) -> Self:
@@ -90,45 +98,45 @@ class MapPixels:
         `source` is that of the map from which the array was made.
         """
         env = cls.__new__(cls)
-        env._notes, env._white, env._units = list(notes), white, units
+        env._notes, env._clip_level, env._units = list(notes), clip_level, units
         array = image_array(radiance, env._notes, "a map")
         if array.samples.ndim == 4 or array.samples.shape[1] != 2 * array.samples.shape[0]:
-            given: dict[str, Any] = {"registration": registration, "seen": seen}
-            return cls(radiance, **given, notes=notes, white=white, units=units)
-        linear = env._linear(array.samples, array.seen)
-        linear, share = env._seen_light(linear, array.seen, seen)
+            given: dict[str, Any] = {"registration": registration, "coverage": coverage}
+            return cls(radiance, **given, notes=notes, clip_level=clip_level, units=units)
+        linear = env._linear(array.samples, array.coverage)
+        linear, fraction = env._seen_light(linear, array.coverage, coverage)
         border_sampled = registration == REGISTRATIONS[1]
         layout = equirectangular(*linear.shape[:2], border_sampled=border_sampled)
         itself = Source(PROJECTION, linear.shape[:2], "", registration, "shape", layout)
-        env._keep(linear, share, border_sampled, source or itself)
+        env._keep(linear, fraction, border_sampled, source or itself)
         return env
 
     def _set_pixels(
         self,
         radiance: ArrayLike | Mapping[str, ArrayLike],
-        seen: ArrayLike | None,
+        coverage: ArrayLike | None,
         hints: Hints,
         arguments: Arguments,
         width: int | None,
     ) -> None:
         """Set all pixels from a picture in any layout."""
         columns = None if width is None else checked_width(width)
-        picture, given = self._arranged(radiance, seen, hints, arguments)
-        linear = self._linear(picture.samples, picture.seen)
-        linear, share = self._seen_light(linear, picture.seen, given)
+        picture, given = self._arranged(radiance, coverage, hints, arguments)
+        linear = self._linear(picture.samples, picture.coverage)
+        linear, fraction = self._seen_light(linear, picture.coverage, given)
         cleaned, level = clean.clean(linear, self._notes)
-        self._white = level if self._white is None else self._white
-        image, share, is_border = resample.on_sphere(cleaned, share, picture.layout, columns)
+        self._clip_level = level if self._clip_level is None else self._clip_level
+        image, fraction, is_border = resample.on_sphere(cleaned, fraction, picture.layout, columns)
         if image.shape != cleaned.shape:
             self._notes += _note_of_conversion(picture.source, image)
-            if self._white is not None:
-                image = np.minimum(image, np.float32(self._white))
-        self._keep(image, share, is_border, picture.source)
+            if self._clip_level is not None:
+                image = np.minimum(image, np.float32(self._clip_level))
+        self._keep(image, fraction, is_border, picture.source)
 
     def _arranged(
         self,
         radiance: ArrayLike | Mapping[str, ArrayLike],
-        seen: ArrayLike | None,
+        coverage: ArrayLike | None,
         hints: Hints,
         arguments: Arguments,
     ) -> tuple[ArrangedPicture, NDArray[np.float32] | None]:
@@ -137,29 +145,29 @@ class MapPixels:
             radiance, order = faces_of_mapping(radiance)
             hints = hints._replace(order=order)
         array = image_array(radiance, self._notes, "a map")
-        picture = recognise(array.samples, hints, arguments, array.seen)
+        picture = recognise(array.samples, hints, arguments, array.coverage)
         self._notes += picture.notes
-        if seen is None:
+        if coverage is None:
             return picture, None
-        share = coverage.checked_seen(seen, array.samples.shape[:-1])
-        return picture, recognise(array.samples, hints, arguments, share).seen
+        fraction = checked_coverage(coverage, array.samples.shape[:-1])
+        return picture, recognise(array.samples, hints, arguments, fraction).coverage
 
     def _keep(
         self,
         radiance: NDArray[np.float32],
-        seen: NDArray[np.float32] | None,
+        coverage: NDArray[np.float32] | None,
         is_border: bool,
         source: Source,
     ) -> None:
         """Keep the pixels of the map, and note what is not seen."""
         self._clipped: tuple[float, float] | None = None
         self._registration, self._source = REGISTRATIONS[is_border], source
-        self._seen: NDArray[np.float32] | None = None
+        self._coverage: NDArray[np.float32] | None = None
         self._radiance = _read_only(radiance)
-        if seen is None or (share := coverage.checked_seen(seen, radiance.shape[:2])) is None:
+        if coverage is None or (fraction := checked_coverage(coverage, radiance.shape[:2])) is None:
             return
-        self._seen = _read_only(share)
-        note = coverage.note_of_unseen(self.seen_share)
+        self._coverage = _read_only(fraction)
+        note = note_of_coverage(self.coverage_fraction)
         if note not in self._notes:
             self._notes.append(note)
 
@@ -194,9 +202,9 @@ class MapPixels:
         return tuple(map(Note, self._notes))
 
     @property
-    def white(self) -> float | None:
+    def clip_level(self) -> float | None:
         """Clip level: the largest value that the radiance can hold; None if unknown."""
-        return self._white
+        return self._clip_level
 
     @property
     def units(self) -> str:
@@ -216,33 +224,33 @@ class MapPixels:
         return self._ev100
 
     @property
-    def clipped_share(self) -> float:
+    def clipped_fraction(self) -> float:
         """Fraction of the sphere with clipped radiance.
 
-        With a known `white`: pixels with a channel at it, from code 254 of 255 on. Otherwise:
+        With a known `clip_level`: pixels with a channel at it, from code 254 of 255 on. Otherwise:
         pixels with the largest sample of the map, if there are several.
         """
-        return self._clipped_shares()[0]
+        return self._clipped_fractions()[0]
 
     @property
-    def clipped_flux_share(self) -> float:
+    def clipped_flux_fraction(self) -> float:
         """Fraction of the luminance flux in clipped pixels.
 
         Lights that `fit` places there are a lower bound.
         """
-        return self._clipped_shares()[1]
+        return self._clipped_fractions()[1]
 
     @property
-    def seen(self) -> NDArray[np.float32] | None:
+    def coverage(self) -> NDArray[np.float32] | None:
         """Share of each pixel that is seen, (height, width); None if all is."""
-        return self._seen
+        return self._coverage
 
     @property
-    def seen_share(self) -> float:
+    def coverage_fraction(self) -> float:
         """Fraction of the sphere that is seen."""
-        if self._seen is None:
+        if self._coverage is None:
             return 1.0
-        return coverage.share_of_sphere(self._seen, self.is_border_sampled)
+        return fraction_of_sphere(self._coverage, self.is_border_sampled)
 
     @property
     def height(self) -> int:
@@ -269,13 +277,15 @@ class MapPixels:
 
     def __str__(self) -> str:
         layout = f"{self.width}x{self.height} pixels, {PROJECTION}, {self._registration}"
-        white = f"clip level {self._white:g}{self._clipped_in_words()}" if self._white else ""
+        clip_level = (
+            f"clip level {self._clip_level:g}{self._clipped_in_words()}" if self._clip_level else ""
+        )
         unit = in_nits(self._units)
-        return text.paragraph(self._radiance, layout, white, self._notes, unit)
+        return text.paragraph(self._radiance, layout, clip_level, self._notes, unit)
 
     def _clipped_in_words(self) -> str:
         """Clipped part of a map with a clip level; empty for other maps."""
-        return "" if self._white is None else text.clipped(*self._clipped_shares())
+        return "" if self._clip_level is None else text.clipped(*self._clipped_fractions())
 
     def _repr_pretty_(self, printer: Any, _: bool) -> None:
         printer.text(repr(self) if printer.indentation else str(self))
@@ -288,10 +298,10 @@ class MapPixels:
         """True if radiance, units, layout, clip level and seen share are equal."""
         if not isinstance(other, MapPixels):
             return NotImplemented
-        layout, others = ((e.units, e.registration, e.white) for e in (self, other))
-        if layout != others or (self.seen is None) != (other.seen is None):
+        layout, others = ((e.units, e.registration, e.clip_level) for e in (self, other))
+        if layout != others or (self.coverage is None) != (other.coverage is None):
             return False
-        is_equal = self.seen is None or np.array_equal(self.seen, other.seen)  # type: ignore[arg-type]
+        is_equal = self.coverage is None or np.array_equal(self.coverage, other.coverage)  # type: ignore[arg-type]
         return is_equal and np.array_equal(self.radiance, other.radiance)
 
     __hash__: ClassVar[None] = None  # type: ignore[assignment]  # what is compared by its pixels
@@ -302,22 +312,22 @@ class MapPixels:
 
     def __reduce__(self) -> tuple[Any, ...]:
         layout: dict[str, Any] = {"projection": PROJECTION, "registration": self._registration}
-        layout |= {"notes": self._notes, "white": self._white, "seen": self._seen}
+        layout |= {"notes": self._notes, "clip_level": self._clip_level, "coverage": self._coverage}
         build = partial(type(self), **layout, units=self._units)
         return build, (self._radiance,), {"_source": self._source, "_ev100": self._ev100}
 
     def with_radiance(
-        self, radiance: NDArray[np.float32], notes: Iterable[str], *, keeps_white: bool = True
+        self, radiance: NDArray[np.float32], notes: Iterable[str], *, keeps_clip_level: bool = True
     ) -> Self:
         """Map of other samples at the same places.
 
         Parameters
         ----------
         radiance : ndarray of float32, shape (height, width, 3)
-            Multiplied by `seen`; not checked.
+            Multiplied by `coverage`; not checked.
         notes : iterable of str
             All notes of the new map.
-        keeps_white : bool
+        keeps_clip_level : bool
             False for radiance that was estimated above the clip level.
 
         Returns
@@ -329,8 +339,8 @@ class MapPixels:
             radiance,
             registration=self._registration,
             notes=notes,
-            white=self._white if keeps_white else None,
-            seen=self._seen,
+            clip_level=self._clip_level if keeps_clip_level else None,
+            coverage=self._coverage,
             source=self._source,
         )
         return self._of_same_scale(env)
@@ -340,10 +350,10 @@ class MapPixels:
         env._units, env._ev100 = self._units, self._ev100
         return env
 
-    def _clipped_shares(self) -> tuple[float, float]:
+    def _clipped_fractions(self) -> tuple[float, float]:
         if self._clipped is None:
-            self._clipped = _native.clipped_share(
-                self._radiance, self.is_border_sampled, self._white
+            self._clipped = _native.clipped_fraction(
+                self._radiance, self.is_border_sampled, self._clip_level
             )
         return self._clipped
 
@@ -355,18 +365,20 @@ class MapPixels:
     ) -> tuple[NDArray[np.float32], NDArray[np.float32] | None]:
         """Radiance that is black where nothing is seen, and the seen share."""
         if of_array is not None:
-            linear = coverage.multiply_by_share(linear, of_array)
-        share = of_array
+            linear = multiply_by_coverage(linear, of_array)
+        fraction = of_array
         if given is not None:
-            share = given if share is None else share * given
-        if share is None or (share == 1).all():
+            fraction = given if fraction is None else fraction * given
+        if fraction is None or (fraction == 1).all():
             return linear, None
-        return coverage.multiply_by_share(linear, np.float32(1) * (share > 0)), share
+        return multiply_by_coverage(linear, np.float32(1) * (fraction > 0)), fraction
 
-    def _linear(self, array: NDArray[Any], seen: NDArray[np.float32] | None) -> NDArray[np.float32]:
+    def _linear(
+        self, array: NDArray[Any], coverage: NDArray[np.float32] | None
+    ) -> NDArray[np.float32]:
         """Linear samples of `array`; the clip level of codes is that of pixels that are seen."""
-        if array.dtype.kind != "f" and self._white is None:
-            self._white = white_of_codes(array, seen, self._notes)
+        if array.dtype.kind != "f" and self._clip_level is None:
+            self._clip_level = clip_level_of_codes(array, coverage, self._notes)
         return clean.linear(array, self._notes)
 
 
@@ -390,9 +402,9 @@ def _read_only(array: NDArray[np.float32]) -> NDArray[np.float32]:
     return view
 
 
-def checked_white(white: float) -> float:
+def checked_clip_level(clip_level: float) -> float:
     """Clip level as a number above 0, or a refusal."""
-    value = amount("white", white)
+    value = amount("clip_level", clip_level)
     if value == 0:
         raise EnvLightsError("white must be above 0; got 0")
     return value

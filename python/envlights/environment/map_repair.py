@@ -5,9 +5,10 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from envlights._common.former import former_arguments
+from envlights.environment.fill import Fill
 from envlights.environment.map_light import MapLight
 from envlights.environment.repair import repair
-from envlights.environment.unseen import Unseen
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -16,13 +17,14 @@ if TYPE_CHECKING:
 class MapRepair(MapLight):
     """Estimate of clipped light; see `EnvMap`."""
 
+    @former_arguments(unseen="fill")
     def repaired(
         self,
         *,
         sun: object = None,
         irradiance: float | None = None,
         ratio: float | None = None,
-        unseen: Unseen = None,
+        fill: Fill = None,
     ) -> Self:
         r"""Map with an estimate of the clipped light.
 
@@ -44,22 +46,22 @@ class MapRepair(MapLight):
         ratio : float, optional
             The same irradiance divided by the one without the clipped regions: two readings of a
             lux meter on the ground, in the open and with the sun shaded. It needs no scale.
-        unseen : {"black", "harmonic", "ground"}, float or array_like, shape (3,), optional
+        fill : {"black", "harmonic", "ground"}, float or array_like, shape (3,), optional
             Radiance where the map shows nothing, for the irradiance of an upward surface; see
             `filled`. Required if less than 85 % of the upper half is seen.
 
         Returns
         -------
         EnvMap
-            Without a `white`; what is not seen stays black. Its last note holds the factor by which
+            Without a `clip_level`; what is not seen stays black. Its last note holds the factor by which
             the flux was raised, and its source. If the ground gives no estimate, the map keeps its
-            `white`, and the note says why.
+            `clip_level`, and the note says why.
 
         Raises
         ------
         EnvLightsError
             If both numbers are given, one is less than that of the map, all clipped pixels lie
-            below the horizon, or `unseen` is required; or for an impossible `sun`.
+            below the horizon, or `fill` is required; or for an impossible `sun`.
 
         Notes
         -----
@@ -78,7 +80,7 @@ class MapRepair(MapLight):
         >>> sky = np.full((64, 128, 3), 0.1)
         >>> sky[12:14, 60:62] = 1.0
         >>> sky[32:] = 0.2 / np.pi * 2.0
-        >>> env = el.EnvMap(sky, white=1.0)
+        >>> env = el.EnvMap(sky, clip_level=1.0)
         >>> print(env.repaired().notes[-1].split(":")[0])
         the flux was raised by a factor of 2.6 for the clipped light
         >>> env.repaired(irradiance=2.0).probe([[0, 1, 0]]).round(3)
@@ -86,26 +88,30 @@ class MapRepair(MapLight):
         """
         if sun is not None:
             with_sun: Self = import_module("envlights.sun").repair_with_sun(
-                self, sun, irradiance, ratio, unseen
+                self, sun, irradiance, ratio, fill
             )
             return with_sun
-        white = self._white
-        if white is None and self.clipped_share:
-            white = float(self._radiance.max())
-        received, assumed = self._from_unseen(unseen)
+        clip_level = self._clip_level
+        if clip_level is None and self.clipped_fraction:
+            clip_level = float(self._radiance.max())
+        received, assumed = self._from_unseen(fill)
         radiance, note, is_open = repair(
             self._radiance,
             self.is_border_sampled,
-            white,
+            clip_level,
             irradiance,
             ratio,
-            seen=self._seen,
+            coverage=self._coverage,
             from_unseen=received,
         )
-        white = self._white if is_open else None
+        clip_level = self._clip_level if is_open else None
         notes = (*self._notes, *filter(None, [assumed]), note)
         env = type(self)(
-            radiance, registration=self._registration, notes=notes, white=white, seen=self._seen
+            radiance,
+            registration=self._registration,
+            notes=notes,
+            clip_level=clip_level,
+            coverage=self._coverage,
         )
         env._source = self._source
         return self._of_same_scale(env)

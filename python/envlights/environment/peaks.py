@@ -50,7 +50,7 @@ def spread_peaks(
     radiance: NDArray[np.float32],
     maximum: float,
     border_sampled: bool,
-    seen: NDArray[np.float32] | None = None,
+    coverage: NDArray[np.float32] | None = None,
 ) -> tuple[NDArray[np.float32], list[str]]:
     """Radiance of at most a maximum, with the flux of each light around it, and a note.
 
@@ -64,13 +64,13 @@ def spread_peaks(
         Largest value of a sample.
     border_sampled : bool
         Registration of the map.
-    seen : ndarray of float32, shape (height, width), optional
+    coverage : ndarray of float32, shape (height, width), optional
         Share of each pixel; nothing is spread to unseen pixels.
     """
     if not (radiance > maximum).any():
         return radiance, []
     height, width = radiance.shape[:2]
-    sphere = _Sphere(height, width, border_sampled, maximum, seen)
+    sphere = _Sphere(height, width, border_sampled, maximum, coverage)
     new = radiance.astype(np.float64)
     _check_mean(new, sphere, maximum)
     moved, farthest = 0.0, 0.0
@@ -97,14 +97,14 @@ class _Sphere:
         width: int,
         border_sampled: bool,
         maximum: float,
-        seen: NDArray[np.float32] | None,
+        coverage: NDArray[np.float32] | None,
     ) -> None:
         self.directions = pixel_directions(height, width, border_sampled=border_sampled)
         self.angles = pixel_solid_angles(height, width, border_sampled=border_sampled)
         integrals = PixelIntegrals(height, width, border_sampled)
         rows, columns = np.ogrid[:height, :width]
         self.means = integrals.of(rows, columns)[..., :3] / self.angles[..., None]
-        share = np.ones(1) if seen is None else seen.astype(np.float64)
+        share = np.ones(1) if coverage is None else coverage.astype(np.float64)
         self.ceiling = np.broadcast_to(maximum * share, (height, width))
         self.pixel = math.pi / height
 

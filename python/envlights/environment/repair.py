@@ -64,17 +64,17 @@ class Repair(NamedTuple):
 def repair(
     radiance: NDArray[np.float32],
     border_sampled: bool,
-    white: float | None,
+    clip_level: float | None,
     irradiance: float | None,
     ratio: float | None,
-    facing: NDArray[np.float64] | None = None,
+    normal: NDArray[np.float64] | None = None,
     *,
-    seen: NDArray[np.float32] | None = None,
+    coverage: NDArray[np.float32] | None = None,
     from_unseen: float = 0.0,
 ) -> Repair:
-    """Add the light that was clipped at `white`: a measured amount, or an estimate.
+    """Add the light that was clipped at `clip_level`: a measured amount, or an estimate.
 
-    The amount is measured on a surface that faces a unit vector; upward when left out. `seen` is
+    The amount is measured on a surface that faces a unit vector; upward when left out. `coverage` is
     the share of each pixel by which the radiance is multiplied, and `from_unseen` the luminance of
     the irradiance of this surface from what is not seen.
     """
@@ -83,15 +83,15 @@ def repair(
     irradiance = None if irradiance is None else amount("irradiance", irradiance)
     ratio = None if ratio is None else amount("ratio", ratio)
     is_estimate = irradiance is None and ratio is None
-    level = math.inf if white is None else white
-    share = _native.clipped_light_shares(
+    level = math.inf if clip_level is None else clip_level
+    fraction = _native.clipped_light_shares(
         radiance, border_sampled, level, PLATEAU_COLUMNS, PLATEAU_GAP
     )
-    if not share.any():
+    if not fraction.any():
         return Repair(radiance, "nothing was added: no pixel is clipped", is_estimate)
-    light = _measure(radiance, share, level, border_sampled, seen)
-    if facing is not None and not is_estimate:
-        light = _as_seen_from(light, facing, radiance, share, level, border_sampled)
+    light = _measure(radiance, fraction, level, border_sampled, coverage)
+    if normal is not None and not is_estimate:
+        light = _as_seen_from(light, normal, radiance, fraction, level, border_sampled)
     light = light.with_upward(from_unseen)
     missing, source = light.estimate(level) if is_estimate else light.up_to(irradiance, ratio)
     if missing == 0:
@@ -99,7 +99,7 @@ def repair(
         return Repair(radiance, note, is_estimate)
     factor = 1 + missing / light.flux
     note = f"the flux was raised by a factor of {factor:.3g} for the clipped light: {source}"
-    return Repair(_raise_clipped(radiance, share, missing), note, False)
+    return Repair(_raise_clipped(radiance, fraction, missing), note, False)
 
 
 @dataclass(frozen=True)
@@ -128,7 +128,7 @@ class _Light:
         upward, unclipped = self.upward + irradiance, self.upward_unclipped + irradiance
         return replace(self, upward=upward, upward_unclipped=unclipped)
 
-    def estimate(self, white: float) -> tuple[float, str]:
+    def estimate(self, clip_level: float) -> tuple[float, str]:
         """Estimate of the missing flux from the ground, with its source in words."""
         if self.seen_ground < _LEAST_GROUND:
             return 0.0, "the ground is not seen, so there is no estimate; give irradiance or ratio"
@@ -153,7 +153,7 @@ class _Light:
         missing = min(
             _FLUX_PER_IRRADIANCE * (irradiance - self.upward),
             _MOST_OF_UNCLIPPED * self.unclipped_flux,
-            _MOST_LUMINANCE * white * self.clipped,
+            _MOST_LUMINANCE * clip_level * self.clipped,
         )
         low, high = _true_factors(1 + missing / self.flux)
         return missing, (
@@ -191,10 +191,10 @@ _TWO_THIRDS = 0.8, 2.3
 
 def _measure(
     radiance: NDArray[np.float32],
-    share: NDArray[np.float32],
-    white: float,
+    fraction: NDArray[np.float32],
+    clip_level: float,
     border_sampled: bool,
-    seen: NDArray[np.float32] | None,
+    coverage: NDArray[np.float32] | None,
 ) -> _Light:
     """Measure flux, irradiance and solid angle of clipped and of unclipped pixels that are seen."""
     height, width, _ = radiance.shape
@@ -207,10 +207,10 @@ def _measure(
     sums = np.zeros(10)
     for top in range(0, height, _ROWS):
         rows = slice(top, top + _ROWS)
-        weight, shares = solid_angles[rows], share[rows]
-        seen_weight = weight if seen is None else weight * seen[rows]
+        weight, shares = solid_angles[rows], fraction[rows]
+        seen_weight = weight if coverage is None else weight * coverage[rows]
         luminance = radiance[rows] @ LUMINANCE
-        is_whole = (radiance[rows] < _native.LEAST_WHITE * white).all(axis=2)
+        is_whole = (radiance[rows] < _native.LEAST_WHITE * clip_level).all(axis=2)
         flux_of = luminance * weight
         up = cosine[rows, None]
         ground = is_ground[rows, None] & np.ones_like(is_whole)
@@ -243,20 +243,20 @@ def _measure(
 
 def _as_seen_from(
     light: _Light,
-    facing: NDArray[np.float64],
+    normal: NDArray[np.float64],
     radiance: NDArray[np.float32],
-    share: NDArray[np.float32],
-    white: float,
+    fraction: NDArray[np.float32],
+    clip_level: float,
     border_sampled: bool,
 ) -> _Light:
     """Measurements of a surface that faces another direction than up."""
-    is_whole = (radiance < _native.LEAST_WHITE * white).all(axis=2, keepdims=True)
+    is_whole = (radiance < _native.LEAST_WHITE * clip_level).all(axis=2, keepdims=True)
 
     def on_surface(image: NDArray[np.float32]) -> float:
-        values = surface_irradiance(image, facing[None], border_sampled=border_sampled)
+        values = surface_irradiance(image, normal[None], border_sampled=border_sampled)
         return float(values[0] @ LUMINANCE)
 
-    grey = np.repeat(np.asarray(share, np.float32)[..., None], 3, axis=2)
+    grey = np.repeat(np.asarray(fraction, np.float32)[..., None], 3, axis=2)
     return replace(
         light,
         upward=on_surface(radiance),
@@ -266,14 +266,14 @@ def _as_seen_from(
 
 
 def _raise_clipped(
-    radiance: NDArray[np.float32], share: NDArray[np.float32], missing: float
+    radiance: NDArray[np.float32], fraction: NDArray[np.float32], missing: float
 ) -> NDArray[np.float32]:
     """Add the flux `missing` to the clipped pixels, each in its own colour."""
     raised = radiance.copy()
     for top in range(0, len(radiance), _ROWS):
         rows = raised[top : top + _ROWS]
-        is_clipped = share[top : top + _ROWS] > 0
+        is_clipped = fraction[top : top + _ROWS] > 0
         pixels = rows[is_clipped]
-        more = missing * share[top : top + _ROWS][is_clipped] / (pixels @ LUMINANCE)
+        more = missing * fraction[top : top + _ROWS][is_clipped] / (pixels @ LUMINANCE)
         rows[is_clipped] = pixels * (1 + more[:, None])
     return raised

@@ -27,7 +27,7 @@ _TOLERANCE = 1e-6
 
 def rotate(
     radiance: NDArray[np.float32],
-    seen: NDArray[np.float32] | None,
+    coverage: NDArray[np.float32] | None,
     matrix: NDArray[np.float64],
     *,
     border_sampled: bool,
@@ -35,18 +35,18 @@ def rotate(
     """Rotated radiance and seen share, and True if the outer pixels still lie on seam and poles."""
     shifted = turned_by_columns(radiance, matrix, border_sampled=border_sampled)
     if shifted is not None:
-        share = None
-        if seen is not None:
-            share = turned_by_columns(seen, matrix, border_sampled=border_sampled)
-        return shifted, share, border_sampled
+        fraction = None
+        if coverage is not None:
+            fraction = turned_by_columns(coverage, matrix, border_sampled=border_sampled)
+        return shifted, fraction, border_sampled
     source = layouts.equirectangular(*radiance.shape[:2], border_sampled=border_sampled)
     target = source._replace(border_sampled=False)
-    return *resample(radiance, seen, source, target, matrix), False
+    return *resample(radiance, coverage, source, target, matrix), False
 
 
 def resample(
     radiance: NDArray[np.float32],
-    seen: NDArray[np.float32] | None,
+    coverage: NDArray[np.float32] | None,
     source: Layout,
     target: Layout,
     matrix: NDArray[np.float64] = UNTURNED,
@@ -56,8 +56,8 @@ def resample(
     Parameters
     ----------
     radiance : ndarray of float32, shape (source.height, source.width, 3)
-        Multiplied by `seen`.
-    seen : ndarray of float32, shape (source.height, source.width), optional
+        Multiplied by `coverage`.
+    coverage : ndarray of float32, shape (source.height, source.width), optional
         Share of each pixel that is seen.
     source, target : Layout
         Layouts; `target` has cells if it is equirectangular.
@@ -66,19 +66,19 @@ def resample(
 
     Returns
     -------
-    radiance, seen : ndarray of float32
-        In the layout `target`; `seen` is None if all is seen.
+    radiance, coverage : ndarray of float32
+        In the layout `target`; `coverage` is None if all is seen.
     """
     if source.kind == "equirectangular" and source.border_sampled:
         radiance, source = cells_of_borders(radiance), source._replace(border_sampled=False)
-        seen = None if seen is None else cells_of_borders(seen[..., None])[..., 0]
+        coverage = None if coverage is None else cells_of_borders(coverage[..., None])[..., 0]
     if np.array_equal(matrix, UNTURNED):
         if source == target:
-            return radiance, seen
+            return radiance, coverage
         if _share_cells(source, target):
-            return _same_cells(radiance, seen, source, target)
-    image, share = _native.resample(radiance, seen, source, target, matrix)
-    return image, None if share is None or (share == 1).all() else share.clip(0, 1)
+            return _same_cells(radiance, coverage, source, target)
+    image, fraction = _native.resample(radiance, coverage, source, target, matrix)
+    return image, None if fraction is None or (fraction == 1).all() else fraction.clip(0, 1)
 
 
 def _share_cells(source: Layout, target: Layout) -> bool:
@@ -90,7 +90,10 @@ def _share_cells(source: Layout, target: Layout) -> bool:
 
 
 def _same_cells(
-    radiance: NDArray[np.float32], seen: NDArray[np.float32] | None, source: Layout, target: Layout
+    radiance: NDArray[np.float32],
+    coverage: NDArray[np.float32] | None,
+    source: Layout,
+    target: Layout,
 ) -> tuple[NDArray[np.float32], NDArray[np.float32] | None]:
     """Cells of a part of a panorama in another part, unchanged."""
     columns = (source.whole or (source.height, source.width))[1]
@@ -99,10 +102,10 @@ def _same_cells(
     is_row, is_column = (row >= 0) & (row < source.height), column < source.width
     there, here = np.ix_(is_row, is_column), np.ix_(row[is_row], column[is_column])
     image = np.zeros((target.height, target.width, 3), np.float32)
-    share = np.zeros(image.shape[:2], np.float32)
+    fraction = np.zeros(image.shape[:2], np.float32)
     image[there] = radiance[here]
-    share[there] = 1 if seen is None else seen[here]
-    return image, None if (share == 1).all() else share
+    fraction[there] = 1 if coverage is None else coverage[here]
+    return image, None if (fraction == 1).all() else fraction
 
 
 def default_width(layout: Layout) -> int:
@@ -122,7 +125,7 @@ def default_width(layout: Layout) -> int:
 
 def on_sphere(
     radiance: NDArray[np.float32],
-    seen: NDArray[np.float32] | None,
+    coverage: NDArray[np.float32] | None,
     layout: Layout,
     width: int | None,
 ) -> tuple[NDArray[np.float32], NDArray[np.float32] | None, bool]:
@@ -132,10 +135,10 @@ def on_sphere(
     """
     is_map = layout.is_whole_sphere and layout.width == 2 * layout.height
     if is_map and width in (None, layout.width):
-        return radiance, seen, layout.border_sampled
+        return radiance, coverage, layout.border_sampled
     columns = default_width(layout) if width is None else width
     target = layouts.equirectangular(columns // 2)
-    return *resample(radiance, seen, layout, target), False
+    return *resample(radiance, coverage, layout, target), False
 
 
 def turned_by_columns(

@@ -44,8 +44,8 @@ def white_of(radiance: NDArray[np.floating], *, is_plane: bool = False) -> tuple
     values = luminance.ravel()[order]
     darker = np.cumsum(weights[order]) / weights.sum()
 
-    def quantile(share: float) -> float:
-        return float(values[min(int(np.searchsorted(darker, share)), len(values) - 1)])
+    def quantile(fraction: float) -> float:
+        return float(values[min(int(np.searchsorted(darker, fraction)), len(values) - 1)])
 
     white = max(quantile(_DARKER_THAN_WHITE), _OVER_MEDIAN * quantile(0.5))
     # Use the maximum for a lamp in a black sky.
@@ -100,15 +100,15 @@ def of_lights(
 
     Small discs get a visible area that grows with their brightness.
     """
-    towards = sphere.pixel_directions(_COLUMNS // 2, _COLUMNS)
-    picture = np.full(towards.shape, _GROUND, np.uint8)
+    forward = sphere.pixel_directions(_COLUMNS // 2, _COLUMNS)
+    picture = np.full(forward.shape, _GROUND, np.uint8)
     picture[_COLUMNS // 4] = _HORIZON
     luminance = irradiance @ LUMINANCE
-    share = luminance / (luminance.max(initial=0.0) or 1.0)
-    radius = np.maximum(angular_radius, np.deg2rad(1.5 + 4.5 * np.sqrt(share)))
+    fraction = luminance / (luminance.max(initial=0.0) or 1.0)
+    radius = np.maximum(angular_radius, np.deg2rad(1.5 + 4.5 * np.sqrt(fraction)))
     colours = _codes(colours_of(irradiance))
     for k in reversed(range(min(len(direction), _MOST_LIGHTS))):
-        picture[towards @ direction[k] > np.cos(radius[k])] = colours[k]
+        picture[forward @ direction[k] > np.cos(radius[k])] = colours[k]
     return picture
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from numpy.typing import ArrayLike
 
-from envlights.environment.unseen import Unseen
+from envlights.environment.fill import Fill
 from envlights.rigs.lights import Lights
 from envlights.rigs.rig import Rig
 
@@ -28,5 +28,5 @@ class FitArguments:
     start: str | Rig | Lights
     fixed: ArrayLike | Lights | None
     floor: bool
-    unseen: Unseen
+    fill: Fill
     target: str | Iterable[str] | None

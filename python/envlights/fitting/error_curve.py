@@ -16,7 +16,7 @@ from envlights._common.result import Result
 from envlights._common.tables import Table, frame_of
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import AnyMap
-from envlights.environment.unseen import Unseen
+from envlights.environment.fill import Fill
 from envlights.fitting.arguments import FitArguments
 from envlights.fitting.map_fit import fit_map_by_count
 from envlights.kernels import gloss
@@ -149,7 +149,7 @@ def error_curve(
     objective: str = "mixed",
     ambient: str | None = None,
     floor: bool = False,
-    unseen: Unseen = None,
+    fill: Fill = None,
 ) -> ErrorCurve:
     """Fit a map with several numbers of lights, and compare the errors.
 
@@ -172,7 +172,7 @@ def error_curve(
         Largest numbers of lights.
     roughness : float
         Roughness of the metal, from 0.3 to 1.
-    sizes, max_radius, objective, ambient, floor, unseen
+    sizes, max_radius, objective, ambient, floor, fill
         As for `fit`.
 
     Returns
@@ -203,7 +203,7 @@ def error_curve(
     roughness, numbers = gloss.checked_roughness(roughness), counts("lights", lights)
     if not numbers:
         raise EnvLightsError("lights must hold at least one number; got none")
-    shape, world = (sizes, max_radius, objective, ambient), (floor, unseen, None)
+    shape, world = (sizes, max_radius, objective, ambient), (floor, fill, None)
     options = FitArguments(None, None, None, None, roughness, *shape, "greedy", None, *world)
     increasing = sorted(set(numbers))
     fits = fit_map_by_count(env, options, increasing)
@@ -232,5 +232,5 @@ def _objective_error(rig: Rig) -> float:
     return rig.report.objective_error or 0.0
 
 
-def _percent(share: float) -> str:
-    return f"{100 * share:.3g} %"
+def _percent(fraction: float) -> str:
+    return f"{100 * fraction:.3g} %"

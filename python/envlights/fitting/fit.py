@@ -11,7 +11,7 @@ from envlights import _native
 from envlights._common.check import check_choice, reals
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import AnyMap
-from envlights.environment.unseen import Unseen
+from envlights.environment.fill import Fill
 from envlights.fitting import wording
 from envlights.fitting.ambient_terms import AMBIENTS
 from envlights.fitting.arguments import FitArguments
@@ -43,7 +43,7 @@ def fit(
     fixed: ArrayLike | Lights | None = None,
     sun: AnySun | None = None,
     floor: bool = False,
-    unseen: Unseen = None,
+    fill: Fill = None,
     target: str | Iterable[str] | None = None,
 ) -> Rig:
     """Fit an ambient term and a few lights that light a scene as `env` does.
@@ -119,7 +119,7 @@ def fit(
         both the error and `Rig.probe` include the floor. A renderer hides the lower half by itself
         if the floor is in its scene.
 
-    unseen : {"black", "harmonic", "ground"}, float or array_like, shape (3,), optional
+    fill : {"black", "harmonic", "ground"}, float or array_like, shape (3,), optional
         Radiance where the map shows nothing; see `EnvMap.filled`. Needed if less than 85 % of the
         sphere is seen, or over a `floor` of its upper half. `report.unseen_spread` holds how much
         the choice may change the probe.
@@ -183,7 +183,7 @@ def fit(
         start,
         fixed,
         floor,
-        unseen,
+        fill,
         target,
     )
     if sun is None:

@@ -13,7 +13,7 @@ from envlights._common.check import check_choice, flag
 from envlights._common.notes import LOG, log
 from envlights._native import FitAnswer
 from envlights.environment.envmap import AnyMap, EnvMap, apply_to_map
-from envlights.environment.unseen import checked_unseen
+from envlights.environment.fill import checked_unseen
 from envlights.fitting import wording
 from envlights.fitting.ambient_terms import (
     AMBIENTS,
@@ -75,7 +75,7 @@ class MapSamples(NamedTuple):
 
 
 def reduce_for_fits(env: AnyMap, arguments: FitArguments) -> Reduction:
-    """Reduction of a map, for fits with the same `floor` and `unseen`."""
+    """Reduction of a map, for fits with the same `floor` and `fill`."""
     plan = _plan(arguments)._replace(ambients=())  # fits nothing
     return _answers(env, plan, Clock())[0]
 
@@ -145,7 +145,7 @@ def _plan(arguments: FitArguments) -> _Plan:
     request = request_for(arguments, most_lights=shows.lights)
     has_sizes = flag("sizes", arguments.sizes)
     check_radius(arguments.max_radius, has_sizes)
-    checked_unseen(arguments.unseen)
+    checked_unseen(arguments.fill)
     ambient = ambient_for(arguments.ambient, bool(target), shows)
     if flag("floor", arguments.floor):
         check_over_floor(ambient, request, shows)
@@ -161,7 +161,7 @@ def _answers(env: AnyMap, plan: _Plan, clock: Clock) -> tuple[Reduction, Answers
     def under_map(world: EnvMap) -> tuple[Reduction, Answers]:
         first = request.first_directions_under(world, floor)
         clock.lap("start")
-        reduction = reduction_of(world, floor, plan.arguments.unseen)
+        reduction = reduction_of(world, floor, plan.arguments.fill)
         return reduction, _under(reduction, plan, first)
 
     if is_file(env) and not request.needs_map:
@@ -210,7 +210,7 @@ def _rig(plan: _Plan, reduction: Reduction, answers: Answers, seconds: dict[str,
     return rig_of(
         answer,
         request,
-        notes=(*reduction.notes, *wording.clipping(reduction.clipped_flux_share)),
+        notes=(*reduction.notes, *wording.clipping(reduction.clipped_flux_fraction)),
         units=reduction.units,
         floor=floor,
         sized_error=answer.error if plan.has_sized_error and answer.lights else None,
@@ -223,7 +223,7 @@ def _rig(plan: _Plan, reduction: Reduction, answers: Answers, seconds: dict[str,
         ambient=chosen,
         ambients=compared if plan.is_auto else {},
         fewer_lights=wording.fewer_lights(answer, request, RENDERING_ERROR),
-        seen_share=reduction.seen_share,
+        coverage_fraction=reduction.coverage_fraction,
         unseen_spread=reduction.unseen_spread,
         skipped=(
             *wording.working_map(reduction.width, answer.points, RENDERING_ERROR),

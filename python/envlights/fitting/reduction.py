@@ -10,7 +10,7 @@ from envlights._common.units import OWN_SCALE
 from envlights._native import ReducedMap
 from envlights.environment.envmap import AnyMap, EnvMap
 from envlights.environment.files.reduced_file import reduce_file
-from envlights.environment.unseen import Unseen
+from envlights.environment.fill import Fill
 from envlights.fitting.unseen_part import fill_for_fit
 from envlights.kernels.probe import WORKING_COLUMNS
 
@@ -33,14 +33,14 @@ class Reduction(NamedTuple):
     notes: tuple[str, ...]
     """Notes of the map."""
 
-    clipped_flux_share: float
+    clipped_flux_fraction: float
     """Fraction of the flux in clipped pixels; 0 for a map without a clip level.
 
     Such maps are not examined, because that takes a third of the time of a fit.
-    `EnvMap.clipped_flux_share` examines any map.
+    `EnvMap.clipped_flux_fraction` examines any map.
     """
 
-    seen_share: float = 1.0
+    coverage_fraction: float = 1.0
     """Fraction of the sphere that the map shows; over a floor, of its upper half."""
 
     unseen_spread: float = 0.0
@@ -50,9 +50,9 @@ class Reduction(NamedTuple):
     """Unit of the map; see `EnvMap.units`."""
 
 
-def reduction_of(env: EnvMap, floor: bool, unseen: Unseen = None) -> Reduction:
+def reduction_of(env: EnvMap, floor: bool, fill: Fill = None) -> Reduction:
     """Reduction of a map in memory, after its unseen part is filled."""
-    part = fill_for_fit(env, floor, unseen)
+    part = fill_for_fit(env, floor, fill)
     env = part.env
     times = 1 if env.is_border_sampled else -(-LEAST_COLUMNS // env.width)
     # A repetition once would copy the map: 9 % of a fit to 1024 columns.
@@ -60,9 +60,9 @@ def reduction_of(env: EnvMap, floor: bool, unseen: Unseen = None) -> Reduction:
     if times > 1:
         radiance = radiance.repeat(times, axis=0).repeat(times, axis=1)
     cells = _native.reduce_map(radiance, env.is_border_sampled, WORKING_COLUMNS, POINT_SHARE, floor)
-    share = 0.0 if env.white is None else env.clipped_flux_share
-    unseen_part = part.seen_share, part.unseen_spread
-    return Reduction(cells, env.width, env.notes, share, *unseen_part, env.units)
+    fraction = 0.0 if env.clip_level is None else env.clipped_flux_fraction
+    unseen_part = part.coverage_fraction, part.unseen_spread
+    return Reduction(cells, env.width, env.notes, fraction, *unseen_part, env.units)
 
 
 def is_file(env: AnyMap) -> TypeGuard[str | os.PathLike[str] | bytes]:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from envlights._common.check import count, flag
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import EnvMap
-from envlights.environment.unseen import Unseen
+from envlights.environment.fill import Fill
 from envlights.fitting.arguments import FitArguments
 from envlights.fitting.map_fit import fit_map
 from envlights.fitting.request import Request, request_for
@@ -66,10 +66,10 @@ class SkyPixels(NamedTuple):
 def fit_with_sun(parts: SunSplit, arguments: FitArguments) -> Rig:
     """Rig of the sun and of a fit to the sky around it; without a sun, a fit to the map."""
     if not len(parts.lights):
-        return fit_map(parts.rest, arguments)
+        return fit_map(parts.remainder, arguments)
     shows = shown_by(target_names(arguments.target))
     request = request_for(arguments)
-    sky = pixels_of(_sky(parts.rest, arguments.floor, arguments.unseen))
+    sky = pixels_of(_sky(parts.remainder, arguments.floor, arguments.fill))
     ratios = ratios_of(sky, parts.lights)
     of_sky = replace(
         arguments,
@@ -78,7 +78,7 @@ def fit_with_sun(parts: SunSplit, arguments: FitArguments) -> Rig:
         shadow_error=_of_sky(arguments.shadow_error, ratios.shadows),
         gloss_error=_gloss_of_sky(parts, arguments, sky, request.roughness),
     )
-    rig, sun = fit_map(parts.rest, of_sky), parts.lights
+    rig, sun = fit_map(parts.remainder, of_sky), parts.lights
     if not arguments.sizes or shows.sizes != "spread":
         sun = replace(sun, angular_radius=np.zeros(len(sun)))
     return _with_sun(rig, sun, ratios, sky)
@@ -99,16 +99,16 @@ def _gloss_of_sky(
         start="greedy",
         fixed=None,
     )
-    (energies, _) = fit_map(parts.rest, alone).report.gloss_bands
+    (energies, _) = fit_map(parts.remainder, alone).report.gloss_bands
     factors = gloss.factors(roughness, "metal", len(energies) - 1)
     both = bands_with_sun(np.array(energies), sky, parts.lights)
     ratio = math.sqrt(float(factors @ energies) / float(factors @ both))
     return _of_sky(arguments.gloss_error, ratio)
 
 
-def _sky(rest: EnvMap, floor: bool, unseen: Unseen) -> EnvMap:
+def _sky(remainder: EnvMap, floor: bool, fill: Fill) -> EnvMap:
     """Whole sky of a fit, with its unseen part; over a floor, its upper half."""
-    filled = fill_for_fit(rest, flag("floor", floor), unseen).env
+    filled = fill_for_fit(remainder, flag("floor", floor), fill).env
     return above_horizon(filled) if floor else filled
 
 

@@ -8,9 +8,9 @@ import numpy as np
 
 from envlights._common.blocks import in_blocks
 from envlights.environment.envmap import EnvMap
-from envlights.environment.unseen import (
+from envlights.environment.fill import (
+    Fill,
     PartialMap,
-    Unseen,
     checked_unseen,
     choice_of,
     share_above_horizon,
@@ -27,26 +27,26 @@ class FilledMap(NamedTuple):
     """A map that shows the whole sphere, and what is known about its fill."""
 
     env: EnvMap
-    """Map without a `seen` share."""
+    """Map without a `coverage` share."""
 
-    seen_share: float
+    coverage_fraction: float
     """Fraction of the sphere that was seen; over a floor, of its upper half."""
 
     unseen_spread: float
     """Relative RMS difference of the probe between a black and a harmonic fill."""
 
 
-def fill_for_fit(env: EnvMap, floor: bool, unseen: Unseen) -> FilledMap:
+def fill_for_fit(env: EnvMap, floor: bool, fill: Fill) -> FilledMap:
     """Fill a map; a floor hides the lower half of the sphere, so nothing there is missing."""
-    checked_unseen(unseen)
-    if env.seen is None:
+    checked_unseen(fill)
+    if env.coverage is None:
         return FilledMap(env, 1.0, 0.0)
-    part = PartialMap(env.radiance, env.seen, env.is_border_sampled)
-    share = share_above_horizon(part) if floor else part.share
-    choice = choice_of(unseen, share)
+    part = PartialMap(env.radiance, env.coverage, env.is_border_sampled)
+    fraction = share_above_horizon(part) if floor else part.fraction
+    choice = choice_of(fill, fraction)
     harmonic = env.filled("harmonic")
     filled = harmonic if choice == "harmonic" else env.filled(choice)
-    return FilledMap(filled, share, _difference(env.filled("black"), harmonic, floor))
+    return FilledMap(filled, fraction, _difference(env.filled("black"), harmonic, floor))
 
 
 def _difference(env: EnvMap, reference: EnvMap, floor: bool) -> float:
@@ -71,4 +71,6 @@ def above_horizon(env: EnvMap) -> EnvMap:
         env.radiance.shape,
         lambda rows: np.where(towards[rows, :, 1:2] < 0, np.float32(0), env.radiance[rows]),
     )
-    return EnvMap(radiance, registration=env.registration, white=env.white, seen=env.seen)
+    return EnvMap(
+        radiance, registration=env.registration, clip_level=env.clip_level, coverage=env.coverage
+    )

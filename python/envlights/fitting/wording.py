@@ -44,12 +44,12 @@ def fewer_lights(answer: FitAnswer, request: Request, rendering_error: float) ->
     return f"{used} of at most {most} {lights} used: {why}"
 
 
-def clipping(share: float) -> tuple[str, ...]:
+def clipping(fraction: float) -> tuple[str, ...]:
     """Note on clipped pixels with this fraction of the flux; empty if there are none."""
-    if not share:
+    if not fraction:
         return ()
     return (
-        f"clipped pixels hold {100 * share:.2g} % of the map's flux,"
+        f"clipped pixels hold {100 * fraction:.2g} % of the map's flux,"
         " so the lights there are a lower bound",
     )
 

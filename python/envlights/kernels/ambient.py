@@ -25,12 +25,12 @@ def ambient_rows(
             return np.maximum(values, 0).reshape(directions.shape).astype(np.float32)
 
         return radiance
-    share = np.ones((height, 1, 1))
+    fraction = np.ones((height, 1, 1))
     if floor:
         # Half of the middle row of an odd number is above the horizon.
-        share[height // 2 : (height + 1) // 2] = 0.5
-        share[(height + 1) // 2 :] = 0
-    sky = (share * ambient).astype(np.float32)
+        fraction[height // 2 : (height + 1) // 2] = 0.5
+        fraction[(height + 1) // 2 :] = 0
+    sky = (fraction * ambient).astype(np.float32)
     return lambda rows: np.broadcast_to(sky[rows], (len(sky[rows]), 2 * height, 3))
 
 

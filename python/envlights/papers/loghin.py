@@ -105,7 +105,7 @@ def detect(
         smaller than the distance between samples (3.6 degrees at 1024 columns). The irradiance
         comes from the same samples, without subtraction of a background, because the article has
         none. The solid angle is that of the samples above the threshold, at least one. If the
-        lights have more flux than the map, their `flux_share` is that of their own sum.
+        lights have more flux than the map, their `flux_fraction` is that of their own sum.
 
     Raises
     ------
@@ -179,9 +179,9 @@ def _working_image(env: EnvMap, width: int, reduction: str, blur_px: float) -> N
 def _reason(env: EnvMap, level: float, relative: bool) -> str:
     """Rule that set the threshold."""
     rule = "chosen by the tree method's rule" if relative else ""
-    share = 0.0 if env.white is None else min(level / env.white, 1.0)
-    code = 255 * float(encode_srgb(np.array(share)))
-    return wording.reason_of_article(rule, level, env.white, code)
+    fraction = 0.0 if env.clip_level is None else min(level / env.clip_level, 1.0)
+    code = 255 * float(encode_srgb(np.array(fraction)))
+    return wording.reason_of_article(rule, level, env.clip_level, code)
 
 
 def _registration_notes(env: EnvMap) -> tuple[str, ...]:
@@ -201,11 +201,11 @@ def _unit_of_luminance(env: EnvMap, threshold: float) -> float:
 
 def _seen_samples(env: EnvMap, size: tuple[int, ...], samples: BrightSamples) -> BrightSamples:
     """Samples in the seen part of the map."""
-    if env.seen is None:
+    if env.coverage is None:
         return samples
     uv = (samples.own_pixel[:, ::-1] + 0.5) / (size[1], size[0])
     row, column = images.uv_to_pixel(uv, env.height, env.width).T
-    is_seen = env.seen[row, column] > 0
+    is_seen = env.coverage[row, column] > 0
     return BrightSamples(
         samples.pixel[is_seen],
         samples.luminance[is_seen],
@@ -270,7 +270,7 @@ def _lights(
         elongation=elongation,
         orientation=orientation,
         peak_luminance=image[merged.peak[:, 0], merged.peak[:, 1]].astype(np.float64),
-        flux_share=flux @ images.LUMINANCE / total,
+        flux_fraction=flux @ images.LUMINANCE / total,
         is_clipped=_are_clipped(env, image.shape, merged, reach, sphere),
         members=Members(samples.pixel, merged.light),
         report=report,
@@ -289,7 +289,7 @@ def _are_clipped(
     uv = (merged.peak[:, ::-1] + 0.5) / (width, height)
     place = images.uv_to_pixel(uv, env.height, env.width)
     reach_in_map = math.ceil((reach + 0.5) * env.width / width)
-    return _native.are_clipped(env.radiance, place, reach_in_map, sphere, env.white)
+    return _native.are_clipped(env.radiance, place, reach_in_map, sphere, env.clip_level)
 
 
 def _shapes(

@@ -17,7 +17,7 @@ from envlights._common.tables import Table
 from envlights._common.units import OWN_SCALE
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
-from envlights.environment.unseen import Unseen
+from envlights.environment.fill import Fill
 from envlights.fitting.wording import clipping
 from envlights.kernels import madsen, probe, sampling
 from envlights.rigs.light import azimuths, elevations
@@ -153,7 +153,7 @@ def fit(
     start: ArrayLike | None = None,
     damped: bool = True,
     max_steps: int = MAX_STEPS,
-    unseen: Unseen = None,
+    fill: Fill = None,
 ) -> PaperFit:
     """Fit ambient and directional lights by the method of Madsen, Sørensen and Vittrup (2003).
 
@@ -184,7 +184,7 @@ def fit(
         error. False: full Gauss-Newton steps, as in the text of the paper.
     max_steps : int
         Largest number of steps.
-    unseen : {"black", "harmonic", "ground"}, float or array_like, shape (3,), optional
+    fill : {"black", "harmonic", "ground"}, float or array_like, shape (3,), optional
         Radiance where the map shows nothing; see `EnvMap.filled`.
 
     Returns
@@ -227,14 +227,14 @@ def fit(
     lights, max_steps = _sizes(lights, max_steps)
     surface = _surface(k_a, k_d, C)
     first = _spiral(lights) if start is None else _start(start, lights)
-    env = as_envmap(env).filled(unseen)
+    env = as_envmap(env).filled(fill)
     problem = _render(env, surface)
     ambient = np.full(3, 1.0 if surface.k_a > 0 else 0.0)
     x = madsen.pack_lights(ambient, first, np.ones((lights, 3)))
     x, errors, stop = _gauss_newton(problem, x, damped, max_steps)
     found, directions, irradiance = (freeze(part) for part in madsen.unpack_lights(x))
     history, (k_a, k_d, _) = tuple(errors), surface
-    notes = (*env.notes, *clipping(env.clipped_flux_share if env.white else 0.0))
+    notes = (*env.notes, *clipping(env.clipped_flux_fraction if env.clip_level else 0.0))
     return PaperFit(found, directions, irradiance, history, stop, k_a, k_d, notes, env.units)
 
 
@@ -290,10 +290,10 @@ def _gauss_newton(
         step = _whole_step(problem, x)
         if not np.isfinite(x + step).all():
             return x, errors, StopReason.RAN_AWAY
-        share = _step_fraction(problem, x, step, errors[-1]) if damped else 1.0
-        if share == 0.0:
+        fraction = _step_fraction(problem, x, step, errors[-1]) if damped else 1.0
+        if fraction == 0.0:
             return x, errors, StopReason.CONVERGED
-        ahead = x + share * step
+        ahead = x + fraction * step
         if not np.isfinite(error := problem.error(ahead)):
             return x, errors, StopReason.RAN_AWAY
         x = ahead
@@ -330,11 +330,11 @@ def _turns(step: _Reals, x: _Reals) -> _Reals:
 def _step_fraction(problem: _Problem, x: _Reals, step: _Reals, error: float) -> float:
     """Fraction of `step` that rotates no light too far and does not raise the error, or 0."""
     farthest = float(_turns(step, x).max(initial=_LARGEST_TURN))
-    share = _LARGEST_TURN / farthest
+    fraction = _LARGEST_TURN / farthest
     for _ in range(_HALVINGS):
-        if problem.error(x + share * step) <= error:
-            return share
-        share /= 2
+        if problem.error(x + fraction * step) <= error:
+            return fraction
+        fraction /= 2
     return 0.0
 
 

@@ -192,7 +192,7 @@ def detect_photograph(
     camera, notes = _camera(photograph, fov)
     luminance = images.luminance(photograph.radiance)
     working = _working_image(luminance, working_side, reduction, blur_px)
-    levels = _levels(working, photograph.white, *options)
+    levels = _levels(working, photograph.clip_level, *options)
     scale = max(working.shape) / _REFERENCE_PX
     cap = math.inf if merge_cap_px is None else scale * amount("merge_cap_px", merge_cap_px)
     absolute = amount("tolerance", tolerance), amount("ceiling", ceiling)
@@ -313,16 +313,20 @@ def _means(image: NDArray[np.floating], rows: int) -> NDArray[np.float64]:
 
 
 def _levels(
-    working: NDArray[np.float32], white: float | None, threshold: float, rise: float, relative: bool
+    working: NDArray[np.float32],
+    clip_level: float | None,
+    threshold: float,
+    rise: float,
+    relative: bool,
 ) -> _Levels:
     """Levels of the article, the same for the clip level as 1, or those of the histogram."""
     bright, unit, rule = threshold, 1.0, ""
-    if relative and white is not None and float(working.max()) > threshold * white:
-        bright, unit, rule = threshold * white, white, "relative to the clip level"
+    if relative and clip_level is not None and float(working.max()) > threshold * clip_level:
+        bright, unit, rule = threshold * clip_level, clip_level, "relative to the clip level"
     elif relative:
         bright = _native.plane_threshold(np.ascontiguousarray(working))
         rule = "from the histogram of the picture"
         return _Levels(bright, rise * bright, None, rule)
-    share = 0.0 if white is None else min(bright / white, 1.0)
-    code = 255 * float(encode_srgb(np.array(share)))
-    return _Levels(bright, bright, unit, wording.reason_of_article(rule, bright, white, code))
+    fraction = 0.0 if clip_level is None else min(bright / clip_level, 1.0)
+    code = 255 * float(encode_srgb(np.array(fraction)))
+    return _Levels(bright, bright, unit, wording.reason_of_article(rule, bright, clip_level, code))

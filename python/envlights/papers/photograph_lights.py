@@ -37,10 +37,10 @@ _UNITS = (
     " linear Rec.709 RGB; samples: row, column in the working size"
 )
 #: Arrays with a row for each light; the last two are None without a field of view.
-_ARRAYS = ("position", "pixel_flux", "peak_pixel", "peak_luminance", "flux_share", "is_clipped")
+_ARRAYS = ("position", "pixel_flux", "peak_pixel", "peak_luminance", "flux_fraction", "is_clipped")
 _WITH_FIELD = ("direction", "irradiance")
 #: Arrays of numbers in a data frame.
-_SCALARS = ("share", "luminance", "peak_luminance", "is_clipped")
+_SCALARS = ("fraction", "luminance", "peak_luminance", "is_clipped")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -85,7 +85,7 @@ class PhotographLight(Result):
     pixel_flux: NDArray[np.float64]
     peak_pixel: NDArray[np.int64]
     peak_luminance: float
-    flux_share: float
+    flux_fraction: float
     is_clipped: bool
     direction: NDArray[np.float64] | None = None
     irradiance: NDArray[np.float64] | None = None
@@ -98,14 +98,14 @@ class PhotographLight(Result):
     def in_short(self) -> str:
         """Place and share of the light."""
         x, y = self.position
-        return f"x {x:.1f}, y {y:.1f}, {100 * self.flux_share:.3g} %"
+        return f"x {x:.1f}, y {y:.1f}, {100 * self.flux_fraction:.3g} %"
 
     def __str__(self) -> str:
         if self.direction is None or self.irradiance is None:
             return self.in_short()
-        towards = ", ".join(f"{value:.4f}" for value in self.direction)
+        forward = ", ".join(f"{value:.4f}" for value in self.direction)
         received = ", ".join(f"{value:.4g}" for value in self.irradiance)
-        return f"{self.in_short()}\ndirection {towards}; irradiance {received}"
+        return f"{self.in_short()}\ndirection {forward}; irradiance {received}"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -131,7 +131,7 @@ class PhotographLights(Result):
     peak_luminance: NDArray[np.float64]
     """Luminance of this sample, (n,)."""
 
-    flux_share: NDArray[np.float64]
+    flux_fraction: NDArray[np.float64]
     """Fraction of the luminance of the whole photograph, (n,)."""
 
     is_clipped: NDArray[np.bool_]
@@ -195,7 +195,9 @@ class PhotographLights(Result):
 
     def _light(self, row: int) -> PhotographLight:
         rows = {name: getattr(self, name)[row] for name in self._array_names()}
-        plain = {name: rows[name].item() for name in ("peak_luminance", "flux_share", "is_clipped")}
+        plain = {
+            name: rows[name].item() for name in ("peak_luminance", "flux_fraction", "is_clipped")
+        }
         return PhotographLight(**{**rows, **plain})
 
     def _array_names(self) -> tuple[str, ...]:
@@ -209,9 +211,9 @@ class PhotographLights(Result):
         return values
 
     @property
-    def share(self) -> NDArray[np.float64]:
-        """Fraction of the luminance of the whole photograph: `flux_share`, (n,)."""
-        return self.flux_share
+    def fraction(self) -> NDArray[np.float64]:
+        """Fraction of the luminance of the whole photograph: `flux_fraction`, (n,)."""
+        return self.flux_fraction
 
     def in_short(self) -> str:
         """Number of lights, and the size and field of view of the photograph."""
@@ -233,7 +235,7 @@ class PhotographLights(Result):
 
     def table(self) -> Table:
         """Table of the first dozen lights, and a summary of the others."""
-        hidden = self.share[MOST_ROWS:]
+        hidden = self.fraction[MOST_ROWS:]
         lights = "light" if len(hidden) == 1 else "lights"
         summary = f"{len(hidden)} more {lights}, {100 * hidden.sum():.2g} % together"
         colours = thumbnails.hex_of(self.pixel_flux[:MOST_ROWS])
@@ -244,18 +246,18 @@ class PhotographLights(Result):
         last = "radiance x pixels (R, G, B)"
         if self.direction is not None:
             last = "irradiance (R, G, B)"
-        towards = [] if self.direction is None else ["direction"]
-        return ["light", "x", "y", "share", "peak", *towards, last, ""]
+        forward = [] if self.direction is None else ["direction"]
+        return ["light", "x", "y", "fraction", "peak", *forward, last, ""]
 
     def _cells(self, row: int) -> list[str]:
         x, y = self.position[row]
-        place = [f"{row + 1}", f"{x:.1f}", f"{y:.1f}", f"{100 * self.flux_share[row]:.1f} %"]
+        place = [f"{row + 1}", f"{x:.1f}", f"{y:.1f}", f"{100 * self.flux_fraction[row]:.1f} %"]
         place.append(f"{self.peak_luminance[row]:.4g}")
         remark = "clipped" if self.is_clipped[row] else ""
         if self.direction is None or self.irradiance is None:
             return [*place, rgb_cell(self.pixel_flux[row]), remark]
-        towards = "  ".join(f"{value:+.3f}" for value in self.direction[row])
-        return [*place, towards, rgb_cell(self.irradiance[row]), remark]
+        forward = "  ".join(f"{value:+.3f}" for value in self.direction[row])
+        return [*place, forward, rgb_cell(self.irradiance[row]), remark]
 
     def discs(self) -> Lights:
         """The lights as points with their irradiance, in the frame of the photograph.

@@ -54,24 +54,24 @@ def measure(
         "pixel_flux": flux,
         "peak_pixel": place,
         "peak_luminance": working[merged.peak[:, 0], merged.peak[:, 1]].astype(np.float64),
-        "flux_share": flux @ images.LUMINANCE / (total or 1.0),
+        "flux_fraction": flux @ images.LUMINANCE / (total or 1.0),
         "is_clipped": _native.are_clipped(
-            radiance, place, reach_in_photograph, False, photograph.white
+            radiance, place, reach_in_photograph, False, photograph.clip_level
         ),
     }
     if camera is not None:
         parts = _solid_angles(camera, samples.own_pixel, size, each)
         centres = ((samples.own_pixel + 0.5) * to_photograph)[:, ::-1]
-        towards = _native.projection_directions(camera, np.ascontiguousarray(centres))
+        forward = _native.projection_directions(camera, np.ascontiguousarray(centres))
         arrays["direction"] = _native.projection_directions(camera, np.ascontiguousarray(position))
-        arrays["irradiance"] = _irradiance(values, parts, towards, merged.light, lights)
+        arrays["irradiance"] = _irradiance(values, parts, forward, merged.light, lights)
     return PhotographLights(
         **arrays,
         samples=kept,
         report=report,
         size=(height, width),
         field_of_view=None if camera is None else camera.field_of_view,
-        picture=thumbnails.of_photograph(radiance, _PICTURE_PX, photograph.white),
+        picture=thumbnails.of_photograph(radiance, _PICTURE_PX, photograph.clip_level),
     )
 
 
@@ -107,6 +107,6 @@ def _irradiance(
     flux = sums_of_lights(radiance * solid_angle[:, None], light, lights)
     luminance = (radiance @ images.LUMINANCE * solid_angle)[:, None]
     vectors = sums_of_lights(luminance * direction, light, lights)
-    towards = np.linalg.norm(vectors, axis=1) / np.maximum(flux @ images.LUMINANCE, _TINY)
-    received: NDArray[np.float64] = flux * towards[:, None]
+    forward = np.linalg.norm(vectors, axis=1) / np.maximum(flux @ images.LUMINANCE, _TINY)
+    received: NDArray[np.float64] = flux * forward[:, None]
     return received

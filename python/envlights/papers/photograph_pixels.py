@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights._native import EnvLightsError
-from envlights.environment import clean, coverage
-from envlights.environment.clip_level import white_of_codes
+from envlights.environment import clean
+from envlights.environment.clip_level import clip_level_of_codes
 from envlights.environment.colour.choice import ColourArgument
+from envlights.environment.coverage import multiply_by_coverage
 from envlights.environment.decoders.source import AnySource, Source, is_source, named_source
 from envlights.environment.envmap import EnvMap
 from envlights.environment.files.focal_length import FocalLength, focal_length
@@ -31,7 +32,7 @@ class PhotographPixels(NamedTuple):
     radiance: NDArray[np.float32]
     """Linear Rec.709, (height, width, 3)."""
 
-    white: float | None
+    clip_level: float | None
     """Clip level; None for floating point."""
 
     focal: FocalLength | None
@@ -66,7 +67,7 @@ def _of_file(
     height, width, _ = read.pixels.shape
     notes = list(read.notes)
     focal = _of_layout(read.hints, height, width, notes) or focal_length(source, height, width)
-    return _clean(read.pixels, read.white, focal, notes)
+    return _clean(read.pixels, read.clip_level, focal, notes)
 
 
 def _check_plane(file: OpenImage) -> None:
@@ -97,18 +98,23 @@ def _of_array(image: ArrayLike) -> PhotographPixels:
     notes: list[str] = []
     array = image_array(image, notes, "a photograph")
     is_float = array.samples.dtype.kind == "f"
-    white = None if is_float else white_of_codes(array.samples, array.seen, notes)
+    clip_level = None if is_float else clip_level_of_codes(array.samples, array.coverage, notes)
     linear = clean.linear(array.samples, notes)
-    if array.seen is not None:
-        linear = coverage.multiply_by_share(linear, array.seen)
-    return _clean(linear, white, None, notes)
+    if array.coverage is not None:
+        linear = multiply_by_coverage(linear, array.coverage)
+    return _clean(linear, clip_level, None, notes)
 
 
 def _clean(
-    linear: NDArray[np.float32], white: float | None, focal: FocalLength | None, notes: list[str]
+    linear: NDArray[np.float32],
+    clip_level: float | None,
+    focal: FocalLength | None,
+    notes: list[str],
 ) -> PhotographPixels:
     height, width, _ = linear.shape
     if height < 2 or width < 2:
         raise EnvLightsError(f"a photograph needs at least 2x2 pixels; got {width}x{height}")
     radiance, level = clean.clean(linear, notes, wrap=False)
-    return PhotographPixels(radiance, level if white is None else white, focal, tuple(notes))
+    return PhotographPixels(
+        radiance, level if clip_level is None else clip_level, focal, tuple(notes)
+    )

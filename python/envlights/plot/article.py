@@ -144,7 +144,7 @@ def _draw_samples(axes: Axes, env: EnvMap, steps: _Steps) -> None:
 
 def _draw_lights(axes: Axes, lights: DetectedLights, steps: _Steps) -> None:
     at = degrees(lights.direction)
-    areas = sizes_for(axes, lights.share, 0.5).area(lights.share)
+    areas = sizes_for(axes, lights.fraction, 0.5).area(lights.fraction)
     kept = np.unique(steps.survivor)
     draw_links(axes, degrees(steps.bright[kept]), at[steps.light[kept]], RIM, _SEAM)
     draw_discs(axes, at, areas, lights.irradiance)

@@ -69,11 +69,11 @@ def basis_picture(
     size = 1.5 * columns + 0.7, 1.75 * rows + 0.5
     where = Placement(ax, figsize, dpi, transparent)
     page = open_page(where, cells.reshape(rows, columns), size)
-    share = energy_shares(model)
+    fraction = energy_shares(model)
     limit = max(float(np.quantile(np.abs(images), _RANGE)), np.finfo(float).tiny)
     for number, (axes, image) in enumerate(zip(page.panels, images, strict=True)):
         drawn = axes.imshow(image, cmap="RdBu_r", vmin=-limit, vmax=limit)
-        axes.set_title(f"{number + 1}: {100 * share[number]:.2g} %", fontsize="small")
+        axes.set_title(f"{number + 1}: {100 * fraction[number]:.2g} %", fontsize="small")
         hide_frame(axes)
     page.figure.colorbar(drawn, ax=page.panels, label="light of a texel", extend="both", shrink=0.8)
     page.entitle("directions of the basis, and their energy")
@@ -119,15 +119,15 @@ def spectrum_picture(
     (axes,) = page.panels
     left = 100 * np.maximum(1 - held, 1e-9)
     axes.plot(np.arange(1, len(held) + 1), left, ".-", color=rcParams["text.color"])
-    for number, share in enumerate(SHARES):
-        needed = int(np.searchsorted(held, share)) + 1
+    for number, fraction in enumerate(SHARES):
+        needed = int(np.searchsorted(held, fraction)) + 1
         is_reached = needed <= len(held)
         words = f"{needed} directions" if is_reached else f"more than {len(held)} directions"
         axes.plot(
-            *([needed if is_reached else len(held)] * 2, [100 * (1 - share), left.min()]),
+            *([needed if is_reached else len(held)] * 2, [100 * (1 - fraction), left.min()]),
             color=f"C{number}",
             ls="--" if is_reached else ":",
-            label=f"{100 * share:g} %: {words}",
+            label=f"{100 * fraction:g} %: {words}",
         )
     axes.set(xlabel="directions", ylabel="residual energy (%)", yscale="log")
     axes.yaxis.set_major_formatter("{x:g}")

@@ -184,11 +184,11 @@ def card_balls(
     """
     check_is("parts", parts, CardSplit)
     env = as_envmap(env)
-    width = parts.rest.width
+    width = parts.remainder.width
     drawn = {
         "the map": (env,),
-        "the rest and discs": (parts.rest, parts.cards.lights.to_map(width // 2)),
-        "the rest and cards": (parts.rest, parts.cards.to_map(width)),
+        "the rest and discs": (parts.remainder, parts.cards.lights.to_map(width // 2)),
+        "the rest and cards": (parts.remainder, parts.cards.to_map(width)),
     }
     white = expose(working(env)).white
     eye = _eye(parts.cards)

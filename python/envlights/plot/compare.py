@@ -70,7 +70,7 @@ def rigs_picture(
     ground, eye = expose(working(env)), viewpoint(rigs[0])
     shaded = {floor: shaded_ball(env, eye, floor) for floor in {rig.floor for rig in rigs}}
     scale = scale_for([error_limit(shaded[rig.floor], rig) for rig in rigs])
-    sizes = sizes_for(rows[0][0], np.concatenate([rig.lights.share for rig in rigs]))
+    sizes = sizes_for(rows[0][0], np.concatenate([rig.lights.fraction for rig in rigs]))
     for (on_map, *probes), rig in zip(rows, rigs, strict=True):
         draw_small_ground(on_map, ground.codes)
         draw_lights(on_map, rig.lights, sizes)

@@ -103,5 +103,5 @@ def on_page(
 
 def _draw_lights(axes: Axes, lights: Lights, eye: NDArray[np.float64]) -> None:
     at, is_near = on_page(lights.direction, eye)
-    areas = sizes_for(axes, lights.share, extent=_AS_MAP).area(lights.share)
+    areas = sizes_for(axes, lights.fraction, extent=_AS_MAP).area(lights.fraction)
     draw_discs(axes, at[is_near], areas[is_near], lights.irradiance[is_near])

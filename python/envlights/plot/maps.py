@@ -138,7 +138,7 @@ def picture(
     page = open_page(where, [[0, 0, 0], [1, 2, 3]], (10, 8.6), height_ratios=(1.6, 1))
     on_map, *balls = page.panels
     exposure = draw_map(on_map, env)
-    sizes, eye = sizes_for(on_map, rig.lights.share), viewpoint(rig)
+    sizes, eye = sizes_for(on_map, rig.lights.fraction), viewpoint(rig)
     draw_lights(on_map, rig.lights, sizes)
     shaded = shaded_ball(env, eye, rig.floor)
     drawn = draw_probes(balls, shaded, rig, scale_for([error_limit(shaded, rig)]))
@@ -146,7 +146,7 @@ def picture(
     draw_legend(
         on_map,
         [
-            *key_of(rig.lights.share, sizes),
+            *key_of(rig.lights.fraction, sizes),
             *key_of_rims(rig.lights.angular_radius),
             _draw_eye(on_map, eye),
         ],
@@ -201,8 +201,8 @@ def detection_picture(
     exposure = draw_map(axes, env)
     _draw_members(axes, lights)
     # Discs are half as large as those of a rig, because lamps may be close together.
-    sizes = sizes_for(axes, lights.share, 0.5)
-    at, areas = degrees(lights.direction), sizes.area(lights.share)
+    sizes = sizes_for(axes, lights.fraction, 0.5)
+    at, areas = degrees(lights.direction), sizes.area(lights.fraction)
     draw_discs(axes, at, areas, lights.irradiance)
     peaks = degrees(lights.peak_direction)
     axes.plot(*peaks.T, "+", ms=5, mew=1, color="deepskyblue", clip_on=False, zorder=5)
@@ -213,7 +213,7 @@ def detection_picture(
     )
     if lights.report.method == "article":
         outline.set_label("samples, linked to their light")
-    draw_legend(axes, [*key_of(lights.share, sizes), outline, cross])
+    draw_legend(axes, [*key_of(lights.fraction, sizes), outline, cross])
     report = lights.report
     title = f"{lights.in_short()}; threshold {report.threshold:.3g} ({report.reason})"
     page.entitle(f"{title}\n{exposure}")

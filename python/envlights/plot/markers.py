@@ -53,15 +53,15 @@ class Sizes(NamedTuple):
     least: float
     """Least area of a disc, in square points."""
 
-    def area(self, share: NDArray[np.float64]) -> NDArray[np.float64]:
+    def area(self, fraction: NDArray[np.float64]) -> NDArray[np.float64]:
         """Areas of the discs of lights, in square points."""
-        found: NDArray[np.float64] = np.maximum(self.whole * share, self.least)
+        found: NDArray[np.float64] = np.maximum(self.whole * fraction, self.least)
         return found
 
 
 def sizes_for(
     axes: Axes,
-    share: NDArray[np.float64],
+    fraction: NDArray[np.float64],
     part: float = 1.0,
     extent: tuple[float, float, float, float] = EXTENT,
 ) -> Sizes:
@@ -70,7 +70,7 @@ def sizes_for(
     The largest light gets `part` of the largest disc, unless all are small.
     """
     shrink = min(points_per_unit(axes, extent) / _WIDE, 1) ** 2
-    largest = max(float(share.max(initial=0.0)), _LEAST_LARGEST)
+    largest = max(float(fraction.max(initial=0.0)), _LEAST_LARGEST)
     return Sizes(part * shrink * _LARGEST / largest, max(shrink * _SMALLEST, _VISIBLE))
 
 
@@ -79,7 +79,7 @@ def draw_lights(axes: Axes, lights: Lights, sizes: Sizes) -> None:
 
     The number of a light has the colour of its rim.
     """
-    at, areas = degrees(lights.direction), sizes.area(lights.share)
+    at, areas = degrees(lights.direction), sizes.area(lights.fraction)
     draw_rims(axes, lights.direction, lights.angular_radius)
     draw_discs(axes, at, areas, lights.irradiance)
     draw_numbers(axes, at, areas, colours=number_colours(lights.angular_radius))
@@ -220,13 +220,15 @@ def _free_box(
     return None
 
 
-def key_of(share: NDArray[np.float64], sizes: Sizes) -> list[Line2D]:
+def key_of(fraction: NDArray[np.float64], sizes: Sizes) -> list[Line2D]:
     """Key of the areas of discs, with shares that occur among the lights."""
-    largest = float(share.max(initial=0.0))
-    named = [share for share in _SHARES if share <= max(largest, _SHARES[-1])][::2][:_KEYS]
+    largest = float(fraction.max(initial=0.0))
+    named = [fraction for fraction in _SHARES if fraction <= max(largest, _SHARES[-1])][::2][:_KEYS]
     # Shares below the least area look the same.
-    seen = [share for share in named if sizes.whole * share >= sizes.least] or named[:1]
-    entries = [_entry("o", f"{100 * share:g} %", _diameter(sizes, share)) for share in seen]
+    seen = [fraction for fraction in named if sizes.whole * fraction >= sizes.least] or named[:1]
+    entries = [
+        _entry("o", f"{100 * fraction:g} %", _diameter(sizes, fraction)) for fraction in seen
+    ]
     entries[0].set_label(f"share {entries[0].get_label()}")
     return entries
 
@@ -238,8 +240,8 @@ def key_of_rims(radii: NDArray[np.float64]) -> list[Line2D]:
     return [Line2D([], [], color=RIM, label="size", **rim_style())]
 
 
-def _diameter(sizes: Sizes, share: float) -> float:
-    return 2 * float(np.sqrt(sizes.area(np.array(share)) / np.pi))
+def _diameter(sizes: Sizes, fraction: float) -> float:
+    return 2 * float(np.sqrt(sizes.area(np.array(fraction)) / np.pi))
 
 
 def _entry(marker: str, label: str, size: float) -> Line2D:

@@ -126,7 +126,7 @@ def _draw_lights(axes: Axes, lights: PhotographLights) -> None:
     draw_links(axes, first, at[samples.light], RIM)
     axes.plot(*first.T, ".", ms=2, color=RIM)
     as_map = 0.0, 360.0, 0.0, 360.0 * height / width
-    areas = sizes_for(axes, lights.share, 0.5, as_map).area(lights.share)
+    areas = sizes_for(axes, lights.fraction, 0.5, as_map).area(lights.fraction)
     draw_discs(axes, at, areas, lights.pixel_flux)
     axes.plot(*maxima.T, "+", ms=5, mew=1, color=_MAXIMUM, zorder=5)
     draw_numbers(axes, at, areas, (0, width, 0, height))

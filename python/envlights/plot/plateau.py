@@ -52,7 +52,7 @@ def plateau_picture(
     Parameters
     ----------
     env : EnvMap, path-like or array_like, shape (height, 2 * height, 3)
-        Map with a clip level: of 8 or 16 bits, or made with `white`.
+        Map with a clip level: of 8 or 16 bits, or made with `clip_level`.
     lights : DetectedLights
         The result of `detect` on it.
     ax : Axes or sequence of Axes, optional
@@ -74,16 +74,16 @@ def plateau_picture(
     >>> import envlights as el
     >>> lamp = el.synthetic.Disc((1, 0.5, 0), 8.0, (9, 9, 9))
     >>> scene = el.synthetic.scene(128, background=[0.1] * 3, shapes=[lamp])
-    >>> env = el.EnvMap(np.minimum(scene.radiance, 1), white=1.0)
+    >>> env = el.EnvMap(np.minimum(scene.radiance, 1), clip_level=1.0)
     >>> figure = plateau_picture(env, el.detect(env))
     >>> len(figure.axes)
     3
     """
     check_is("lights", lights, DetectedLights)
     env = as_envmap(env)
-    if env.white is None:
+    if env.clip_level is None:
         raise EnvLightsError(
-            "the map has no clip level; give one of 8 or 16 bits, or `EnvMap(..., white=...)`"
+            "the map has no clip level; give one of 8 or 16 bits, or `EnvMap(..., clip_level=...)`"
         )
     weight, uncertainty = lights.weight, lights.direction_uncertainty
     if weight is None or uncertainty is None:
@@ -95,21 +95,21 @@ def plateau_picture(
     page = open_page(Placement(ax, figsize, dpi, transparent), grid(2, 1), (10, 10.8))
     above, below = page.panels
     exposure = draw_map(above, env)
-    above.imshow(_tint(env, env.white), extent=EXTENT)
+    above.imshow(_tint(env, env.clip_level), extent=EXTENT)
     entitle(above, exposure, "small")
-    depth = _draw_depth(below, env, env.white)
+    depth = _draw_depth(below, env, env.clip_level)
     page.figure.colorbar(depth, ax=page.panels, label="depth of clipped regions (°)", shrink=0.6)
-    share = weight / (weight.sum() or 1.0)
+    fraction = weight / (weight.sum() or 1.0)
     for axes in page.panels:
         draw_rims(axes, lights.direction, uncertainty)
         # Discs are half as large as those of a rig, because lamps may be close together.
-        at, areas = degrees(lights.direction), sizes_for(axes, share, 0.5).area(share)
+        at, areas = degrees(lights.direction), sizes_for(axes, fraction, 0.5).area(fraction)
         draw_discs(axes, at, areas, lights.irradiance)
         draw_numbers(axes, at, areas, colours=number_colours(uncertainty))
     clipped = Patch(color=_CLIPPED, label="clipped")
     circle = Line2D([], [], color=RIM, lw=1.4, label="uncertainty of the direction")
     draw_legend(below, [clipped, circle])
-    sphere, flux = 100 * env.clipped_share, 100 * env.clipped_flux_share
+    sphere, flux = 100 * env.clipped_fraction, 100 * env.clipped_flux_fraction
     page.entitle(
         f"{lights.in_short()} in clipped regions\n"
         f"{sphere:.2g} % of the sphere is clipped, with {flux:.2g} % of the light"
@@ -117,19 +117,19 @@ def plateau_picture(
     return page.figure
 
 
-def _tint(env: EnvMap, white: float) -> NDArray[np.uint8]:
+def _tint(env: EnvMap, clip_level: float) -> NDArray[np.uint8]:
     """Overlay of the clipped pixels, as RGBA bytes."""
     rows, columns = max(env.height // 512, 1), max(env.width // 1024, 1)
     largest: NDArray[np.float32] = env.radiance[::rows, ::columns].max(axis=2, keepdims=True)
     colour = np.round(255 * np.array(_CLIPPED)).astype(np.uint8)
-    return np.where(largest >= _native.LEAST_WHITE * white, colour, np.uint8(0))
+    return np.where(largest >= _native.LEAST_WHITE * clip_level, colour, np.uint8(0))
 
 
-def _draw_depth(axes: Axes, env: EnvMap, white: float) -> AxesImage:
+def _draw_depth(axes: Axes, env: EnvMap, clip_level: float) -> AxesImage:
     """Draw the depth of the clipped regions in degrees."""
     is_border = env.registration == "border-sampled"
     depth = np.rad2deg(
-        _native.clipped_depth(env.radiance, is_border, white, PLATEAU_COLUMNS, PLATEAU_GAP)
+        _native.clipped_depth(env.radiance, is_border, clip_level, PLATEAU_COLUMNS, PLATEAU_GAP)
     )
     image = axes.imshow(np.where(depth > 0, depth, np.nan), cmap="viridis", vmin=0, extent=EXTENT)
     # Unclipped parts are dark, as they are on most maps, so that all marks are visible.

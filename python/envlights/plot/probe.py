@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from envlights._common.srgb import encode_srgb
 from envlights.environment.envmap import EnvMap
-from envlights.environment.unseen import ENOUGH_SEEN
+from envlights.environment.fill import ENOUGH_SEEN
 from envlights.fitting.unseen_part import above_horizon
 from envlights.kernels import sphere
 from envlights.kernels.image import LUMINANCE
@@ -41,10 +41,10 @@ class ShadedBall(NamedTuple):
 
 def shaded_ball(env: EnvMap, eye: NDArray[np.float64], floor: bool) -> ShadedBall:
     """Probe under a map, seen from the direction `eye`; over a floor if the rigs are."""
-    seen = ball(eye)
+    coverage = ball(eye)
     # A picture needs no choice; a map that was filled before is drawn with its fill.
-    env = env.filled(None if env.seen_share >= ENOUGH_SEEN else "black")
-    return ShadedBall(seen, under(above_horizon(env) if floor else env, seen.normals))
+    env = env.filled(None if env.coverage_fraction >= ENOUGH_SEEN else "black")
+    return ShadedBall(coverage, under(above_horizon(env) if floor else env, coverage.normals))
 
 
 def white_for(irradiance: NDArray[np.float64]) -> float:
@@ -52,9 +52,9 @@ def white_for(irradiance: NDArray[np.float64]) -> float:
     return max(float((irradiance @ LUMINANCE).max()), np.finfo(float).tiny)
 
 
-def draw_probe(axes: Axes, seen: Ball, irradiance: NDArray[np.float64], white: float) -> None:
+def draw_probe(axes: Axes, coverage: Ball, irradiance: NDArray[np.float64], white: float) -> None:
     """Draw a probe as sRGB codes of its irradiance over that of `white`."""
-    draw_ball(axes, seen.image(encode_srgb(irradiance / white)))
+    draw_ball(axes, coverage.image(encode_srgb(irradiance / white)))
 
 
 def draw_probes(axes: Sequence[Axes], shaded: ShadedBall, rig: Rig, scale: Normalize) -> AxesImage:

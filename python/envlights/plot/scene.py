@@ -169,5 +169,5 @@ def _parts(rig: Rig) -> str:
     return f"{parts_line(rig)}{sizes}"
 
 
-def _percent(share: float) -> str:
-    return f"{100 * share:.2g} %"
+def _percent(fraction: float) -> str:
+    return f"{100 * fraction:.2g} %"

@@ -66,30 +66,30 @@ def split_picture(
     lights = parts.lights
     page = open_page(Placement(ax, figsize, dpi, transparent), grid(3, 1), (9, 15))
     on_map, on_rest, on_removed = page.panels
-    whole, rest = working(env), working(parts.rest)
+    whole, remainder = working(env), working(parts.remainder)
     ground = expose(whole)
     draw_ground(on_map, ground.codes)
-    draw_ground(on_rest, thumbnails.expose(rest, ground.white))
-    draw_ground(on_removed, thumbnails.expose(np.maximum(whole - rest, 0), ground.white))
+    draw_ground(on_rest, thumbnails.expose(remainder, ground.white))
+    draw_ground(on_removed, thumbnails.expose(np.maximum(whole - remainder, 0), ground.white))
     _draw_marks(on_removed, lights)
-    brightest, left = _brightest(env), _brightest(parts.rest)
+    brightest, left = _brightest(env), _brightest(parts.remainder)
     title = f"the map: white is luminance {ground.white:.3g}, the brightest pixel {brightest}"
     entitle(on_map, title, "small")
     entitle(on_rest, f"without the lights: the brightest pixel {left}", "small")
     entitle(on_removed, "the removed radiance, and the lights", "small")
-    share = 100 * lights.flux_share.sum()
-    page.entitle(f"{lights.in_short()} removed, with {share:.3g} % of all light in the map")
+    fraction = 100 * lights.flux_fraction.sum()
+    page.entitle(f"{lights.in_short()} removed, with {fraction:.3g} % of all light in the map")
     return page.figure
 
 
 def _draw_marks(axes: Axes, lights: RemovedLights) -> None:
     """Draw rings around lights, and their numbers."""
-    discs, sizes = lights.discs(), sizes_for(axes, lights.share)
+    discs, sizes = lights.discs(), sizes_for(axes, lights.fraction)
     draw_rims(axes, lights.direction, discs.angular_radius)
-    at, areas = degrees(lights.direction), sizes.area(lights.share)
+    at, areas = degrees(lights.direction), sizes.area(lights.fraction)
     draw_rings(axes, at, areas)
     draw_numbers(axes, at, areas, colours=number_colours(discs.angular_radius))
-    draw_legend(axes, [*key_of(lights.share, sizes), *key_of_rims(discs.angular_radius)])
+    draw_legend(axes, [*key_of(lights.fraction, sizes), *key_of_rims(discs.angular_radius)])
 
 
 def _brightest(env: EnvMap) -> str:

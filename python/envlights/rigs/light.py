@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from envlights._common.former import former_attributes
 from envlights._common.result import Result
 from envlights.kernels import sphere
 from envlights.kernels.image import LUMINANCE
@@ -15,6 +16,7 @@ from envlights.kernels.image import LUMINANCE
 POLES = ("zenith", "nadir")
 
 
+@former_attributes(share="fraction")
 @dataclass(frozen=True, eq=False, repr=False)
 class Light(Result):
     """Single light, the type of ``lights[0]``.
@@ -25,7 +27,7 @@ class Light(Result):
     >>> lights = el.Lights([[0, 1, 0], [1, 0, 0]], [[1, 1, 1], [3, 3, 3]])
     >>> lights[0]
     <Light: azimuth 90.0°, elevation +0.0°, 75 %>
-    >>> [round(light.share, 2) for light in lights]
+    >>> [round(light.fraction, 2) for light in lights]
     [0.75, 0.25]
     """
 
@@ -38,8 +40,8 @@ class Light(Result):
     angular_radius: float
     """Angular radius in radians; 0 is a point."""
 
-    share: float
-    """Fraction of the light; see `Lights.share`."""
+    fraction: float
+    """Fraction of the light; see `Lights.fraction`."""
 
     @property
     def azimuth(self) -> float:
@@ -62,7 +64,7 @@ class Light(Result):
         place = f"azimuth {azimuth}, elevation {elevation}"
         if azimuth in POLES:
             place = f"at the {azimuth}"
-        return f"{place}, {100 * self.share:.3g} %"
+        return f"{place}, {100 * self.fraction:.3g} %"
 
     def __str__(self) -> str:
         red, green, blue = self.irradiance
@@ -81,7 +83,7 @@ class DetectedLight(Light):
     elongation: float
     orientation: NDArray[np.float64]
     peak_luminance: float
-    flux_share: float
+    flux_fraction: float
     flux: NDArray[np.float64]
     is_clipped: bool
     is_broad: bool

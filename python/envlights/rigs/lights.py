@@ -15,6 +15,7 @@ from envlights._common import html
 from envlights._common.arrays import seal
 from envlights._common.check import rotation, texts
 from envlights._common.files import as_path
+from envlights._common.former import former_attributes
 from envlights._common.notes import Note
 from envlights._common.result import Result
 from envlights._common.tables import MOST_ROWS, Table, frame_of
@@ -64,6 +65,7 @@ def brightest_first(irradiance: NDArray[np.float64]) -> NDArray[np.intp]:
 Rows = slice | list[int] | NDArray[Any]
 
 
+@former_attributes(share="fraction")
 @dataclass(frozen=True, eq=False, repr=False)
 class Lights(Result):
     r"""Directional lights, brightest first.
@@ -146,8 +148,8 @@ class Lights(Result):
         return Lights(*(array[rows] for array in arrays), units=self.units, notes=self.notes)
 
     def _light(self, row: int) -> Light:
-        radius, share = float(self.angular_radius[row]), float(self.share[row])
-        return Light(self.direction[row], self.irradiance[row], radius, share)
+        radius, fraction = float(self.angular_radius[row]), float(self.fraction[row])
+        return Light(self.direction[row], self.irradiance[row], radius, fraction)
 
     def __iter__(self) -> Iterator[Light]:
         return (self._light(row) for row in range(len(self)))
@@ -169,7 +171,7 @@ class Lights(Result):
         return values
 
     @property
-    def share(self) -> NDArray[np.float64]:
+    def fraction(self) -> NDArray[np.float64]:
         """Fraction of each light in the luminance of all, (n,); 0 if all are black."""
         shares: NDArray[np.float64] = self.luminance / (self.luminance.sum() or 1.0)
         return shares
@@ -196,7 +198,7 @@ class Lights(Result):
     def table(self) -> Table:
         """Table of the first dozen lights, and a summary of the others."""
         columns, rows = self._cells()
-        hidden = self.share[MOST_ROWS:]
+        hidden = self.fraction[MOST_ROWS:]
         lights = "light" if len(hidden) == 1 else "lights"
         summary = f"{len(hidden)} more {lights}, {100 * hidden.sum():.2g} % together"
         rest = summary if len(hidden) else ""
@@ -206,7 +208,7 @@ class Lights(Result):
         """Column names, and cells of the first dozen lights."""
         has_sizes = self.angular_radius.any()
         sizes = ["radius"] if has_sizes else []
-        columns = ["light", "azimuth", "elevation", "share", *sizes, rgb_heading(self.units)]
+        columns = ["light", "azimuth", "elevation", "fraction", *sizes, rgb_heading(self.units)]
         rows = [
             [
                 *place_cells(self, row),
@@ -237,7 +239,13 @@ class Lights(Result):
         }
         colours = dict(zip(("red", "green", "blue"), self.irradiance.T, strict=True))
         vectors = dict(zip("xyz", self.direction.T, strict=True))
-        return {**angles, "share": self.share, "luminance": self.luminance, **colours, **vectors}
+        return {
+            **angles,
+            "fraction": self.fraction,
+            "luminance": self.luminance,
+            **colours,
+            **vectors,
+        }
 
     def to_dict(self) -> dict[str, Any]:
         """Lists of numbers, for example for JSON."""
@@ -366,8 +374,8 @@ Sequence.register(Lights)
 
 def place_cells(lights: Lights, row: int) -> list[str]:
     """Number, azimuth, elevation and share of a light."""
-    share = f"{100 * lights.share[row]:.1f} %"
-    return [f"{row + 1}", *angle_cells(lights.direction[row]), share]
+    fraction = f"{100 * lights.fraction[row]:.1f} %"
+    return [f"{row + 1}", *angle_cells(lights.direction[row]), fraction]
 
 
 def rgb_heading(units: str) -> str:

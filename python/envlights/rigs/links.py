@@ -69,12 +69,12 @@ def save_with_map(
 
 
 class LinkedParts:
-    """Lights, `lights`, and the map around them, `rest`, which are saved and shown together."""
+    """Lights, `lights`, and the map around them, `remainder`, which are saved and shown together."""
 
     __slots__ = ()
 
     lights: Any
-    rest: EnvMap
+    remainder: EnvMap
 
     def save(self, *paths: str | os.PathLike[str]) -> tuple[Path, ...]:
         """Write the lights with the rest around them, for one program or several.
@@ -113,13 +113,13 @@ class LinkedParts:
         """
         if not paths:
             raise EnvLightsError("there is no path; give one or several, such as 'sun.usda'")
-        return save_with_map(self.lights, self.rest, paths)
+        return save_with_map(self.lights, self.remainder, paths)
 
     def _repr_pretty_(self, printer: Any, _: bool) -> None:
         printer.text(repr(self) if printer.indentation else str(self))
 
     def _repr_html_(self) -> str:
-        return f"{self.lights._repr_html_()}{self.rest._repr_html_()}"
+        return f"{self.lights._repr_html_()}{self.remainder._repr_html_()}"
 
 
 def plan(

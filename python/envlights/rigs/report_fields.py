@@ -59,9 +59,9 @@ def bands(values: Sequence[Sequence[float]]) -> tuple[tuple[float, ...], tuple[f
     return rows[0], rows[1]
 
 
-def percent(share: float) -> str:
+def percent(fraction: float) -> str:
     """Fraction in percent, with three digits."""
-    return f"{100 * share:.3g} %"
+    return f"{100 * fraction:.3g} %"
 
 
 def degrees(angles: tuple[float, ...]) -> str:
@@ -95,6 +95,6 @@ def row_of(report: Any) -> dict[str, Any]:
         "ambient": report.ambient,
         "steps": report.steps,
         "stop_reason": report.stop_reason.name,
-        "seen_share": report.seen_share,
+        "coverage_fraction": report.coverage_fraction,
         "seconds": float(sum(report.seconds.values())),
     }

@@ -210,5 +210,5 @@ def _figures(rig: Any, target: Target, error: float) -> str:
     return f"{both}; `fit(env, target={target.name!r})`{refit or ' is made for it'}"
 
 
-def _percent(share: float) -> str:
-    return f"{100 * share:.3g} %"
+def _percent(fraction: float) -> str:
+    return f"{100 * fraction:.3g} %"

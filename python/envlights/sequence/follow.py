@@ -9,7 +9,7 @@ from envlights._common.check import check_choice, check_progress, count
 from envlights._common.progress import progress_bar
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import AnyMap
-from envlights.environment.unseen import Unseen
+from envlights.environment.fill import Fill
 from envlights.fitting.ambient_terms import AMBIENTS
 from envlights.fitting.arguments import FitArguments
 from envlights.fitting.map_fit import check_arguments
@@ -67,7 +67,7 @@ def follow(
     objective: str = "mixed",
     ambient: str = "constant",
     floor: bool = False,
-    unseen: Unseen = None,
+    fill: Fill = None,
 ) -> RigStream:
     """Fit a rig to each frame of a sequence of maps; each light keeps its identity.
 
@@ -98,7 +98,7 @@ def follow(
     error : float, optional
         Largest accepted relative RMS error; the fits have the fewest lights that reach it. A search
         for another number must reach 90 % of it, and one for fewer runs below 50 %.
-    sizes, max_radius, objective, ambient, floor, unseen
+    sizes, max_radius, objective, ambient, floor, fill
         As in `fit`.
 
     Returns
@@ -159,7 +159,7 @@ def follow(
         start="greedy",
         fixed=None,
         floor=floor,
-        unseen=unseen,
+        fill=fill,
         target=None,
     )
     # Rigs with several kinds of ambient term have no mean.

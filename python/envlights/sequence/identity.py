@@ -47,9 +47,9 @@ class _Light:
             self.velocity, self.age = np.zeros(3), 0
         else:
             self.age += 1
-            share = max(1 / self.age, _NEWEST)
+            fraction = max(1 / self.age, _NEWEST)
             step = rotation_vector(self.direction, direction)
-            self.velocity = (1 - share) * self.velocity + share * step
+            self.velocity = (1 - fraction) * self.velocity + fraction * step
         self.direction, self.flux, self.radius, self.absent = direction, flux, radius, 0
 
 

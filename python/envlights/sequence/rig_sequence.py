@@ -218,7 +218,7 @@ class RigSequence(Result):
         """Table of the dozen lights with the most flux over all frames."""
         flux, motion = self.flux, self.motion_deg
         order = np.argsort(-flux.sum(axis=0), kind="stable")
-        columns = ["id", "frames", "share", "mean flux", "fastest motion"]
+        columns = ["id", "frames", "fraction", "mean flux", "fastest motion"]
         rows = [self._cells(column, flux, motion) for column in order[:MOST_ROWS]]
         hidden = len(order) - MOST_ROWS
         return Table(columns, rows, f"{hidden} more lights" if hidden > 0 else "")

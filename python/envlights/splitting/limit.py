@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights._common.check import amount
+from envlights._common.former import former_attributes
 from envlights._native import EnvLightsError
 from envlights.environment.connectivity import connected_regions
 from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
@@ -17,17 +18,18 @@ from envlights.kernels.sphere import pixel_solid_angles
 from envlights.rigs.lights import Lights
 
 
+@former_attributes(rest="remainder")
 class Limit(NamedTuple):
     """Map without samples above a maximum, and their excess as lights."""
 
     lights: Lights
     """One light for each bright region, brightest first."""
 
-    rest: EnvMap
+    remainder: EnvMap
     """Map without their radiance, of the same size."""
 
     def __str__(self) -> str:
-        return f"{self.lights}\n\n{self.rest}"
+        return f"{self.lights}\n\n{self.remainder}"
 
 
 def limit(env: AnyMap, maximum: float) -> Limit:
@@ -47,7 +49,7 @@ def limit(env: AnyMap, maximum: float) -> Limit:
     -------
     lights : Lights
         One disc for each connected region above the maximum, with its excess.
-    rest : EnvMap
+    remainder : EnvMap
         The smaller one of the map and the maximum, in each sample. Its last note has the number of
         lights and their fraction of the flux.
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from envlights import _native
 from envlights._common.check import amount, count, describe, flag
+from envlights._common.former import former_attributes
 from envlights._native import EnvLightsError
 from envlights.cards.card_split import CardSplit
 from envlights.cards.cut import cut
@@ -57,17 +58,18 @@ class _SplitFields(NamedTuple):
     lights: RemovedLights
     """Lights that were removed, brightest first."""
 
-    rest: EnvMap
+    remainder: EnvMap
     """The map without them, of the same size and nowhere negative."""
 
 
+@former_attributes(rest="remainder")
 class Split(_SplitFields, LinkedParts):
     """Lights, and the map without them."""
 
     __slots__ = ()
 
     def __str__(self) -> str:
-        return f"{self.lights}\n\nthe map without these lights: {self.rest}"
+        return f"{self.lights}\n\nthe map without these lights: {self.remainder}"
 
 
 @overload
@@ -75,7 +77,7 @@ def split(
     env: AnyMap,
     lights: int | DetectedLights | None = None,
     *,
-    share: float | None = None,
+    fraction: float | None = None,
     shapes: Literal[False] = False,
     **options: Any,
 ) -> Split: ...
@@ -86,7 +88,7 @@ def split(
     env: AnyMap,
     lights: int | DetectedLights | None = None,
     *,
-    share: float | None = None,
+    fraction: float | None = None,
     shapes: Literal[True],
     **options: Any,
 ) -> CardSplit: ...
@@ -96,7 +98,7 @@ def split(
     env: AnyMap,
     lights: int | DetectedLights | None = None,
     *,
-    share: float | None = None,
+    fraction: float | None = None,
     shapes: bool = False,
     **options: Any,
 ) -> Split | CardSplit:
@@ -115,7 +117,7 @@ def split(
     lights : int or DetectedLights, optional
         Largest number of lights to remove, the brightest first: 1 for the sun. Or lights of
         `detect` for this map, such as ``detected[[0, 2]]``. By default, all lights.
-    share : float, optional
+    fraction : float, optional
         Remove the fewest lights, the brightest first, that have this fraction of the flux of all
         lights.
     shapes : bool
@@ -130,7 +132,7 @@ def split(
     -------
     lights : RemovedLights
         The removed lights, with their irradiance at normal incidence; `Cards` if `shapes` is True.
-    rest : EnvMap
+    remainder : EnvMap
         A map like any other; its `notes` name the removed lights.
 
     Raises
@@ -158,7 +160,7 @@ def split(
     away, are dimmed: the clouds around a sun, or the dim part of a softbox. A luminance of y
     thresholds, with y above 1.5, becomes 2 - 1/4 / (y - 1) thresholds.
 
-    Of a map that shows a part of the sphere (`EnvMap.seen`), only what is seen is removed and
+    Of a map that shows a part of the sphere (`EnvMap.coverage`), only what is seen is removed and
     counted, and nothing is filled from unseen pixels. They stay black in the rest.
 
     The irradiance of a clipped light is a lower bound, because the map has lost the radiance above
@@ -187,38 +189,41 @@ def split(
     """
     flag("shapes", shapes)
     env = as_envmap(env)
-    found, chosen, luminance = _choose(env, lights, share, options)
+    found, chosen, luminance = _choose(env, lights, fraction, options)
     start = perf_counter()
     pixels = _light_pixels(env, chosen, luminance)
     if chosen is lights:
         _check_peaks(chosen, pixels)
     is_border = env.registration == "border-sampled"
-    parts = _native.split_map(env.radiance, is_border, pixels, env.seen)
+    parts = _native.split_map(env.radiance, is_border, pixels, env.coverage)
     removed = _removed_lights(chosen, parts, _report(chosen, len(found), perf_counter() - start))
     if shapes:
-        return _cards_and_rest(env, removed, parts.rest, pixels)
+        return _cards_and_rest(env, removed, parts.remainder, pixels)
     notes = (*env.notes, *_notes(removed))
-    return Split(removed, env.with_radiance(parts.rest, notes))
+    return Split(removed, env.with_radiance(parts.remainder, notes))
 
 
 def _cards_and_rest(
-    env: EnvMap, removed: RemovedLights, rest: NDArray[np.float32], pixels: LightPixels
+    env: EnvMap, removed: RemovedLights, remainder: NDArray[np.float32], pixels: LightPixels
 ) -> CardSplit:
     """Cards of removed lights, and the map with all that lies beside them."""
     blocks = pixels.pixel, pixels.light_of_pixel
     cards, around = cut(
-        env, rest, blocks, pixels.block, (removed.direction, removed.angular_radius)
+        env, remainder, blocks, pixels.block, (removed.direction, removed.angular_radius)
     )
     remark = [f"{cards.in_short()} removed"] if len(cards) else []
     return CardSplit(cards, env.with_radiance(around, (*env.notes, *remark)))
 
 
 def _choose(
-    env: EnvMap, lights: int | DetectedLights | None, share: float | None, options: dict[str, Any]
+    env: EnvMap,
+    lights: int | DetectedLights | None,
+    fraction: float | None,
+    options: dict[str, Any],
 ) -> tuple[DetectedLights, DetectedLights, NDArray[np.float32]]:
     """All lights of the map, the ones to remove, and the luminance of the reduced map."""
     if isinstance(lights, DetectedLights):
-        given = [*options, *(["share"] if share is not None else [])]
+        given = [*options, *(["fraction"] if fraction is not None else [])]
         if given:
             raise EnvLightsError(
                 f"{given[0]} has no effect on lights that are already detected; give only one"
@@ -229,11 +234,11 @@ def _choose(
         image = _native.reduced_luminance(env.radiance, width, is_border)
         return lights, lights, image.ravel()
     most = None if lights is None else _count(lights)
-    part = None if share is None else amount("share", share, most=1.0)
+    part = None if fraction is None else amount("fraction", fraction, most=1.0)
     found, luminance = detect_with_luminance(env, **_OPTIONS | options)
     if part is not None:
-        together = np.cumsum(found.flux_share)
-        enough = int(np.searchsorted(together, part * (1 - 1e-12) * found.flux_share.sum())) + 1
+        together = np.cumsum(found.flux_fraction)
+        enough = int(np.searchsorted(together, part * (1 - 1e-12) * found.flux_fraction.sum())) + 1
         most = min(enough if part else 0, len(found) if most is None else most)
     return found, found if most is None else found[:most], luminance
 
@@ -268,16 +273,16 @@ def _check_peaks(lights: DetectedLights, pixels: LightPixels) -> None:
     A peak is one pixel of the map, which has at least 1 / block^3 of the weight in its block.
     """
     image = pixels.luminance.reshape(lights.report.working_size)
-    seen = np.zeros(len(lights))
+    coverage = np.zeros(len(lights))
     rows, columns = lights.members.pixel.T
-    np.maximum.at(seen, lights.members.light, image[rows, columns])
+    np.maximum.at(coverage, lights.members.light, image[rows, columns])
     least, most = 1 - _PEAK_TOLERANCE, 1 + _PEAK_TOLERANCE
     peak = lights.peak_luminance
-    is_other = (seen > most * peak) | (seen < least * peak / pixels.block**3)
+    is_other = (coverage > most * peak) | (coverage < least * peak / pixels.block**3)
     for light in np.flatnonzero(is_other)[:1]:
         raise EnvLightsError(
             f"the lights must be those of this map: light {light} has a peak luminance of"
-            f" {peak[light]:.4g}, but its brightest pixel here has {seen[light]:.4g}"
+            f" {peak[light]:.4g}, but its brightest pixel here has {coverage[light]:.4g}"
         )
 
 
@@ -302,7 +307,7 @@ def _removed_lights(
         "irradiance": parts.irradiance,
         "flux": parts.flux,
         "solid_angle": parts.solid_angle,
-        "flux_share": parts.flux @ LUMINANCE / (parts.map_flux or 1.0),
+        "flux_fraction": parts.flux @ LUMINANCE / (parts.map_flux or 1.0),
         "vector_irradiance": parts.vectors,
         "reach": parts.reach,
         "report": report,
@@ -322,7 +327,7 @@ def _report(chosen: DetectedLights, found: int, seconds: float) -> DetectionRepo
 def _notes(removed: RemovedLights) -> tuple[str, ...]:
     if not len(removed):
         return ()
-    percent = 100 * removed.flux_share.sum()
+    percent = 100 * removed.flux_fraction.sum()
     notes = [f"{removed.in_short()} with {percent:.3g} % of the flux removed"]
     if cut := int(removed.is_cut.sum()):
         lights = "light lies" if cut == 1 else "lights lie"

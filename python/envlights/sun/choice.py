@@ -46,7 +46,7 @@ def is_of_map(sun: Sun) -> bool:
 
 def _towards(env: EnvMap, direction: NDArray[np.float64]) -> Sun:
     """Sun in a direction; that of the map itself if it holds one."""
-    if env.white is None:
+    if env.clip_level is None:
         own = find_sun(env)
         if is_of_map(own) and own.direction is not None:
             if own.direction @ direction < _SAME:

@@ -76,11 +76,11 @@ def find_sun(
     world = as_envmap(env)
     if given is not None:
         return _given_sun(world, given)
-    if world.white is None or not world.clipped_share:
+    if world.clip_level is None or not world.clipped_fraction:
         return sun_of_float_map(world)
     radiance = world.cells()
-    image = sky_image(radiance, world.white)
-    spot = single_spot(image, radiance, world.white) if height is None else None
+    image = sky_image(radiance, world.clip_level)
+    spot = single_spot(image, radiance, world.clip_level) if height is None else None
     if spot is not None:
         return _answer(world, image, _Search(None, spot_position(image, spot)))
     part = best_part(image)
@@ -109,11 +109,11 @@ def _answer(world: EnvMap, image: SkyImage, found: _Search) -> Sun:
 
 def _given_sun(world: EnvMap, direction: NDArray[np.float64]) -> Sun:
     """Result for a known direction."""
-    white = world.white or float(world.radiance.max())
-    if white <= 0:
+    clip_level = world.clip_level or float(world.radiance.max())
+    if clip_level <= 0:
         raise EnvLightsError("the map is black, so the irradiance of its sun is not known")
-    image = sky_image(world.cells(), white)
-    part = part_at(image, direction) if world.white is not None else None
+    image = sky_image(world.cells(), clip_level)
+    part = part_at(image, direction) if world.clip_level is not None else None
     position = SunPosition(direction, 0.0, ("given",), fit_about(image, direction))
     return _with_irradiance(world, image, _Search(part, position), "sun", {})
 
@@ -127,23 +127,23 @@ def _with_irradiance(
 ) -> Sun:
     """Result with irradiance and plateau."""
     part, position = found
-    white = world.white or float(world.radiance.max())
+    clip_level = world.clip_level or float(world.radiance.max())
     relative, is_measured = sun_irradiance(image, float(position.direction[1]))
     notes = [] if "given" in position.evidence else [_SUN_OR_MOON]
     notes += [] if is_measured else [_NO_GROUND]
-    notes += [] if world.seen is None else [_UNSEEN]
+    notes += [] if world.coverage is None else [_UNSEEN]
     plateau = None
     if part is not None:
         # Without evidence of the sky, its fit is not better than white.
         usable = position.fit is not None and "sky" in position.evidence
         fit = position.fit.fit if usable and position.fit is not None else None
-        plateau = plateau_of(world.radiance, world.is_border_sampled, white, part.mask, fit)
+        plateau = plateau_of(world.radiance, world.is_border_sampled, clip_level, part.mask, fit)
     return Sun(
         answer,
         points,
         position.direction,
         float(np.radians(position.uncertainty)),
-        white * relative,
+        clip_level * relative,
         INTERVAL,
         WIDE_INTERVAL,
         SUN_RADIUS,

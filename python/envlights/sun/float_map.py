@@ -53,7 +53,7 @@ def _is_compact(env: EnvMap, lights: DetectedLights) -> bool:
     if lights.angular_radius[0] > np.radians(_WIDEST):
         return False
     first, *others = lights.irradiance @ LUMINANCE
-    sky = float(env.probe([[0.0, 1.0, 0.0]], unseen="black")[0] @ LUMINANCE)
+    sky = float(env.probe([[0.0, 1.0, 0.0]], fill="black")[0] @ LUMINANCE)
     sky -= first * lights.direction[0, 1]
     return bool(first > _LEAST_RATIO * max(sky, 0) and first > 2 * max(others, default=0.0))
 
@@ -67,8 +67,8 @@ def _points(env: EnvMap, direction: NDArray[np.float64]) -> dict[str, bool]:
     order = np.argsort(upper, axis=None, kind="stable")
     above = np.cumsum(np.repeat(weight, upper.shape[1])[order])
     at = np.searchsorted(above, (1 - _CLIPPED) * above[-1])
-    white = float(upper.ravel()[order[min(at, len(order) - 1)]])
-    if white <= 0:
+    clip_level = float(upper.ravel()[order[min(at, len(order) - 1)]])
+    if clip_level <= 0:
         return {}
-    image = sky_image(np.minimum(radiance, np.float32(white)), white)
+    image = sky_image(np.minimum(radiance, np.float32(clip_level)), clip_level)
     return points_of(image, None, spot_position(image, direction))

@@ -17,7 +17,7 @@ _MOST = 20.0
 def plateau_of(
     radiance: NDArray[np.float32],
     border_sampled: bool,
-    white: float,
+    clip_level: float,
     part: NDArray[np.bool_],
     fit: SkyFit | None,
 ) -> NDArray[np.float32]:
@@ -32,13 +32,13 @@ def plateau_of(
     columns = (u * part.shape[1]).astype(int) % part.shape[1]
     plateau = np.zeros((height, width), np.float32)
     for row in np.flatnonzero(np.asarray(part.any(axis=1))[rows]):
-        clipped = radiance[row].max(axis=1) >= np.float32(_native.LEAST_WHITE * white)
+        clipped = radiance[row].max(axis=1) >= np.float32(_native.LEAST_WHITE * clip_level)
         own = np.flatnonzero(part[rows[row], columns] & clipped)
         level = radiance[row, own] @ LUMINANCE
         if fit is not None and len(own):
             places = np.stack([u[own], np.full(len(own), v[row])], axis=1)
             level = np.maximum(
-                level, white * np.minimum(fit.luminance(uv_to_direction(places)), _MOST)
+                level, clip_level * np.minimum(fit.luminance(uv_to_direction(places)), _MOST)
             )
         plateau[row, own] = level
     return plateau

@@ -8,7 +8,7 @@ import numpy as np
 
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import EnvMap
-from envlights.environment.unseen import Unseen
+from envlights.environment.fill import Fill
 from envlights.kernels.sphere import direction_to_uv
 from envlights.rigs.lights import Lights
 from envlights.sun.choice import is_of_map, sun_of
@@ -18,7 +18,7 @@ from envlights.sun.wording import HOLDS_SUN
 
 
 def repair_with_sun(
-    env: EnvMap, sun: Any, irradiance: float | None, ratio: float | None, unseen: Unseen
+    env: EnvMap, sun: Any, irradiance: float | None, ratio: float | None, fill: Fill
 ) -> EnvMap:
     """Sky and disc of a sun in one map; without a sun, the repair without one.
 
@@ -27,23 +27,23 @@ def repair_with_sun(
     found = sun_of(env, sun)
     if is_of_map(found):
         noted = env.with_radiance(env.radiance, (*env.notes, HOLDS_SUN))
-        return noted.repaired(irradiance=irradiance, ratio=ratio, unseen=unseen)
-    lights, rest = parts_of(env, found, irradiance, ratio, unseen)
+        return noted.repaired(irradiance=irradiance, ratio=ratio, fill=fill)
+    lights, remainder = parts_of(env, found, irradiance, ratio, fill)
     if not len(lights):
-        return rest.repaired(irradiance=irradiance, ratio=ratio, unseen=unseen)
-    _check_seen(rest, lights)
+        return remainder.repaired(irradiance=irradiance, ratio=ratio, fill=fill)
+    _check_seen(remainder, lights)
     (note,) = lights.notes
     notes = (*env.notes, f"added as a disc: {note}")
-    return rest.with_radiance(add_disc(rest, lights), notes)
+    return remainder.with_radiance(add_disc(remainder, lights), notes)
 
 
 def _check_seen(env: EnvMap, lights: Lights) -> None:
     """Refuse a sun in the unseen part, which stays black."""
-    if env.seen is None:
+    if env.coverage is None:
         return
     ((u, v),) = direction_to_uv(lights.direction)
     row = min(int(v * env.height), env.height - 1)
-    if not np.asarray(env.seen)[row, int(u * env.width) % env.width]:
+    if not np.asarray(env.coverage)[row, int(u * env.width) % env.width]:
         raise EnvLightsError(
             "sun must be in the part that the map shows, because the other part stays black;"
             " `with_sun` makes it a light"

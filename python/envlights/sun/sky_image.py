@@ -115,21 +115,21 @@ class SkyImage:
         return smooth & bright & (self.radiance[..., 2] > _LEAST_BLUE * self.radiance[..., 0])
 
 
-def sky_image(radiance: NDArray[np.float32], white: float) -> SkyImage:
-    """Reduced image of a map of cells, (height, 2 height, 3), clipped at `white`."""
+def sky_image(radiance: NDArray[np.float32], clip_level: float) -> SkyImage:
+    """Reduced image of a map of cells, (height, 2 height, 3), clipped at `clip_level`."""
     height, width = radiance.shape[:2]
     columns = min(COLUMNS, width)
     rows = columns // 2
-    least = np.float32(_native.LEAST_WHITE * white)
+    least = np.float32(_native.LEAST_WHITE * clip_level)
     means, (clipped, touched, peak) = np.zeros((rows, columns, 3)), np.zeros((3, rows, columns))
     edges = np.arange(rows + 1) * height // rows
     for row, (top, bottom) in enumerate(pairwise(edges)):
         band = radiance[top:bottom]
         is_clipped: Mask = np.asarray(band >= least)
-        means[row] = _means(band, columns) / white
+        means[row] = _means(band, columns) / clip_level
         clipped[row] = _means(np.asarray(is_clipped.all(axis=2, keepdims=True)), columns)[..., 0]
         touched[row] = _means(np.asarray(is_clipped.any(axis=2, keepdims=True)), columns)[..., 0]
-        highest = (band @ LUMINANCE).max(axis=0) / white
+        highest = (band @ LUMINANCE).max(axis=0) / clip_level
         peak[row] = np.maximum.reduceat(highest, _starts(width, columns))
     return SkyImage(means, clipped, touched, peak)
 

@@ -27,8 +27,8 @@ _MOST_PLACES = 256
 Array = NDArray[np.float64]
 
 
-def single_spot(image: SkyImage, radiance: NDArray[np.float32], white: float) -> Array | None:
-    """Direction of the only spot of a map clipped at `white`; None for no spot or several.
+def single_spot(image: SkyImage, radiance: NDArray[np.float32], clip_level: float) -> Array | None:
+    """Direction of the only spot of a map clipped at `clip_level`; None for no spot or several.
 
     `radiance` holds the cells of the map, (height, 2 height, 3).
     """
@@ -44,7 +44,7 @@ def single_spot(image: SkyImage, radiance: NDArray[np.float32], white: float) ->
             found.append(direction)
     if len(found) != 1:
         return None
-    return _centre(radiance, np.float32(white), found[0])
+    return _centre(radiance, np.float32(clip_level), found[0])
 
 
 def _peaks(image: SkyImage) -> NDArray[np.intp]:
@@ -85,7 +85,7 @@ def _deviation(image: SkyImage, rows: slice, ring: NDArray[np.bool_], cosine: Ar
     return float(1.48 * np.median(np.abs(residual)))
 
 
-def _centre(radiance: NDArray[np.float32], white: np.float32, near: Array) -> Array:
+def _centre(radiance: NDArray[np.float32], clip_level: np.float32, near: Array) -> Array:
     """Centroid of the excess of the pixels around a direction, at full resolution."""
     height, width = radiance.shape[:2]
     middle = int(np.arccos(np.clip(near[1], -1, 1)) / np.pi * height)
@@ -94,7 +94,7 @@ def _centre(radiance: NDArray[np.float32], white: np.float32, near: Array) -> Ar
     directions = _native.pixel_directions(height, width, False, rows.start, rows.stop)
     cosine = directions @ near
     inside, ring = cosine > np.cos(np.radians(_INNER)), cosine > np.cos(np.radians(_OUTER))
-    luminance = radiance[rows] @ LUMINANCE / white
+    luminance = radiance[rows] @ LUMINANCE / clip_level
     background = np.median(luminance[ring & ~inside])
     peak = luminance[inside].max()
     # Half of the height keeps the noise of the ring out.

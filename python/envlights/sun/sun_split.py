@@ -9,9 +9,10 @@ from typing import NamedTuple
 import numpy as np
 
 from envlights._common.check import amount
+from envlights._common.former import former_attributes
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
-from envlights.environment.unseen import Unseen
+from envlights.environment.fill import Fill
 from envlights.kernels.image import LUMINANCE
 from envlights.rigs.lights import Lights
 from envlights.rigs.links import LinkedParts
@@ -29,17 +30,18 @@ class _SunSplitFields(NamedTuple):
     lights: Lights
     """The sun as a disc; no light if there is none. `notes` say how sure it is."""
 
-    rest: EnvMap
+    remainder: EnvMap
     """The map with the sky in place of the clipped part around the sun."""
 
 
+@former_attributes(rest="remainder")
 class SunSplit(_SunSplitFields, LinkedParts):
     """Sun as a light, and the map without it."""
 
     __slots__ = ()
 
     def __str__(self) -> str:
-        return f"{self.lights}\n\nthe map around it: {self.rest}"
+        return f"{self.lights}\n\nthe map around it: {self.remainder}"
 
 
 def with_sun(
@@ -48,7 +50,7 @@ def with_sun(
     *,
     irradiance: float | None = None,
     ratio: float | None = None,
-    unseen: Unseen = None,
+    fill: Fill = None,
 ) -> SunSplit:
     r"""Sun of a clipped map as a light of 0.265 degrees in radius, and the sky without it.
 
@@ -71,15 +73,15 @@ def with_sun(
     ratio : float, optional
         The same irradiance divided by that of the sky alone: two readings of a lux meter on the
         ground, in the open and with the sun shaded. It replaces the estimate, too.
-    unseen : {"black", "harmonic", "ground"}, float or array_like, shape (3,), optional
+    fill : {"black", "harmonic", "ground"}, float or array_like, shape (3,), optional
         Radiance where the map shows nothing, for these readings; see `EnvMap.filled`.
 
     Returns
     -------
     lights : Lights
         The sun; no light if the answer is "perhaps" or "no". Notes say what is a guess.
-    rest : EnvMap
-        The map with sky in place of the clipped part around the sun, without a `white`. It is the
+    remainder : EnvMap
+        The map with sky in place of the clipped part around the sun, without a `clip_level`. It is the
         map itself, with a note, if there is no sun.
 
     Raises
@@ -111,11 +113,11 @@ def with_sun(
     array([[8.2, 7.8, 7. ]])
     """
     env = as_envmap(env)
-    return parts_of(env, sun_of(env, sun), irradiance, ratio, unseen)
+    return parts_of(env, sun_of(env, sun), irradiance, ratio, fill)
 
 
 def parts_of(
-    env: EnvMap, sun: Sun, irradiance: float | None, ratio: float | None, unseen: Unseen
+    env: EnvMap, sun: Sun, irradiance: float | None, ratio: float | None, fill: Fill
 ) -> SunSplit:
     """Light and rest for a sun; see `with_sun`."""
     if irradiance is not None and ratio is not None:
@@ -125,20 +127,22 @@ def parts_of(
             amount(name, reading)
     parts = _split_from_map(env, sun) if is_of_map(sun) else None
     if parts is not None:
-        sun, rest = parts
+        sun, remainder = parts
     elif is_of_map(sun) or not len(sun.lights):
         note = _without_sun(sun)
         notes = (*env.notes, note)
         none = replace(sun.lights[:0], notes=(note,))
         return SunSplit(none, env.with_radiance(env.radiance, notes))
     else:
-        rest = env.with_radiance(sun.sky(env.radiance), env.notes, keeps_white=False)
+        remainder = env.with_radiance(sun.sky(env.radiance), env.notes, keeps_clip_level=False)
     lights, measured = sun.lights, ""
     if irradiance is not None or ratio is not None:
-        lights, measured = _of_reading(sun, rest, irradiance, ratio, unseen)
+        lights, measured = _of_reading(sun, remainder, irradiance, ratio, fill)
     note = sun.light_note(measured)
-    notes = (*rest.notes, f"as a light of its own: {note}")
-    return SunSplit(replace(lights, notes=(note,)), rest.with_radiance(rest.radiance, notes))
+    notes = (*remainder.notes, f"as a light of its own: {note}")
+    return SunSplit(
+        replace(lights, notes=(note,)), remainder.with_radiance(remainder.radiance, notes)
+    )
 
 
 def _split_from_map(env: EnvMap, sun: Sun) -> tuple[Sun, EnvMap] | None:
@@ -146,17 +150,17 @@ def _split_from_map(env: EnvMap, sun: Sun) -> tuple[Sun, EnvMap] | None:
 
     None if the sun is not its brightest light, which `split` removes.
     """
-    removed, rest = split(env, 1)
+    removed, remainder = split(env, 1)
     if sun.direction is None or not len(removed) or removed.direction[0] @ sun.direction < _SAME:
         return None
-    return replace(sun, irradiance=removed.irradiance[0]), rest
+    return replace(sun, irradiance=removed.irradiance[0]), remainder
 
 
 def _of_reading(
-    sun: Sun, rest: EnvMap, irradiance: float | None, ratio: float | None, unseen: Unseen
+    sun: Sun, remainder: EnvMap, irradiance: float | None, ratio: float | None, fill: Fill
 ) -> tuple[Lights, str]:
     """Sun with the irradiance of a reading, and the reading in words."""
-    sky = float(rest.probe(np.array([0.0, 1.0, 0.0]), unseen=unseen) @ LUMINANCE)
+    sky = float(remainder.probe(np.array([0.0, 1.0, 0.0]), fill=fill) @ LUMINANCE)
     name, reading, least = "irradiance", irradiance or 0.0, sky
     if ratio is not None:
         name, reading, least = "ratio", ratio, 1.0

@@ -164,15 +164,15 @@ def _in_floats(radiance: NDArray[np.float64]) -> NDArray[np.float32]:
 _Shown = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 
-def _behind(share: NDArray[np.float64], covered: NDArray[np.float64]) -> NDArray[np.float64]:
+def _behind(fraction: NDArray[np.float64], covered: NDArray[np.float64]) -> NDArray[np.float64]:
     """Visible fraction of a shape behind others that have `covered` it."""
-    return in_blocks(share.shape, lambda rows: share[rows] * (1 - covered[rows]))
+    return in_blocks(fraction.shape, lambda rows: fraction[rows] * (1 - covered[rows]))
 
 
 def _add(backdrop: NDArray[np.float64], shown: list[_Shown], rows: slice) -> NDArray[np.float64]:
     """Radiance that shapes add to some rows of a background."""
     behind = backdrop[rows]
-    added = [share[rows] * (colour - behind) for share, colour in shown]
+    added = [fraction[rows] * (colour - behind) for fraction, colour in shown]
     whole: NDArray[np.float64] = np.sum(added, axis=0) if added else np.zeros_like(behind)
     return whole
 
@@ -204,18 +204,18 @@ class _Picture:
         return sphere.pixel_solid_angles(height, width)[..., None]
 
     def light(
-        self, i: int, share: NDArray[np.float64], colour: NDArray[np.float64]
+        self, i: int, fraction: NDArray[np.float64], colour: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], float]:
         """Direction, irradiance, irradiance with background, and solid angle of shape `i`.
 
-        `share` of each pixel shows it.
+        `fraction` of each pixel shows it.
         """
         # Find its pixels. A shape wholly behind another keeps a rounding error of its coverage.
-        at = (share[..., 0] > 1e-9).nonzero()
+        at = (fraction[..., 0] > 1e-9).nonzero()
         height, width, _ = self.stored.shape
         v, u = ((place + 0.5) / side for place, side in zip(at, (height, width), strict=True))
         solid_angles, directions = self.solid_angles[at], sphere.uv_to_direction(np.c_[u, v])
-        own = share[at] * (colour - self.backdrop[at])
+        own = fraction[at] * (colour - self.backdrop[at])
         # Divide the stored light between the shapes in proportion to what they add.
         whole = self.whole[at]
         part = np.divide(own, whole, out=np.zeros((len(at[0]), 3)), where=whole != 0)
@@ -228,7 +228,7 @@ class _Picture:
         # Sum the flux, its centroid, and the background behind it.
         centroid = (flux.sum(axis=1, keepdims=True) * directions).sum(axis=0)
         irradiance = flux.sum(axis=0)
-        owned = share[at] * solid_angles
+        owned = fraction[at] * solid_angles
         background = (self.behind[at] * owned).sum(axis=0)
         direction = centroid / np.linalg.norm(centroid)
         return direction, irradiance, irradiance + background, owned.sum()

@@ -180,7 +180,7 @@ def supersample(
     row, column = near.nonzero()
     step = (np.arange(n) + 0.5) / n
 
-    def share(some: slice) -> NDArray[np.float64]:
+    def fraction(some: slice) -> NDArray[np.float64]:
         u = (column[some, None] + step) / (2 * height)
         v = (row[some, None] + step) / height
         uv = np.stack(np.broadcast_arrays(u[:, None, :], v[:, :, None]), axis=-1)
@@ -191,7 +191,7 @@ def supersample(
         return shares
 
     covered = np.zeros((height, 2 * height))
-    covered[near] = in_blocks((len(row), 3 * n * n), share)
+    covered[near] = in_blocks((len(row), 3 * n * n), fraction)
     return covered
 
 

@@ -94,12 +94,12 @@ class TransferPrior(Result):
         One matrix for each channel, (3, h * w, h * w). Light is that of the visible part, for
         direct images averaged with hidden parts.
         """
-        share = np.divide(
+        fraction = np.divide(
             1.0, self.visible, out=np.zeros_like(self.visible), where=self.visible > 0
         )
         reflected = self.direct_albedo.T[:, :, None]
-        bounced = np.linalg.inv(np.eye(len(share)) - reflected * (self.between * share))
-        shown: NDArray[np.float64] = share[:, None] * bounced
+        bounced = np.linalg.inv(np.eye(len(fraction)) - reflected * (self.between * fraction))
+        shown: NDArray[np.float64] = fraction[:, None] * bounced
         return shown * self.direct_albedo.T[:, None] if self.irradiance else shown
 
     def factors(self, texels: slice) -> NDArray[np.float32]:

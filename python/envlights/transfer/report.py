@@ -116,4 +116,6 @@ def _spread(errors: tuple[float, ...]) -> str:
 
 def _percentiles(errors: tuple[float, ...]) -> list[str]:
     """Median, 90th percentile and largest, in percent."""
-    return [f"{100 * share:.3g} %" for share in (*np.percentile(errors, [50, 90]), max(errors))]
+    return [
+        f"{100 * fraction:.3g} %" for fraction in (*np.percentile(errors, [50, 90]), max(errors))
+    ]

@@ -20,7 +20,7 @@ from envlights._common.files import as_path
 from envlights._native import EnvLightsError
 from envlights.environment.decoders.source import is_source, name_of
 from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
-from envlights.environment.unseen import Unseen
+from envlights.environment.fill import Fill
 from envlights.export.files import save_scene
 from envlights.rigs.rig import Rig
 from envlights.viewer import data, model_textures, widget
@@ -118,7 +118,7 @@ def view(
     rig: Rig | None = None,
     *,
     title: str | None = None,
-    unseen: Unseen = None,
+    fill: Fill = None,
     model: Any = None,
     truth: bool = False,
 ) -> View:
@@ -139,7 +139,7 @@ def view(
         points, fitted over a floor, and without a floor with harmonics.
     title : str, optional
         Text above the controls; the name of the file when left out.
-    unseen : {"black", "harmonic", "ground"}, float or array_like, shape (3,), optional
+    fill : {"black", "harmonic", "ground"}, float or array_like, shape (3,), optional
         Radiance where the map shows nothing; see `EnvMap.filled`.
     model : Model, path-like, trimesh.Trimesh or trimesh.Scene, optional
         A thing of your own in place of ball and box, which a switch adds: see `Model`. Its shadows
@@ -158,7 +158,7 @@ def view(
     ------
     EnvLightsError
         If `env` is no map and no rig, `rig` is no rig or has more than 8 lights, `filled` refuses
-        `unseen`, `model` is no model or has more than 200 000 triangles, or Mitsuba
+        `fill`, `model` is no model or has more than 200 000 triangles, or Mitsuba
         is missing or a model given for `truth`.
 
     References
@@ -180,7 +180,7 @@ def view(
         title = "A rig" if title is None else title
         return view(data.map_of(env), env, title=title, model=model, truth=truth)
     _check_rig(rig)
-    world = as_envmap(env).filled(unseen)
+    world = as_envmap(env).filled(fill)
     rigs = data.fitted_rigs(world) if rig is None else data.rigs_of(rig)
     shown = model if model is None or isinstance(model, Model) else Model.open(model)
     content = _data(world, rigs, _title(env, title))

@@ -55,7 +55,7 @@ impl Top {
     /// True if the samples are cut off at this ceiling.
     pub fn is_clipped(self, ceiling: Ceiling) -> bool {
         match ceiling {
-            Ceiling::White(white) => f64::from(self.sample) >= LEAST_WHITE * f64::from(white),
+            Ceiling::White(clip_level) => f64::from(self.sample) >= LEAST_WHITE * f64::from(clip_level),
             Ceiling::Maximum(maximum) => self.sample >= maximum && self.pixels >= FLAT_TOP_PIXELS,
         }
     }

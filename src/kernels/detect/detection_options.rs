@@ -19,13 +19,13 @@ pub struct DetectionOptions {
     /// Dark gaps up to this angle, in radians, do not divide a light.
     pub gap: f64,
     /// Lights with a smaller fraction of the map's flux are dropped.
-    pub min_flux_share: f64,
+    pub min_flux_fraction: f64,
     /// Least product of a light's fraction of the map's flux and its contrast; not used for clipped maps.
     pub min_worth: f64,
     /// Most lights; neighbours are merged until there are no more.
     pub max_lights: usize,
     /// Largest value that the map can hold, if it is known.
-    pub white: Option<f64>,
+    pub clip_level: Option<f64>,
 }
 
 impl DetectionOptions {
@@ -58,10 +58,10 @@ mod tests {
         prominence: 4.0,
         extent: 0.1,
         gap: 0.014,
-        min_flux_share: 0.0,
+        min_flux_fraction: 0.0,
         min_worth: 0.0,
         max_lights: 1000,
-        white: None,
+        clip_level: None,
     };
 
     #[test]

@@ -129,9 +129,9 @@ impl Scene {
         options: &DetectionOptions,
     ) -> Result<Self> {
         let (columns, threshold) = (options.working_columns, options.threshold);
-        if let Some(white) = options.white
+        if let Some(clip_level) = options.clip_level
             && let Some((working, map, threshold)) =
-                ClippedMap::of(radiance, seen, registration, columns, white, threshold)?
+                ClippedMap::of(radiance, seen, registration, columns, clip_level, threshold)?
         {
             return Ok(Self { working, threshold, clipped: Some(map) });
         }
@@ -179,7 +179,7 @@ impl Scene {
         let backgrounds = backgrounds.iter().map(|background| background.luminance).collect();
         let windows = bars::join(working, &adjacency, &segments, &outline, options.gap, lights, backgrounds);
         let is_listed = |light: &LightMoments, background| {
-            light.flux >= options.min_flux_share * working.flux
+            light.flux >= options.min_flux_fraction * working.flux
                 && (positions.is_some() || options.is_worth_a_line(light, background, working.flux))
         };
         let (selection, panes) = windows.select(is_listed, options.max_lights);
@@ -209,10 +209,11 @@ impl Scene {
 }
 
 impl Detection {
-    /// For each light, true if a camera or a file cut it off: at `white` if that is known, else at the largest sample.
-    pub fn are_clipped(&self, white: Option<f64>) -> impl Iterator<Item = bool> {
+    /// For each light, true if a camera or a file cut it off: at `clip_level` if that is known, else at the largest sample.
+    pub fn are_clipped(&self, clip_level: Option<f64>) -> impl Iterator<Item = bool> {
         let maximum = self.lights.iter().map(|light| light.largest.sample).fold(0.0, f32::max);
-        let ceiling = white.map_or(Ceiling::Maximum(maximum), |white| Ceiling::White(white as f32));
+        let ceiling =
+            clip_level.map_or(Ceiling::Maximum(maximum), |clip_level| Ceiling::White(clip_level as f32));
         self.lights.iter().map(move |light| light.is_clipped(ceiling))
     }
 

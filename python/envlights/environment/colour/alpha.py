@@ -41,21 +41,21 @@ def seen_of_alpha(
     linear: NDArray[np.float32], alpha: NDArray[Any], header: Header
 ) -> NDArray[np.float32] | None:
     """Share of each pixel that is seen; None if all are. `linear` is multiplied by it in place."""
-    share = _share(alpha)
+    fraction = _share(alpha)
     if header.alpha == "premultiplied" and header.dtype.kind == "f":
-        is_seen = (share > 0) | (linear != 0).any(axis=-1)
+        is_seen = (fraction > 0) | (linear != 0).any(axis=-1)
         return None if is_seen.all() else is_seen.astype(np.float32)
-    if (share == 1).all():
+    if (fraction == 1).all():
         return None
-    linear *= share[..., None]
+    linear *= fraction[..., None]
     # A hidden sample that is not finite would stay so.
-    linear[share == 0] = 0
-    return share
+    linear[fraction == 0] = 0
+    return fraction
 
 
 def _share(alpha: NDArray[Any]) -> NDArray[np.float32]:
     """Alpha from 0 to 1; NaN is opaque."""
     if alpha.dtype.kind != "f":
         return alpha.astype(np.float32) / np.float32(np.iinfo(alpha.dtype).max)
-    share: NDArray[np.float32] = np.nan_to_num(alpha.astype(np.float32), nan=1.0).clip(0, 1)
-    return share
+    fraction: NDArray[np.float32] = np.nan_to_num(alpha.astype(np.float32), nan=1.0).clip(0, 1)
+    return fraction

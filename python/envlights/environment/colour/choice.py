@@ -52,7 +52,7 @@ class ColourConversion(NamedTuple):
     matrix: NDArray[np.float64] | None
     """Linear RGB of the file to linear Rec.709, (3, 3); None for Rec.709."""
 
-    white: float | None
+    clip_level: float | None
     """Linear value of the largest code; None for floating point."""
 
     notes: tuple[str, ...]
@@ -89,7 +89,7 @@ def conversion(header: Header, colour: ColourArgument | None) -> ColourConversio
     unchecked = ColourConversion(space.curve, space.matrix, None, tuple(notes))
     if not is_integer:
         return unchecked
-    return unchecked._replace(white=float(unchecked.table(8)[..., -1].max()))
+    return unchecked._replace(clip_level=float(unchecked.table(8)[..., -1].max()))
 
 
 def _notes(space: Space, is_integer: bool) -> list[str]:

@@ -52,8 +52,8 @@ class Linear:
         """Remark on the share of the pixels so far that lay outside Rec.709, if there are any."""
         if not self._outside:
             return ()
-        share = f"{100 * self._outside / self._pixels:.2g} %"
-        return (f"{share} of the pixels lay outside Rec.709; their negative channels became 0",)
+        fraction = f"{100 * self._outside / self._pixels:.2g} %"
+        return (f"{fraction} of the pixels lay outside Rec.709; their negative channels became 0",)
 
     def _decode(self, samples: NDArray[Any]) -> NDArray[np.float32]:
         """Linear values in the primaries of the file."""

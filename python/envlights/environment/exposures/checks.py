@@ -52,7 +52,7 @@ def agreement(
     candidates: list[Response],
     pairs: list[Comparison],
     log_times: NDArray[np.float64],
-    white: float,
+    clip_level: float,
     *,
     may_estimate: bool,
 ) -> Agreement:
@@ -71,7 +71,7 @@ def agreement(
     if may_estimate:
         base = min([*stated, *corrected], key=lambda each: each.residual).response
         for start in (candidates[0], base):
-            estimated += _estimate(start, pairs, log_times, white)
+            estimated += _estimate(start, pairs, log_times, clip_level)
     return _simplest([*stated, *corrected], estimated)
 
 
@@ -202,17 +202,17 @@ def _correct(
 
 
 def _estimate(
-    base: Response, pairs: list[Comparison], log_times: NDArray[np.float64], white: float
+    base: Response, pairs: list[Comparison], log_times: NDArray[np.float64], clip_level: float
 ) -> list[Agreement]:
     """Estimated responses: with all times, and from the pairs without one picture."""
-    found = [_score(fit_response(base, pairs, log_times, white), pairs, log_times)]
+    found = [_score(fit_response(base, pairs, log_times, clip_level), pairs, log_times)]
     for place in range(len(log_times)):
         others = [pair for pair in pairs if place not in (pair.short, pair.long)]
         if not others or not _is_determined(place, pairs):
             continue
-        response = fit_response(base, others, log_times, white)
+        response = fit_response(base, others, log_times, clip_level)
         corrected = _correct(response, pairs, log_times, place)
-        response = fit_response(base, pairs, corrected, white)
+        response = fit_response(base, pairs, corrected, clip_level)
         corrected = _correct(response, pairs, log_times, place)
         if _is_believed(place, corrected[place] - log_times[place], pairs):
             residual = _residual(response, pairs, corrected)

@@ -49,7 +49,7 @@ class Exposure:
     linear: NDArray[np.float32]
     """Exposure of each sample, 1 at white of the series, (height, width, 3)."""
 
-    white: float
+    clip_level: float
     """Exposure of white."""
 
     clip: float
@@ -124,7 +124,7 @@ def _merge_rows(
     # Samples that the shortest exposure lost are at its clip level.
     shortest = exposures[0]
     lost = alone & shortest.clipped[rows]
-    mean = np.where(lost, shortest.white / shortest.time, mean)
+    mean = np.where(lost, shortest.clip_level / shortest.time, mean)
     return mean, is_moved, bool(lost.any())
 
 

@@ -95,7 +95,7 @@ def _of_file(path: str | os.PathLike[str], number: int, time: float) -> Picture:
     if raw.is_raw(path):
         return Picture(number, time, raw.read(path), True, False, False, (raw.NOTE,))
     image = read_image(path)
-    is_linear = image.white is None
+    is_linear = image.clip_level is None
     samples = image.pixels if is_linear else _codes(image.pixels)
     return Picture(
         number, time, samples, is_linear, not is_linear, image.border_sampled, image.notes

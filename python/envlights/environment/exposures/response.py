@@ -64,38 +64,40 @@ class Response:
         """Derivatives of the logarithms by the code."""
         return np.asarray(np.interp(codes, CODES, np.gradient(self.log_exposure, CODES)))
 
-    def scaled(self, white: float) -> Response:
-        """Response whose exposure is 1 at the code `white`."""
-        return replace(self, log_exposure=self.log_exposure - self.logarithm(np.array([white]))[0])
+    def scaled(self, clip_level: float) -> Response:
+        """Response whose exposure is 1 at the code `clip_level`."""
+        return replace(
+            self, log_exposure=self.log_exposure - self.logarithm(np.array([clip_level]))[0]
+        )
 
 
-def known_responses(white: float) -> list[Response]:
-    """Known responses, the likeliest first; `white` is the largest code."""
+def known_responses(clip_level: float) -> list[Response]:
+    """Known responses, the likeliest first; `clip_level` is the largest code."""
     curves: dict[str, Callable[[NDArray[np.float64]], NDArray[np.floating]]] = {
         "sRGB": decode_srgb,
-        f"sRGB up to code {255 * white:.0f}": lambda codes: decode_srgb(codes / white),
+        f"sRGB up to code {255 * clip_level:.0f}": lambda codes: decode_srgb(codes / clip_level),
         "Rec.709": _decode_rec709,
         "gamma 2.2": lambda codes: codes**2.2,
         "gamma 1.8": lambda codes: codes**1.8,
         "sRGB in video range (16 to 235)": lambda codes: decode_srgb(_full_range(codes)),
         "Rec.709 in video range (16 to 235)": lambda codes: _decode_rec709(_full_range(codes)),
     }
-    if white > 254.5 / 255:
+    if clip_level > 254.5 / 255:
         curves.pop("sRGB up to code 255")
-    return [_response(name, curve).scaled(white) for name, curve in curves.items()]
+    return [_response(name, curve).scaled(clip_level) for name, curve in curves.items()]
 
 
-def by_hand(response: object, white: float) -> Response:
+def by_hand(response: object, clip_level: float) -> Response:
     """Response of a caller: "srgb", "linear", or the exposures of 256 codes."""
     if isinstance(response, str):
         if response == "srgb":
-            return _response("sRGB", decode_srgb).scaled(white)
+            return _response("sRGB", decode_srgb).scaled(clip_level)
         if response == "linear":
-            return _response("linear", lambda codes: codes).scaled(white)
+            return _response("linear", lambda codes: codes).scaled(clip_level)
         raise EnvLightsError(
             f"response must be 'srgb', 'linear' or {LEVELS} exposures; got {describe(response)}"
         )
-    return _response("of the caller", _interpolate(_checked_curve(response))).scaled(white)
+    return _response("of the caller", _interpolate(_checked_curve(response))).scaled(clip_level)
 
 
 def _checked_curve(response: object) -> NDArray[np.float64]:
@@ -112,13 +114,13 @@ def _checked_curve(response: object) -> NDArray[np.float64]:
 
 
 def fit_response(
-    base: Response, pairs: list[Comparison], log_times: NDArray[np.float64], white: float
+    base: Response, pairs: list[Comparison], log_times: NDArray[np.float64], clip_level: float
 ) -> Response:
     """Response that differs smoothly from `base` and fits the pairs best."""
     low, high, wanted, weight = _equations(base, pairs, log_times)
     matrix = _hats(high) - _hats(low)
     bends = np.diff(np.eye(len(_KNOTS)), 2, axis=0) * _SMOOTHNESS / _LOG_NOISE * np.sqrt(len(low))
-    anchor = 1e3 * _hats(np.array([white]))
+    anchor = 1e3 * _hats(np.array([clip_level]))
     knots = np.zeros(len(_KNOTS))
     for _ in range(_PASSES):
         residual = wanted - matrix @ knots
@@ -127,7 +129,7 @@ def fit_response(
         right = np.concatenate([robust * wanted, np.zeros(len(bends) + 1)])
         knots = np.linalg.lstsq(rows, right, rcond=None)[0]
     curve = np.maximum.accumulate(base.log_exposure + _hats(CODES) @ knots)
-    return Response("estimated", curve).scaled(white)
+    return Response("estimated", curve).scaled(clip_level)
 
 
 def residuals(

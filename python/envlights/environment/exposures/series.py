@@ -12,12 +12,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights._native import EnvLightsError
 from envlights.environment.exposures import alignment, checks
+from envlights.environment.exposures.clip_level import whites
 from envlights.environment.exposures.comparison import Comparison, comparisons
 from envlights.environment.exposures.merge import Exposure, dilate, distance, merge
 from envlights.environment.exposures.pictures import Picture, check_sizes, read, series_of
 from envlights.environment.exposures.response import Response, by_hand, known_responses
 from envlights.environment.exposures.times import exposure_times
-from envlights.environment.exposures.white import whites
 from envlights.kernels.sphere import pixel_solid_angles
 
 #: Distance of clipped codes to white: JPEG moves white by a few codes.
@@ -35,7 +35,7 @@ class MergeResult:
     radiance: NDArray[np.float32]
     """Radiance for an exposure of 1 s, (height, width, 3)."""
 
-    white: float | None
+    clip_level: float | None
     """Clip level if the shortest exposure is clipped."""
 
     border_sampled: bool
@@ -68,12 +68,12 @@ def merge_exposures(
         exposures = _without_motion(exposures, series, notes)
     radiance, is_moved, is_lost = merge(exposures)
     _note_ghosts(is_moved, notes)
-    white = exposures[0].white / exposures[0].time if is_lost else None
+    clip_level = exposures[0].clip_level / exposures[0].time if is_lost else None
     shown = f"{seconds[0]:.3g} to {seconds[-1]:.3g}"
     about = f"{len(series)} exposures were merged, with times from {shown}"
     # An exposure of 1 s at ISO 100 and f/1 has the exposure value 0.
     ev100 = 0.0 if are_exposures else None
-    return MergeResult(radiance, white, border_sampled, (about, *notes), ev100)
+    return MergeResult(radiance, clip_level, border_sampled, (about, *notes), ev100)
 
 
 def _read_all(pictures: object, times: object) -> tuple[list[Picture], bool]:
@@ -107,17 +107,17 @@ def _response_and_times(
     series: list[Picture], levels: list[float], response: object, notes: list[str]
 ) -> tuple[Response, list[float]]:
     """Response of the camera, and times after a check against the pictures."""
-    white = min(max(levels), 1.0)
+    clip_level = min(max(levels), 1.0)
     log_times = np.log([picture.time for picture in series])
     numbers = [picture.number for picture in series]
     is_linear = series[0].is_linear
     if response is not None:
-        candidates = [by_hand(response, 1.0 if is_linear else white)]
+        candidates = [by_hand(response, 1.0 if is_linear else clip_level)]
     else:
-        candidates = [by_hand("linear", 1.0)] if is_linear else known_responses(white)
+        candidates = [by_hand("linear", 1.0)] if is_linear else known_responses(clip_level)
     pairs = _pairs(series, levels)
     found = checks.agreement(
-        candidates, pairs, log_times, white, may_estimate=response is None and not is_linear
+        candidates, pairs, log_times, clip_level, may_estimate=response is None and not is_linear
     )
     checks.refuse_contradiction(found, pairs, log_times, numbers)
     if response is None and not is_linear and found.response.name != "sRGB":
@@ -154,8 +154,8 @@ def _exposure_of(picture: Picture, level: float, curve: Response, time: float) -
     if picture.is_linear and curve.name == "linear":
         return Exposure(time, picture.samples, level, _CLIPPED_LINEAR * level, clipped, False)
     linear = curve.exposure(picture.samples)
-    white, clip = (float(curve.exposure(np.array([x]))[0]) for x in (level, level - _CLIPPED))
-    return Exposure(time, linear, white, clip, clipped, picture.rings)
+    clip_level, clip = (float(curve.exposure(np.array([x]))[0]) for x in (level, level - _CLIPPED))
+    return Exposure(time, linear, clip_level, clip, clipped, picture.rings)
 
 
 def _without_motion(
@@ -185,16 +185,18 @@ def _without_motion(
         mask = alignment.align(exposure.clipped.astype(np.float32), move) > 0.01
         linear = alignment.align(exposure.linear, move)
         result.append(
-            Exposure(exposure.time, linear, exposure.white, exposure.clip, mask, exposure.rings)
+            Exposure(
+                exposure.time, linear, exposure.clip_level, exposure.clip, mask, exposure.rings
+            )
         )
     return result
 
 
 def _note_ghosts(is_moved: NDArray[np.bool_], notes: list[str]) -> None:
     solid_angles = pixel_solid_angles(*is_moved.shape)
-    share = float(solid_angles[is_moved].sum() / solid_angles.sum())
-    if share > _LEAST_SHARE:
+    fraction = float(solid_angles[is_moved].sum() / solid_angles.sum())
+    if fraction > _LEAST_SHARE:
         notes.append(
-            f"exposures contradict each other on {100 * share:.2g} % of the sphere, where something"
+            f"exposures contradict each other on {100 * fraction:.2g} % of the sphere, where something"
             " may have moved; only the best exposure was used there"
         )

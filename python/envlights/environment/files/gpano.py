@@ -128,10 +128,10 @@ def _to_pixels(
     rows = max(round(full_height * scale), height, -(-width // 2))
     left = min(round(left * scale), 2 * rows - width)
     top = min(round(top * scale), rows - height)
-    share = (
+    fraction = (
         f"columns {left} to {left + width} of {2 * rows}, rows {top} to {top + height} of {rows}"
     )
-    note = f"the picture shows a part of the sphere (GPano): {share}"
+    note = f"the picture shows a part of the sphere (GPano): {fraction}"
     return Crop(2 * rows, rows, int(left), int(top)), [note]
 
 

@@ -48,10 +48,10 @@ class Image:
     notes: tuple[str, ...]
     """Remarks on assumptions and on ignored content."""
 
-    white: float | None = None
+    clip_level: float | None = None
     """Clip level of the samples; None for floating point."""
 
-    seen: NDArray[np.float32] | None = None
+    coverage: NDArray[np.float32] | None = None
     """Share of each pixel that the file shows, (height, width); None if all is seen."""
 
     hints: Hints = NO_HINTS
@@ -136,35 +136,35 @@ class OpenImage:
         for top, colours, alpha in self.samples():
             if histogram:
                 histogram.add(visible(colours, alpha), top)
-            block, share = self._block(linear, colours, alpha)
+            block, fraction = self._block(linear, colours, alpha)
             pixels.add(top, block)
-            shares.add(top, share)
-        white, notes = self._white(histogram, pixels.whole)
-        seen = shares.whole
-        if seen is not None and not seen.any():
+            shares.add(top, fraction)
+        clip_level, notes = self._clip_level(histogram, pixels.whole)
+        coverage = shares.whole
+        if coverage is not None and not coverage.any():
             self._check_alpha()
-            seen = None
-        if seen is None and self.place.crop:
-            seen = np.ones(size, np.float32)
+            coverage = None
+        if coverage is None and self.place.crop:
+            coverage = np.ones(size, np.float32)
         return Image(
             self.place.apply(pixels.whole),
             header.border_sampled,
             (*self.notes, *linear.notes, *notes),
-            white,
-            None if seen is None else self.place.apply(seen, border=1),
+            clip_level,
+            None if coverage is None else self.place.apply(coverage, border=1),
             self.hints,
             self.units,
             header.ev100,
         )
 
-    def _white(
+    def _clip_level(
         self, histogram: CodeHistogram | None, pixels: NDArray[np.float32]
     ) -> tuple[float | None, list[str]]:
         """Clip level, and a note on one that only the histogram shows."""
         if self.raw.header.has_gain_map:
             return float(pixels.max(initial=0)) or None, []
         if histogram is None:
-            return self.colour.white, []
+            return self.colour.clip_level, []
         return white_of(histogram, self.colour.table(8 * self.raw.header.dtype.itemsize))
 
     def _check_alpha(self) -> None:

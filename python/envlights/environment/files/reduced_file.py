@@ -42,7 +42,7 @@ class ReducedFile(NamedTuple):
     notes: tuple[str, ...]
     """Remarks on assumptions and on ignored content."""
 
-    clipped_flux_share: float
+    clipped_flux_fraction: float
     """Fraction of the flux in clipped pixels; 0 for a file without a clip level."""
 
     units: str
@@ -53,12 +53,12 @@ class _Cells(NamedTuple):
     """Size of the reduced map."""
 
     columns: int
-    source_share: float
+    source_fraction: float
     floor: bool
 
 
 def reduce_file(
-    source: AnySource, columns: int, source_share: float, floor: bool
+    source: AnySource, columns: int, source_fraction: float, floor: bool
 ) -> ReducedFile | None:
     """Reduce the rows of a file; None if the whole map is needed.
 
@@ -68,12 +68,12 @@ def reduce_file(
         File; see `read_image`.
     columns : int
         Largest number of columns of the reduced map.
-    source_share : float
+    source_fraction : float
         Fraction of the flux of a channel from which a cell becomes a point source.
     floor : bool
         True if a floor hides all light from below the horizon.
     """
-    cells = _Cells(columns, source_share, floor)
+    cells = _Cells(columns, source_fraction, floor)
     with open_image(source, any_projection=True) as file:
         if not _is_plain(file):
             return None
@@ -101,7 +101,7 @@ def _is_plain(file: OpenImage) -> bool:
         and not file.hints.stereo
         and colour.matrix is None
         and not header.has_gain_map
-        and (header.dtype.kind == "u" or (colour.curve is None and colour.white is None))
+        and (header.dtype.kind == "u" or (colour.curve is None and colour.clip_level is None))
         and all(factor == 1 for factor in header.exposure)
     )
 
@@ -121,12 +121,12 @@ def _of_rows(file: OpenImage, cells: _Cells) -> ReducedFile | None:
     if _may_be_discs(lines):
         return None
     reduced = reducer.finish()
-    share, notes = _clipped(reducer, header.height, table) if has_codes else (0.0, [])
-    if reduced is None or share is None:
+    fraction, notes = _clipped(reducer, header.height, table) if has_codes else (0.0, [])
+    if reduced is None or fraction is None:
         return None
     if reducer.negative:
         notes.append(note_of_negative(reducer.negative))
-    return ReducedFile(reduced, header.width, (*file.notes, *notes), share, file.units)
+    return ReducedFile(reduced, header.width, (*file.notes, *notes), fraction, file.units)
 
 
 def _clipped(
@@ -135,8 +135,8 @@ def _clipped(
     """Fraction of the flux in clipped pixels, None if unknown, and notes on the clip level."""
     histogram = CodeHistogram(height)
     histogram.sums = reducer.histogram
-    white, notes = white_of(histogram, table)
-    shares = reducer.clipped(_native.LEAST_WHITE * white)
+    clip_level, notes = white_of(histogram, table)
+    shares = reducer.clipped(_native.LEAST_WHITE * clip_level)
     return None if shares is None else shares[1], notes
 
 

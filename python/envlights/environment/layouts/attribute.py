@@ -24,7 +24,7 @@ _VERSION = 1
 #: Entries of a statement beside the arguments.
 _OTHERS = {"version", "size"}
 #: Arguments that no saved picture has.
-_UNUSED = {"towards", "eye"}
+_UNUSED = {"forward", "eye"}
 #: Arguments that name a projection, so that a statement of the file does not count.
 _NAMING = ("projection", "faces", "mapping")
 #: Axes of a picture whose statement has none.
@@ -122,7 +122,7 @@ def with_statement(
         return arguments, False
     stated = _arguments_of_statement(hints.layout, size)
     given = {name: value for name, value in arguments._asdict().items() if value is not None}
-    if "towards" in given:
+    if "forward" in given:
         given["axes"] = None
     return stated._replace(**given), True
 

@@ -54,7 +54,7 @@ class _Order(NamedTuple):
 
 def arrange_cube(
     samples: NDArray[Any],
-    seen: NDArray[Any] | None,
+    coverage: NDArray[Any] | None,
     hints: Hints,
     arguments: Arguments,
     recognised_by: str,
@@ -65,7 +65,7 @@ def arrange_cube(
     ----------
     samples : ndarray, shape (6, n, n, channels) or (height, width, channels)
         Six faces, a stack, a strip or a cross.
-    seen : ndarray, optional
+    coverage : ndarray, optional
         Share of each pixel that is seen, of the same arrangement.
     hints, arguments
         Statements of the file and of the user.
@@ -90,8 +90,10 @@ def arrange_cube(
     name = _name_of(order, is_border=is_border)
     size = (6 * n, n) if samples.ndim == 4 else samples.shape[:2]
     source = Source("cube", size, name, REGISTRATIONS[is_border], order.recognised_by, layout)
-    share = None if seen is None else _stack(upright_of(seen, order.name), layout)
-    return ArrangedPicture(_stack(upright, layout), share, layout, source, (*order.notes, *notes))
+    fraction = None if coverage is None else _stack(upright_of(coverage, order.name), layout)
+    return ArrangedPicture(
+        _stack(upright, layout), fraction, layout, source, (*order.notes, *notes)
+    )
 
 
 def _possible_orders(samples: NDArray[Any]) -> tuple[str, ...]:

@@ -247,12 +247,12 @@ def checked_axes(axes: ArrayLike) -> Axes:
     return (rows[0], rows[1], rows[2])
 
 
-def looking(towards: ArrayLike, name: str = "towards") -> Axes:
+def looking(forward: ArrayLike, name: str = "forward") -> Axes:
     """Axes of a level camera that looks along a direction.
 
     Parameters
     ----------
-    towards : array_like, shape (3,)
+    forward : array_like, shape (3,)
         Direction of any length. Straight up or down the pictures are those of the faces of a cube.
     name : str
         Name of the argument, for a refusal.
@@ -267,12 +267,12 @@ def looking(towards: ArrayLike, name: str = "towards") -> Axes:
     >>> looking([0, 0, 2]) == FRONT
     True
     """
-    vector = reals(name, towards, 1)
+    vector = reals(name, forward, 1)
     length = float(np.linalg.norm(vector)) if vector.shape == (3,) else 0.0
     if not 0 < length < math.inf:
         raise EnvLightsError(
             f"{name} must be a direction: three finite numbers, not all 0; got"
-            f" {np.asarray(towards).tolist()}"
+            f" {np.asarray(forward).tolist()}"
         )
     forward = vector / length
     level = np.hypot(forward[0], forward[2])

@@ -72,7 +72,7 @@ class Picture:
     faces: str = ""
     """Convention of the faces of a cube; empty for other projections."""
 
-    seen: NDArray[np.float32] | None = None
+    coverage: NDArray[np.float32] | None = None
     """Share of each sample that is seen, (height, width); None if all is."""
 
     notes: tuple[str, ...] = ()
@@ -232,7 +232,7 @@ def picture_of(
     layout: Layout,
     *,
     faces: str = "opengl",
-    seen: NDArray[Any] | None = None,
+    coverage: NDArray[Any] | None = None,
     notes: tuple[str, ...] = (),
     arrangement: str = ARRANGEMENTS[0],
 ) -> Picture:
@@ -246,7 +246,7 @@ def picture_of(
         Projection of the samples.
     faces : str
         Convention of a cube's faces in the picture: one of `CONVENTIONS`.
-    seen : ndarray, optional
+    coverage : ndarray, optional
         Share of each sample that is seen.
     notes : tuple of str
         Remarks on the origin.
@@ -254,14 +254,14 @@ def picture_of(
         Arrangement of a cube's faces in the picture: one of `ARRANGEMENTS`.
     """
     array = np.ascontiguousarray(samples, np.float32)
-    share = None if seen is None else np.ascontiguousarray(seen, np.float32)
+    fraction = None if coverage is None else np.ascontiguousarray(coverage, np.float32)
     if layout.kind != "cube":
-        return Picture(array, layout, "", share, notes)
+        return Picture(array, layout, "", fraction, notes)
     check_choice("faces", faces, tuple(CONVENTIONS))
     check_choice("arrangement", arrangement, ARRANGEMENTS)
     array = _in_arrangement(array, faces, arrangement)
-    share = None if share is None else _in_arrangement(share, faces, arrangement)
-    return Picture(array, layout, faces, share, notes, arrangement)
+    fraction = None if fraction is None else _in_arrangement(fraction, faces, arrangement)
+    return Picture(array, layout, faces, fraction, notes, arrangement)
 
 
 def straight(picture: Picture) -> Picture:
@@ -269,12 +269,12 @@ def straight(picture: Picture) -> Picture:
 
     The border of a photograph lies inside pixels of its map. Without this, it comes back darker.
     """
-    if picture.seen is None:
+    if picture.coverage is None:
         return picture
-    known = picture.seen >= _LEAST_SHARE
-    share = np.where(known, picture.seen, np.float32(1))[..., None]
-    array = np.where(known[..., None], picture.array / share, np.float32(0))
-    return replace(picture, array=array, seen=None if known.all() else known.astype(np.float32))
+    known = picture.coverage >= _LEAST_SHARE
+    fraction = np.where(known, picture.coverage, np.float32(1))[..., None]
+    array = np.where(known[..., None], picture.array / fraction, np.float32(0))
+    return replace(picture, array=array, coverage=None if known.all() else known.astype(np.float32))
 
 
 def _in_arrangement(stack: NDArray[Any], faces: str, arrangement: str) -> NDArray[Any]:

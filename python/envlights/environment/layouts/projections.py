@@ -21,7 +21,7 @@ class Projection(NamedTuple):
     """Names of the other arguments that it takes."""
 
 
-_DISC = ("circle", "towards")
+_DISC = ("circle", "forward")
 
 #: Projections by the value of `projection=`.
 PROJECTIONS = {
@@ -36,13 +36,13 @@ PROJECTIONS = {
     "cube": Projection(
         "a cube map", "projection='cube', faces='opengl'", ("faces", "registration")
     ),
-    "octahedral": Projection("an octahedral map", "projection='octahedral'", ("towards",)),
+    "octahedral": Projection("an octahedral map", "projection='octahedral'", ("forward",)),
     "octahedral-equal-area": Projection(
         "an equal-area octahedral map, as of pbrt",
         "projection='octahedral-equal-area'",
-        ("towards",),
+        ("forward",),
     ),
-    "angular": Projection("an angular map or light probe", "projection='angular'", ("towards",)),
+    "angular": Projection("an angular map or light probe", "projection='angular'", ("forward",)),
     "mirror-ball": Projection(
         "a photograph of a mirror ball", "projection='mirror-ball'", ("circle",)
     ),
@@ -51,7 +51,7 @@ PROJECTIONS = {
         "projection='fisheye', mapping='equidistant', fov=180",
         ("mapping", "fov", *_DISC),
     ),
-    "planar": Projection("a photograph", "projection='planar', fov=65", ("fov", "towards")),
+    "planar": Projection("a photograph", "projection='planar', fov=65", ("fov", "forward")),
 }
 
 #: Discs in a black square.

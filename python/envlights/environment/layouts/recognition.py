@@ -43,7 +43,7 @@ def recognise(
     samples: NDArray[Any],
     hints: Hints = NO_HINTS,
     arguments: Arguments = NO_ARGUMENTS,
-    seen: NDArray[Any] | None = None,
+    coverage: NDArray[Any] | None = None,
 ) -> ArrangedPicture:
     """Recognise the projection of a picture, and arrange its samples for it.
 
@@ -55,7 +55,7 @@ def recognise(
         Statements of the file, from `read_image`.
     arguments : Arguments, optional
         Statements of the user, which go before all others.
-    seen : ndarray, optional
+    coverage : ndarray, optional
         Share of each pixel that is seen, without channels.
 
     Returns
@@ -79,13 +79,13 @@ def recognise(
     arguments.check()
     picture = samples_of(samples)
     arguments, is_stated = with_statement(arguments, hints, picture.shape[-3:-1])
-    picture, seen, notes = one_eye(picture, seen, hints, arguments)
+    picture, coverage, notes = one_eye(picture, coverage, hints, arguments)
     kind = _kind(picture, hints, arguments)
     check_unused(kind.projection, arguments.names())
     if kind.projection == "cube":
-        found = arrange_cube(picture, seen, hints, arguments, kind.recognised_by)
+        found = arrange_cube(picture, coverage, hints, arguments, kind.recognised_by)
     else:
-        found = _arrange(picture, seen, hints, arguments, kind)
+        found = _arrange(picture, coverage, hints, arguments, kind)
     source = found.source._replace(recognised_by="attribute") if is_stated else found.source
     return found._replace(source=source, notes=(*notes, *found.notes))
 
@@ -134,7 +134,7 @@ def _without_projection(picture: NDArray[Any], arguments: Arguments) -> EnvLight
 
 def _arrange(
     picture: NDArray[Any],
-    seen: NDArray[Any] | None,
+    coverage: NDArray[Any] | None,
     hints: Hints,
     arguments: Arguments,
     kind: _Kind,
@@ -155,7 +155,7 @@ def _arrange(
         )
     registration = REGISTRATIONS[layout.border_sampled]
     source = Source(kind.projection, (height, width), "", registration, kind.recognised_by, layout)
-    return ArrangedPicture(picture, seen, layout, source, notes)
+    return ArrangedPicture(picture, coverage, layout, source, notes)
 
 
 _Made = tuple[Layout, tuple[str, ...]]
@@ -277,8 +277,8 @@ def _square(height: int, width: int, what: str) -> int:
 
 
 def _axes(arguments: Arguments, default: Axes = layouts.FRONT) -> Axes:
-    if arguments.towards is not None:
-        return layouts.looking(arguments.towards)
+    if arguments.forward is not None:
+        return layouts.looking(arguments.forward)
     return default if arguments.axes is None else layouts.checked_axes(arguments.axes)
 
 

@@ -13,7 +13,7 @@ from envlights.environment.layouts.layout import MAPPINGS, Layout
 from envlights.environment.layouts.projections import PROJECTIONS
 
 #: Names of the positions of samples.
-REGISTRATIONS = ("cell-centred", "border-sampled")
+REGISTRATIONS: tuple[str, str] = ("cell-centred", "border-sampled")
 #: Names of the halves of a stereo picture.
 EYES = ("left", "right")
 
@@ -42,7 +42,7 @@ class Arguments(NamedTuple):
     circle: ArrayLike | None = None
     """Centre x, centre y and radius of a fisheye or a mirror ball, in pixels."""
 
-    towards: ArrayLike | None = None
+    forward: ArrayLike | None = None
     """Direction of the centre of the picture; +z when left out."""
 
     eye: str | None = None
@@ -103,7 +103,7 @@ class ArrangedPicture(NamedTuple):
     samples: NDArray[Any]
     """Samples, (layout.height, layout.width, ...); the given array if nothing was moved."""
 
-    seen: NDArray[Any] | None
+    coverage: NDArray[Any] | None
     """Share of each sample that is seen, arranged alike; None if all is seen."""
 
     layout: Layout

@@ -179,16 +179,16 @@ def _stack_of(name: str, order: str, images: list[Image]) -> Image:
     """Stack of six images, (6 n, n, 3)."""
     first = images[0]
     notes = dict.fromkeys(note for image in images for note in image.notes)
-    seen = None
-    if any(image.seen is not None for image in images):
-        seen = np.concatenate([_share(image) for image in images])
+    coverage = None
+    if any(image.coverage is not None for image in images):
+        coverage = np.concatenate([_share(image) for image in images])
     return replace(
         first,
         pixels=np.concatenate([image.pixels for image in images]),
         border_sampled=False,
         notes=tuple(notes),
-        white=_white(images),
-        seen=seen,
+        clip_level=_clip_level(images),
+        coverage=coverage,
         ev100=first.ev100 if len({image.ev100 for image in images}) == 1 else None,
         units=_units(images),
         hints=first.hints._replace(name=name, order=order, border_sampled=False, layout=""),
@@ -207,10 +207,10 @@ def _units(images: list[Image]) -> str:
 
 
 def _share(image: Image) -> NDArray[np.float32]:
-    return np.ones(image.pixels.shape[:2], np.float32) if image.seen is None else image.seen
+    return np.ones(image.pixels.shape[:2], np.float32) if image.coverage is None else image.coverage
 
 
-def _white(images: list[Image]) -> float | None:
+def _clip_level(images: list[Image]) -> float | None:
     """Lowest clip level; None if one of the faces has none."""
-    known = [image.white for image in images if image.white is not None]
+    known = [image.clip_level for image in images if image.clip_level is not None]
     return min(known) if len(known) == len(images) else None

@@ -16,7 +16,7 @@ _MODES = {"top-bottom": True, "left-right": False}
 
 
 def one_eye(
-    picture: NDArray[Any], seen: NDArray[Any] | None, hints: Hints, arguments: Arguments
+    picture: NDArray[Any], coverage: NDArray[Any] | None, hints: Hints, arguments: Arguments
 ) -> tuple[NDArray[Any], NDArray[Any] | None, tuple[str, ...]]:
     """Picture of one eye, its share that is seen, and notes; a picture of one eye is unchanged.
 
@@ -28,13 +28,13 @@ def one_eye(
             " eye='right'"
         )
     if arguments.eye is None:
-        return picture, seen, ()
+        return picture, coverage, ()
     above = _is_above(picture, hints)
     place = EYES.index(arguments.eye)
-    share = None if seen is None else halves(seen, above=above)[place]
+    fraction = None if coverage is None else halves(coverage, above=above)[place]
     side = (("upper", "lower") if above else ("left", "right"))[place]
     note = f"only the {side} half, of the {arguments.eye} eye, was read"
-    return halves(picture, above=above)[place], share, (note,)
+    return halves(picture, above=above)[place], fraction, (note,)
 
 
 def _is_above(picture: NDArray[Any], hints: Hints) -> bool:

@@ -264,9 +264,9 @@ def _notes(
     """Remarks on the rank, and on a prior that does not fit the pairs."""
     notes = []
     if is_chosen:
-        share = 100 * _truncation(every, rank)
+        fraction = 100 * _truncation(every, rank)
         notes.append(
-            f"rank {rank}: the basis leaves out {share:.2g} % of new light, where the median error"
+            f"rank {rank}: the basis leaves out {fraction:.2g} % of new light, where the median error"
             f" without a basis is {100 * np.median(rest.errors):.2g} %"
         )
     coefficients = _coefficients(own.products)

@@ -40,10 +40,10 @@ class BasisSize:
         bound = None if error is None else amount("error", error)
         if not isinstance(rank, float | np.floating):
             return cls(count("rank", rank, least=1), bound)
-        share = amount("rank as a share of the energy", float(rank), most=1.0)
-        if share == 0:
+        fraction = amount("rank as a share of the energy", float(rank), most=1.0)
+        if fraction == 0:
             raise EnvLightsError("rank as a share of the energy must be more than 0; got 0.0")
-        return cls(share, bound)
+        return cls(fraction, bound)
 
     def missed(self, values: NDArray[np.float64], rank: int) -> tuple[str, ...]:
         """Notes if there are fewer directions, or a larger error, than requested."""

@@ -33,15 +33,15 @@ pub enum ClipLevel {
 }
 
 impl ClipLevel {
-    /// Clip level of a map that can hold values up to `white`; `None` if nothing was cut off.
+    /// Clip level of a map that can hold values up to `clip_level`; `None` if nothing was cut off.
     ///
     /// `maximum` is the largest luminance of the map's own pixels: a lamp smaller than a working pixel is clipped too.
-    pub fn of(working: &WorkingImage, maximum: f64, white: f64) -> Option<Self> {
-        if maximum >= LEAST_WHITE * white {
-            return Some(Self::White(white));
+    pub fn of(working: &WorkingImage, maximum: f64, clip_level: f64) -> Option<Self> {
+        if maximum >= LEAST_WHITE * clip_level {
+            return Some(Self::White(clip_level));
         }
         let is_peak = || share_of_seen(working, PEAK.top * maximum) < PEAK.largest_top;
-        (maximum >= PEAK.least_end * white && is_peak()).then_some(Self::Peak(maximum))
+        (maximum >= PEAK.least_end * clip_level && is_peak()).then_some(Self::Peak(maximum))
     }
 
     /// Luminance at which values are cut off.

@@ -60,7 +60,7 @@ pub struct ClippedMap {
     pub expanded: WorkingImage,
     level: ClipLevel,
     /// Fraction of the sphere at the largest value that the map can hold.
-    clipped_share: f64,
+    clipped_fraction: f64,
 }
 
 /// Properties of the lights of a clipped map.
@@ -73,11 +73,11 @@ pub struct ClippedLights {
     /// Clip level of the map.
     pub level: ClipLevel,
     /// Fraction of the sphere at the largest value that the map can hold.
-    pub clipped_share: f64,
+    pub clipped_fraction: f64,
 }
 
 impl ClippedMap {
-    /// Reduced luminance of a map that can hold values up to `white`, its expansion, and the threshold of the expansion.
+    /// Reduced luminance of a map that can hold values up to `clip_level`, its expansion, and the threshold of the expansion.
     /// `seen` is the share of each pixel that the map shows.
     ///
     /// `None` if nothing was cut off.
@@ -90,18 +90,18 @@ impl ClippedMap {
         seen: Option<ArrayView2<'_, f32>>,
         registration: Registration,
         columns: usize,
-        white: f64,
+        clip_level: f64,
         threshold: Option<f64>,
     ) -> Result<Option<(WorkingImage, Self, Threshold)>> {
         let columns = (columns / WORKING.fewer_columns).max(WORKING.least_columns);
         let reduced = |columns, level| -> Result<ExpandedMap> {
             Ok(ExpandedMap::of(radiance, registration, columns, level)?.with_seen(seen, registration))
         };
-        let first = reduced(columns, white)?;
-        let Some(level) = ClipLevel::of(&first.working, first.maximum, white) else { return Ok(None) };
-        let clipped_share = clip_level::share_above(&first.working, LEAST_WHITE * white);
+        let first = reduced(columns, clip_level)?;
+        let Some(level) = ClipLevel::of(&first.working, first.maximum, clip_level) else { return Ok(None) };
+        let clipped_fraction = clip_level::share_above(&first.working, LEAST_WHITE * clip_level);
         let end = level.luminance();
-        let mut map = if end < white { reduced(columns, end)? } else { first };
+        let mut map = if end < clip_level { reduced(columns, end)? } else { first };
         let mut level_of_bright = threshold_of(&map, end, threshold);
         // Reduce the map further if much of it is bright.
         let bright = clip_level::share_above(&map.expanded, level_of_bright.luminance);
@@ -111,7 +111,7 @@ impl ClippedMap {
             level_of_bright = threshold_of(&map, end, threshold);
         }
         let ExpandedMap { working, expanded, .. } = map;
-        Ok(Some((working, Self { expanded, level, clipped_share }, level_of_bright)))
+        Ok(Some((working, Self { expanded, level, clipped_fraction }, level_of_bright)))
     }
 
     /// Threshold in luminance instead of expanded luminance.
@@ -139,8 +139,8 @@ impl ClippedMap {
         let positions = position::positions(working, expanded, &segments, &depth);
         let weights = order::weights(expanded, &segments, &positions);
         let (segments, positions, weights) = order::drop_least(segments, positions, weights);
-        let (level, clipped_share) = (self.level, self.clipped_share);
-        (segments, ClippedLights { positions, weights, level, clipped_share })
+        let (level, clipped_fraction) = (self.level, self.clipped_fraction);
+        (segments, ClippedLights { positions, weights, level, clipped_fraction })
     }
 }
 

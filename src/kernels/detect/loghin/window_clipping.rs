@@ -10,7 +10,7 @@ use crate::interrupt;
 use crate::kernels::detect::clipping::{Ceiling, Top, largest};
 use crate::kernels::image::check_rgb;
 
-/// For each light, true if it is clipped: at `white` if that is known, else at the map's largest sample.
+/// For each light, true if it is clipped: at `clip_level` if that is known, else at the map's largest sample.
 ///
 /// The pixels of a light are those of the window around its one of `pixels`, (n, 2).
 ///
@@ -23,7 +23,7 @@ pub fn are_clipped(
     pixels: ArrayView2<'_, i64>,
     reach: usize,
     sphere: bool,
-    white: Option<f32>,
+    clip_level: Option<f32>,
 ) -> Result<Vec<bool>> {
     check_rgb(radiance)?;
     let (height, width, _) = radiance.dim();
@@ -35,8 +35,8 @@ pub fn are_clipped(
     let tops: Vec<Top> =
         places.into_par_iter().map(|pixel| top_around(map, width, pixel, &windows)).collect();
     let at = |ceiling| -> Vec<bool> { tops.iter().map(|top| top.is_clipped(ceiling)).collect() };
-    if let Some(white) = white {
-        return Ok(at(Ceiling::White(white)));
+    if let Some(clip_level) = clip_level {
+        return Ok(at(Ceiling::White(clip_level)));
     }
     // Compare each with the largest of them. Lights that are not clipped at this level are not clipped at a higher one,
     // so the map is read only for the others.
