@@ -101,9 +101,33 @@ def test_a_number_has_a_digit_before_its_point(tmp_path, number):
         assert rules_of(tmp_path, "x.md", f"| {text} % | `{short}` |\n") == rules
 
 
-def test_a_long_file_is_found(tmp_path):
-    assert rules_of(tmp_path, "x.rs", "\n" * 400) == []
-    assert rules_of(tmp_path, "x.rs", "\n" * 401) == ["file length"]
+def test_too_many_names_files_and_numbers_are_found(tmp_path):
+    assert list(words.too_many(tmp_path, words.TOP_NAMES, words.TUNED_NUMBERS)) == []
+    (tmp_path / "fit").mkdir()
+    (tmp_path / "export").mkdir()
+    for number in range(words.FOLDER_FILES + 1):
+        (tmp_path / f"fit/file_{number}.py").touch()
+        (tmp_path / f"export/file_{number}.py").touch()
+        (tmp_path / f"file_{number}.py").touch()
+    found = words.too_many(tmp_path, words.TOP_NAMES + 1, words.TUNED_NUMBERS + 1)
+    assert [(each.path.name, each.text.split(",")[0]) for each in found] == [
+        (tmp_path.name, f"{words.TOP_NAMES + 1} names"),
+        (tmp_path.name, f"{words.TUNED_NUMBERS + 1} tuned"),
+        (tmp_path.name, f"{words.FOLDER_FILES + 1} files"),
+        ("fit", f"{words.FOLDER_FILES + 1} files"),
+    ]
+
+
+def test_public_names_and_tuned_numbers_are_counted(tmp_path):
+    for folder in ("src", "python"):
+        (tmp_path / folder).mkdir()
+    (tmp_path / "src/a.rs").write_text(
+        'const A: f64 = 2.5;\npub const B: [f64; 2] = [1.0, 2.0];\nconst C: &str = "1";\n'
+    )
+    (tmp_path / "python/a.py").write_text("_LEAST = 0.5\nNAMES = ('a',)\n#: Text.\nMOST: int = 3\n")
+    (tmp_path / "python/__init__.py").write_text('__all__ = ["a", "b"]\n')
+    assert words.tuned_numbers(tmp_path) == 4
+    assert words.public_names(tmp_path / "python") == 2
 
 
 def test_types_and_files_of_the_kernels_have_one_name_each(tmp_path):

@@ -1,4 +1,4 @@
-"""Check the words of the project: doc lines, names, phrases, numbers and lengths of files.
+"""Check the words of the project: doc lines, names, phrases, numbers, and counts of ideas.
 
 Without arguments everything is checked. With files or folders, a count for each folder follows
 their violations. `--count` prints sizes of the code.
@@ -23,7 +23,12 @@ OPENINGS = re.compile(
     r"\W*(what|whether|how|of|that|those|with|where|none|as|the\s+same)\b", re.IGNORECASE
 )
 LONGEST_SENTENCE = 25
-LONGEST_FILE = 400
+#: Most public names at the top, most files beside the folders, and most files of a folder that is
+#: not a list of equals.
+TOP_NAMES, LOOSE_FILES, FOLDER_FILES = 40, 6, 20
+LISTS = ("export", "cli", "plot")
+#: Most tuned numbers of the code: settings and constants of both languages.
+TUNED_NUMBERS = 999
 
 # Irregular participles, and words in -ed that are none, or that are terms of the field.
 IRREGULAR = re.compile(
@@ -220,8 +225,6 @@ def violations_in(path: Path) -> Iterator[Violation]:
     for line, name, kind in [*names, *([Name(1, path.stem, "file")] if is_code else [])]:
         if is_participle(name):
             yield Violation(path, line, "participle", f"{kind} {name}")
-    if is_code and (length := source.count("\n")) > LONGEST_FILE:
-        yield Violation(path, 1, "file length", f"{length} lines")
 
 
 def repeated_names(paths: list[Path]) -> Iterator[Violation]:
@@ -243,6 +246,42 @@ def repeated_names(paths: list[Path]) -> Iterator[Violation]:
                 yield Violation(path, line, f"{kind} twice", also)
 
 
+def too_many(package: Path, number_of_names: int, tuned: int) -> Iterator[Violation]:
+    """Counts of ideas above their limits: public names, files of a folder, tuned numbers."""
+    counts = [
+        ("names", package, number_of_names, TOP_NAMES),
+        ("tuned", package, tuned, TUNED_NUMBERS),
+    ]
+    for folder in (package, *(each for each in package.rglob("*") if each.is_dir())):
+        most = LOOSE_FILES if folder == package else FOLDER_FILES
+        if folder.name not in LISTS:
+            files = [each for each in folder.iterdir() if each.suffix in (".py", ".pyi", ".typed")]
+            counts.append(("files", folder, len(files), most))
+    for what, where, number, most in counts:
+        if number > most:
+            yield Violation(where, 1, "too many", f"{number} {what}, at most {most}")
+
+
+def public_names(package: Path) -> int:
+    """Number of names in `__all__` of a package."""
+    tree = ast.parse((package / "__init__.py").read_text(encoding="utf-8"))
+    lists = (each for each in tree.body if isinstance(each, ast.Assign))
+    named = (each for each in lists if getattr(each.targets[0], "id", "") == "__all__")
+    return sum(len(ast.literal_eval(each.value)) for each in named)
+
+
+def tuned_numbers(root: Path) -> int:
+    """Number of numeric constants of the code, and of numbers in settings."""
+    rust = r"^\s*(?:pub(?:\([^)]*\))? )?const [A-Z]\w+: \[?(?:f32|f64|usize|u\d+|i\d+)\b.* = .*\d"
+    python = r"^_?[A-Z][A-Z_\d]+(?:: [^=\n]+)? = [-(]?\d"
+    patterns = ((root / "src", "*.rs", rust), (root / "python", "*.py", python))
+    return sum(
+        len(re.findall(pattern, file.read_text(encoding="utf-8"), re.MULTILINE))
+        for folder, files, pattern in patterns
+        for file in folder.rglob(files)
+    )
+
+
 def files_in(paths: list[Path]) -> list[Path]:
     """All files to check under `paths`, sorted."""
     every = [file for path in paths for file in (path, *path.rglob("*")) if file.is_file()]
@@ -250,13 +289,12 @@ def files_in(paths: list[Path]) -> list[Path]:
 
 
 def print_sizes() -> None:
-    """Print lines of Rust, and the number of private constants in the kernels."""
-    for folder in ("src", "src/kernels/fit", "src/kernels/detect"):
-        files = (ROOT / folder).rglob("*.rs")
-        print(f"{sum(len(file.read_text().splitlines()) for file in files):6d} lines in {folder}")
-    kernels = "\n".join(file.read_text() for file in (ROOT / "src/kernels").rglob("*.rs"))
-    constants = len(re.findall(r"^\s*(?:const|static) [A-Z]\w+", kernels, re.MULTILINE))
-    print(f"{constants:6d} private constants in src/kernels")
+    """Print lines of each language, and the number of tuned numbers."""
+    for folder, files in (("src", "*.rs"), ("python/envlights", "*.py"), ("tests", "*.py")):
+        lines = sum(len(file.read_text().splitlines()) for file in (ROOT / folder).rglob(files))
+        print(f"{lines:6d} lines in {folder}")
+    print(f"{public_names(ROOT / 'python/envlights'):6d} public names at the top")
+    print(f"{tuned_numbers(ROOT):6d} tuned numbers")
 
 
 def main() -> int:
@@ -272,6 +310,9 @@ def main() -> int:
     paths = files_in(arguments.paths or everything)
     violations = [violation for path in paths for violation in violations_in(path)]
     violations += repeated_names(paths)
+    if not arguments.paths:
+        package = ROOT / "python/envlights"
+        violations += too_many(package, public_names(package), tuned_numbers(ROOT))
     rules = Counter(violation.rule for violation in violations)
     for path, line, rule, text in violations:
         print(f"{os.path.relpath(path)}:{line}: {rule}: {text}")

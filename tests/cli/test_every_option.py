@@ -14,7 +14,7 @@ OPEN = (el.EnvMap.open, el.EnvMap.calibrated)
 #: Functions of each subcommand.
 FUNCTIONS = {
     "fit": (el.fit, *OPEN),
-    "detect": (el.detect, el.detect, el.papers.loghin.detect, *OPEN),
+    "detect": (el.detect, el.papers.loghin.detect, *OPEN),
     "split": (el.split, el.limit, el.with_sun, el.detect, *OPEN),
     "error-curve": (el.error_curve, *OPEN),
     "follow": (el.follow,),
@@ -33,17 +33,12 @@ FUNCTIONS = {
 #: Public functions without a subcommand.
 WITHOUT = {
     "bake": "it takes a scene of Mitsuba, a Python object",
-    "compare_lights": "a part of `compare`, whose subcommand prints it",
     "find_sun": "the answer behind --sun, which split and repair print",
-    "fit_paper": "a method for comparison in papers",
     "fit_probe": "it takes arrays of normals and irradiance",
-    "image_errors": "it takes arrays of pixels",
     "label_arrays": "it returns arrays for training",
     "read_pairs": "the first step of transfer fit",
-    "rigs_to_frame": "it returns a data frame",
     "shadow_overlay": "it takes Python objects: solids and a camera",
     "threads": "the variable RAYON_NUM_THREADS",
-    "vector_angle": "a number that compare prints",
 }
 #: Names of parameters that a subcommand calls otherwise.
 OTHER_NAMES = {

@@ -22,9 +22,17 @@
 | notes                                                   | `wording.py`     |
 """
 
-from envlights.sun.almanac import SunAt as SunAt
-from envlights.sun.find import find_sun as find_sun
+from envlights.sun.almanac import SunAt
+from envlights.sun.find import find_sun
 from envlights.sun.repair import repair_with_sun as repair_with_sun
-from envlights.sun.result import Sun as Sun
-from envlights.sun.sun_split import SunSplit as SunSplit
-from envlights.sun.sun_split import with_sun as with_sun
+from envlights.sun.result import Sun
+from envlights.sun.sun_split import SunSplit
+from envlights.sun.sun_split import with_sun
+
+__all__ = [
+    "Sun",
+    "SunAt",
+    "SunSplit",
+    "find_sun",
+    "with_sun",
+]
