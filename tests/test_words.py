@@ -122,7 +122,7 @@ def test_public_names_and_tuned_numbers_are_counted(tmp_path):
     for folder in ("src", "python"):
         (tmp_path / folder).mkdir()
     (tmp_path / "src/a.rs").write_text(
-        'const A: f64 = 2.5;\npub const B: [f64; 2] = [1.0, 2.0];\nconst C: &str = "1";\n'
+        'const LEAST: f64 = 2.5;\npub const BOTH: [f64; 2] = [1.0, 2.0];\nconst TEXT: &str = "1";\n'
     )
     (tmp_path / "python/a.py").write_text("_LEAST = 0.5\nNAMES = ('a',)\n#: Text.\nMOST: int = 3\n")
     (tmp_path / "python/__init__.py").write_text('__all__ = ["a", "b"]\n')
