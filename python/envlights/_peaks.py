@@ -7,9 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._blocks import blocks
 from envlights._native import EnvLightsError
-from envlights.kernels.image import LUMINANCE
 from envlights.kernels.sphere import pixel_directions, pixel_solid_angles
 
 #: Growth of the radius of a cap that is too small for the excess of its pixels.
@@ -31,13 +29,6 @@ class PixelIntegrals:
         """Integrals of x, y, z and 1 over some pixels, (..., 4)."""
         integrals: NDArray[np.float64] = self._rows[rows] * self._columns[columns]
         return integrals
-
-    def of_luminance(self, radiance: NDArray[np.float32]) -> NDArray[np.float64]:
-        """Integrals of x, y, z and 1 times the luminance of a whole map, (4,)."""
-        sums = np.zeros(4)
-        for rows in blocks(radiance.shape):
-            sums += (self._rows[rows] * (radiance[rows] @ LUMINANCE @ self._columns)).sum(axis=0)
-        return sums
 
 
 def float32_at_most(maximum: float) -> np.float32:

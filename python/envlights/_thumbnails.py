@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._blocks import in_blocks
 from envlights._srgb import encode_srgb
 from envlights.kernels import sphere
-from envlights.kernels.image import LUMINANCE
+from envlights.kernels.image import LUMINANCE, area_means
 
 #: Columns of a thumbnail.
 _COLUMNS = 240
@@ -60,9 +59,8 @@ def shrink(radiance: NDArray[np.floating], columns: int) -> NDArray[np.float64]:
     A narrower image keeps its size.
     """
     step = max(radiance.shape[1] // columns, 1)
-    height, width = (side // step * step for side in radiance.shape[:2])
-    cells = radiance[:height, :width].reshape(height // step, step, width // step, step, -1)
-    return in_blocks(cells.shape, lambda rows: cells[rows].mean(axis=(1, 3), dtype=np.float64))
+    rows, columns = (side // step for side in radiance.shape[:2])
+    return area_means(radiance[: rows * step, : columns * step], rows, columns)
 
 
 def expose(radiance: NDArray[np.floating], white: float) -> NDArray[np.uint8]:

@@ -9,6 +9,8 @@
 //! A clamped cosine scales those of order 0, 1 and 2 by pi, 2 pi / 3 and pi / 4 (equation 8), so that the
 //! irradiance under an ambient term is its coefficients times nine polynomials of the normal.
 
+pub use super::expansion::{expand_discs, expand_map, nine_harmonics};
+
 use std::f64::consts::PI;
 
 use glam::{DMat3, DVec3};
@@ -31,6 +33,9 @@ pub const LINEAR: f64 = COSINE_LOBE[1] * 0.488_602_511_902_919_9;
 pub const SQUARE: f64 = COSINE_LOBE[2] * 1.092_548_430_592_079_2;
 /// Irradiance under `3 z^2 - 1`, over it.
 pub const ZONAL: f64 = COSINE_LOBE[2] * 0.315_391_565_252_520_05;
+
+/// Factors of the nine polynomials in the irradiance under each harmonic.
+pub const FACTORS: [f64; 9] = [CONSTANT, LINEAR, LINEAR, LINEAR, SQUARE, SQUARE, ZONAL, SQUARE, SQUARE / 2.0];
 
 /// Irradiance at `normal` under each harmonic.
 pub fn irradiance(normal: DVec3) -> [f64; 9] {

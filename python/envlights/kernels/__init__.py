@@ -7,8 +7,14 @@ kernel reads it.
 """
 
 from envlights.kernels import gloss
-from envlights.kernels.harmonics import harmonic_irradiance, harmonic_radiance
+from envlights.kernels.harmonics import (
+    expand_discs,
+    expand_map,
+    harmonic_irradiance,
+    harmonic_radiance,
+)
 from envlights.kernels.image import (
+    area_means,
     blur,
     luminance,
     reduced_luminance,
@@ -58,10 +64,13 @@ from envlights.kernels.transport import transport_plan
 
 __all__ = [
     "WORKING_COLUMNS",
+    "area_means",
     "blur",
     "bresenham_line",
     "direction_to_uv",
     "disc_map",
+    "expand_discs",
+    "expand_map",
     "face_radiance",
     "form_factors",
     "gloss",
