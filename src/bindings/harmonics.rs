@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use super::pool::{by_size, interruptible};
 use super::sphere::registration;
 use crate::kernels::disc::Discs;
-use crate::kernels::{fit, harmonics};
+use crate::kernels::{self, fit, harmonics};
 
 /// See `envlights.kernels.harmonic_radiance`.
 #[pyfunction]
@@ -40,7 +40,7 @@ pub fn nine_harmonics<'py>(
     border_sampled: bool,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let radiance = radiance.as_array();
-    let out = interruptible(py, || harmonics::nine_harmonics(radiance, registration(border_sampled)))?;
+    let out = interruptible(py, || kernels::nine_harmonics(radiance, registration(border_sampled)))?;
     Ok(out.into_pyarray(py))
 }
 
@@ -53,7 +53,7 @@ pub fn expand_map<'py>(
     border_sampled: bool,
 ) -> PyResult<Bound<'py, PyArray3<f64>>> {
     let radiance = radiance.as_array();
-    let out = interruptible(py, || harmonics::expand_map(radiance, registration(border_sampled), degree))?;
+    let out = interruptible(py, || kernels::expand_map(radiance, registration(border_sampled), degree))?;
     Ok(out.into_pyarray(py))
 }
 
@@ -68,7 +68,7 @@ pub fn expand_discs<'py>(
 ) -> PyResult<Bound<'py, PyArray3<f64>>> {
     let (directions, irradiance, radii) = (directions.as_array(), irradiance.as_array(), radii.as_array());
     let out =
-        interruptible(py, || harmonics::expand_discs(&Discs::new(directions, irradiance, radii)?, degree))?;
+        interruptible(py, || kernels::expand_discs(&Discs::new(directions, irradiance, radii)?, degree))?;
     Ok(out.into_pyarray(py))
 }
 

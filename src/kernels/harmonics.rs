@@ -9,8 +9,6 @@
 //! A clamped cosine scales those of order 0, 1 and 2 by pi, 2 pi / 3 and pi / 4 (equation 8), so that the
 //! irradiance under an ambient term is its coefficients times nine polynomials of the normal.
 
-pub use super::expansion::{expand_discs, expand_map, nine_harmonics};
-
 use std::f64::consts::PI;
 
 use glam::{DMat3, DVec3};
