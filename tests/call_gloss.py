@@ -1,10 +1,10 @@
-"""Calls of what concerns shiny objects, for `calls.py`."""
+"""Calls of what concerns shiny objects and harmonics, for `calls.py`."""
 
 from hypothesis import strategies as st
 
 import envlights as el
 from envlights import kernels
-from tests.call_values import FLAG, IMAGE
+from tests.call_values import ANGLES, COLOURS, COUNT, FEW, FLAG, IMAGE
 
 ROUGHNESS = st.floats(0.3, 1)
 GLOSS_CALLS = {
@@ -21,6 +21,14 @@ GLOSS_CALLS = {
             "sizes": FLAG,
             "floor": FLAG,
         },
+    ),
+    "kernels.expand_discs": (
+        kernels.expand_discs,
+        {"directions": FEW, "irradiance": COLOURS, "angular_radius": ANGLES, "degree": COUNT},
+    ),
+    "kernels.expand_map": (
+        kernels.expand_map,
+        {"radiance": IMAGE, "degree": COUNT, "border_sampled": FLAG},
     ),
     "kernels.gloss.spectrum": (
         kernels.gloss.spectrum,

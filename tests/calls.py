@@ -272,6 +272,7 @@ CALLS = {
     **SUN_CALLS,
     **SEQUENCE_CALLS,
     **dict(call for target in export.TARGETS for call in exports_of(target)),
+    "kernels.area_means": (kernels.area_means, {"image": GREY, "rows": SIZE, "columns": SIZE}),
     "kernels.blur": (kernels.blur, {"image": GREY, "sigma": SMALL, "wrap": FLAG}),
     "kernels.bresenham_line": (
         kernels.bresenham_line,

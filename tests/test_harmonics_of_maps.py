@@ -100,7 +100,7 @@ def test_the_axes_are_those_of_the_files(program):
 def test_the_factors_are_those_of_the_compiled_harmonics():
     x, y, z = NORMALS.T
     rows = [x**0, y, z, x, x * y, y * z, 3 * z * z - 1, x * z, x * x - y * y]
-    np.testing.assert_allclose(kernels.harmonic_radiance(NORMALS).T, FACTORS[:, None] * rows)
+    np.testing.assert_allclose(kernels.harmonic_irradiance(NORMALS).T, FACTORS[:, None] * rows)
 
 
 @pytest.mark.parametrize(

@@ -14,99 +14,25 @@ from envlights.kernels.solids import Stage
 
 # fmt: off
 __all__ = [
-    "BASIS_SHARE",
-    "BASIS_TILE",
-    "GLOSS_DEGREE",
-    "LEAST_WHITE",
-    "LUMINANCE",
-    "ClippedDetection",
-    "EnvLightsError",
-    "FitAnswer",
-    "MapCards",
-    "MapSplit",
-    "PngFile",
-    "RadianceFile",
-    "ReducedMap",
-    "RowReducer",
-    "TreeDetection",
-    "TriangleTree",
-    "UnusableSamplesError",
-    "apply_matrix",
-    "are_clipped",
-    "blur",
-    "bounding_volume_hierarchy",
-    "bresenham_line",
-    "clipped_depth",
-    "clipped_fraction",
-    "clipped_light_shares",
-    "code_histogram_8",
-    "code_histogram_16",
-    "continue_reduced",
-    "cut_cards",
-    "decode_8",
-    "decode_16",
-    "detect_tree",
-    "direction_to_uv",
-    "disc_map",
-    "draw_cards",
-    "even_sphere",
-    "face_radiance",
-    "fill_unseen",
-    "fit_reduced",
-    "fit_reduced_by_count",
-    "fit_samples",
-    "form_factors",
-    "gloss_spectrum",
-    "halton",
-    "hammersley",
-    "harmonic_irradiance",
-    "harmonic_radiance",
-    "hidden_fractions",
-    "icosphere",
-    "irradiance",
-    "luminance",
-    "map_energy",
-    "merge_along_lines",
-    "neighbour_maximum",
-    "pack_lights",
-    "pixel_directions",
-    "pixel_solid_angles",
-    "plane_threshold",
-    "probe_jacobian",
-    "probe_model",
-    "probe_residual",
-    "projection_directions",
-    "projection_places",
-    "projection_solid_angles",
-    "radiance_rows",
-    "radical_inverse",
-    "reduce_map",
-    "reduce_radiance",
-    "reduced_luminance",
-    "reflected_irradiance",
-    "relative_rms",
-    "resample",
-    "resize_bilinear",
-    "rig_error",
-    "rig_irradiance",
-    "rotate_map",
-    "rough_reflection",
-    "split_map",
-    "sum_over_sources",
-    "suppress",
-    "threads",
-    "transfer_columns",
-    "transfer_frames",
-    "transfer_gram",
-    "transport_plan",
-    "uniform_sphere",
-    "unpack_lights",
-    "unusable",
-    "uv_to_direction",
-    "uv_to_pixel",
-    "weighted_means",
-    "white_code",
-    "working_irradiance",
+    "BASIS_SHARE", "BASIS_TILE", "GLOSS_DEGREE", "HARMONIC_FACTORS", "LEAST_WHITE", "LUMINANCE",
+    "ClippedDetection", "EnvLightsError", "FitAnswer", "MapCards", "MapSplit", "PngFile",
+    "RadianceFile", "ReducedMap", "RowReducer", "TreeDetection", "TriangleTree",
+    "UnusableSamplesError", "apply_matrix", "are_clipped", "area_means", "blur",
+    "bounding_volume_hierarchy", "bresenham_line", "clipped_depth", "clipped_light_shares",
+    "clipped_fraction", "code_histogram_8", "code_histogram_16", "continue_reduced", "cut_cards",
+    "decode_8", "decode_16", "detect_tree", "direction_to_uv", "disc_map", "draw_cards",
+    "even_sphere", "expand_discs", "expand_map", "face_radiance", "fill_unseen", "fit_reduced",
+    "fit_reduced_by_count", "fit_samples", "form_factors", "gloss_spectrum", "halton", "hammersley",
+    "harmonic_irradiance", "harmonic_radiance", "hidden_fractions", "icosphere", "irradiance",
+    "kernel_spectra", "luminance", "map_energy", "merge_along_lines", "neighbour_maximum",
+    "nine_harmonics", "pack_lights", "pixel_directions", "pixel_solid_angles", "plane_threshold",
+    "probe_jacobian", "probe_model", "probe_residual", "projection_directions", "projection_places",
+    "projection_solid_angles", "radiance_rows", "radical_inverse", "reduce_map", "reduce_radiance",
+    "reduced_luminance", "reflected_irradiance", "relative_rms", "resample", "resize_bilinear",
+    "rig_error", "rig_irradiance", "rotate_map", "rough_reflection", "split_map",
+    "sum_over_sources", "suppress", "threads", "transfer_columns", "transfer_frames",
+    "transfer_gram", "transport_plan", "uniform_sphere", "unpack_lights", "unusable",
+    "uv_to_direction", "uv_to_pixel", "weighted_means", "white_code", "working_irradiance",
 ]
 # fmt: on
 
@@ -120,6 +46,7 @@ _LightPixels = tuple[_Indices, _Indices, _Reals, int, float, _Image]
 
 LEAST_WHITE: float
 GLOSS_DEGREE: int
+HARMONIC_FACTORS: list[float]
 LUMINANCE: list[float]
 BASIS_SHARE: int
 BASIS_TILE: int
@@ -249,6 +176,7 @@ def apply_matrix(image: _Image, matrix: list[list[float]]) -> tuple[_Image, int]
 def are_clipped(
     radiance: _Image, pixels: _Indices, reach: int, sphere: bool, clip_level: float | None
 ) -> NDArray[np.bool_]: ...
+def area_means(image: _Image | _Reals, rows: int, columns: int) -> _Reals: ...
 def blur(image: _Image, sigma: float, wrap: bool) -> _Image: ...
 def bounding_volume_hierarchy(
     vertices: NDArray[np.uint16], triangles: NDArray[np.uint32]
@@ -293,6 +221,8 @@ def draw_cards(
     texels: _Image,
 ) -> _Image: ...
 def even_sphere(count: int) -> _Reals: ...
+def expand_discs(directions: _Reals, irradiance: _Reals, radii: _Reals, degree: int) -> _Reals: ...
+def expand_map(radiance: _Image, degree: int, border_sampled: bool) -> _Reals: ...
 def face_radiance(radiance: _Image, faces: int, border_sampled: bool) -> _Reals: ...
 def fill_unseen(
     radiance: _Image, seen: _Image, border_sampled: bool, columns: int, most: float
@@ -317,6 +247,7 @@ def form_factors(stage: Stage) -> _Reals: ...
 def reflected_irradiance(stage: Stage, lighting: _Lighting) -> _Reals: ...
 def icosphere(faces: int) -> tuple[_Reals, _Reals]: ...
 def irradiance(radiance: _Image, normals: _Reals, border_sampled: bool) -> _Reals: ...
+def kernel_spectra(degree: int) -> list[_Reals]: ...
 def luminance(radiance: _Image) -> _Image: ...
 def map_energy(
     radiance: _Image, border_sampled: bool, columns: int, point_share: float
@@ -327,6 +258,7 @@ def merge_along_lines(
 def neighbour_maximum(
     luminance: _Image, pixels: _Indices, reach: int, sphere: bool
 ) -> tuple[_Image, _Indices]: ...
+def nine_harmonics(radiance: _Image, border_sampled: bool) -> _Reals: ...
 def pack_lights(ambient: _Reals, directions: _Reals, irradiance: _Reals) -> _Reals: ...
 def pixel_directions(
     height: int, width: int, border_sampled: bool, top: int, bottom: int

@@ -1,10 +1,14 @@
 //! `kernels::harmonics` for Python.
 
-use numpy::{IntoPyArray, PyArray2, PyReadonlyArray2};
+use numpy::{
+    IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3,
+};
 use pyo3::prelude::*;
 
-use super::pool::by_size;
-use crate::kernels::harmonics;
+use super::pool::{by_size, interruptible};
+use super::sphere::registration;
+use crate::kernels::disc::Discs;
+use crate::kernels::{self, fit, harmonics};
 
 /// See `envlights.kernels.harmonic_radiance`.
 #[pyfunction]
@@ -26,4 +30,51 @@ pub fn harmonic_irradiance<'py>(
     let normals = normals.as_array();
     let out = by_size(py, normals.len(), || harmonics::harmonic_irradiance(normals))?;
     Ok(out.into_pyarray(py))
+}
+
+/// See `envlights.EnvMap.harmonics`.
+#[pyfunction]
+pub fn nine_harmonics<'py>(
+    py: Python<'py>,
+    radiance: PyReadonlyArray3<'py, f32>,
+    border_sampled: bool,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let radiance = radiance.as_array();
+    let out = interruptible(py, || kernels::nine_harmonics(radiance, registration(border_sampled)))?;
+    Ok(out.into_pyarray(py))
+}
+
+/// See `envlights.kernels.expand_map`.
+#[pyfunction]
+pub fn expand_map<'py>(
+    py: Python<'py>,
+    radiance: PyReadonlyArray3<'py, f32>,
+    degree: usize,
+    border_sampled: bool,
+) -> PyResult<Bound<'py, PyArray3<f64>>> {
+    let radiance = radiance.as_array();
+    let out = interruptible(py, || kernels::expand_map(radiance, registration(border_sampled), degree))?;
+    Ok(out.into_pyarray(py))
+}
+
+/// See `envlights.kernels.expand_discs`.
+#[pyfunction]
+pub fn expand_discs<'py>(
+    py: Python<'py>,
+    directions: PyReadonlyArray2<'py, f64>,
+    irradiance: PyReadonlyArray2<'py, f64>,
+    radii: PyReadonlyArray1<'py, f64>,
+    degree: usize,
+) -> PyResult<Bound<'py, PyArray3<f64>>> {
+    let (directions, irradiance, radii) = (directions.as_array(), irradiance.as_array(), radii.as_array());
+    let out =
+        interruptible(py, || kernels::expand_discs(&Discs::new(directions, irradiance, radii)?, degree))?;
+    Ok(out.into_pyarray(py))
+}
+
+/// See `envlights.compare`: factors of the probe's and of the shadows' kernel, of each degree.
+#[pyfunction]
+pub fn kernel_spectra(py: Python<'_>, degree: usize) -> PyResult<[Bound<'_, PyArray1<f64>>; 2]> {
+    let out = interruptible(py, || Ok(fit::kernel_spectra(degree + 1)))?;
+    Ok(out.map(|factors| factors.into_pyarray(py)))
 }

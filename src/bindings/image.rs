@@ -1,6 +1,6 @@
 //! `kernels::image` for Python.
 
-use numpy::{Element, PyArray1, PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
+use numpy::{Element, IntoPyArray, PyArray1, PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
 
 use super::output::fill;
@@ -96,4 +96,32 @@ fn code_histogram<'py, Code: Sample + Element>(
     let (codes, weights) = (codes.as_array(), weights.as_array());
     let sums = interruptible(py, || Ok(image::code_histogram(codes, weights)))?;
     Ok(PyArray1::from_slice(py, &sums))
+}
+
+/// Samples in single or in double precision.
+#[derive(FromPyObject)]
+pub enum Floats<'py> {
+    Single(PyReadonlyArray3<'py, f32>),
+    Double(PyReadonlyArray3<'py, f64>),
+}
+
+/// See `envlights.kernels.area_means`.
+#[pyfunction]
+pub fn area_means<'py>(
+    py: Python<'py>,
+    image: Floats<'py>,
+    rows: usize,
+    columns: usize,
+) -> PyResult<Bound<'py, PyArray3<f64>>> {
+    let out = match image {
+        Floats::Single(image) => {
+            let image = image.as_array();
+            interruptible(py, || image::area_means(image, rows, columns))
+        }
+        Floats::Double(image) => {
+            let image = image.as_array();
+            interruptible(py, || image::area_means(image, rows, columns))
+        }
+    };
+    Ok(out?.into_pyarray(py))
 }

@@ -43,6 +43,8 @@ mod _native {
     #[pymodule_export]
     const GLOSS_DEGREE: usize = crate::kernels::fit::BAND_DEGREE;
     #[pymodule_export]
+    const HARMONIC_FACTORS: [f64; 9] = crate::kernels::harmonics::FACTORS;
+    #[pymodule_export]
     const LEAST_WHITE: f64 = crate::kernels::detect::clipping::LEAST_WHITE;
     #[pymodule_export]
     const BASIS_SHARE: usize = crate::kernels::transfer::SHARE;
@@ -67,12 +69,15 @@ mod _native {
     #[pymodule_export]
     use super::gloss::gloss_spectrum;
     #[pymodule_export]
-    use super::harmonics::{harmonic_irradiance, harmonic_radiance};
+    use super::harmonics::{
+        expand_discs, expand_map, harmonic_irradiance, harmonic_radiance, kernel_spectra, nine_harmonics,
+    };
     #[pymodule_export]
     use super::hierarchy::{TriangleTree, bounding_volume_hierarchy};
     #[pymodule_export]
     use super::image::{
-        apply_matrix, code_histogram_8, code_histogram_16, decode_8, decode_16, unusable, white_code,
+        apply_matrix, area_means, code_histogram_8, code_histogram_16, decode_8, decode_16, unusable,
+        white_code,
     };
     #[pymodule_export]
     use super::loghin::{

@@ -32,6 +32,9 @@ pub const SQUARE: f64 = COSINE_LOBE[2] * 1.092_548_430_592_079_2;
 /// Irradiance under `3 z^2 - 1`, over it.
 pub const ZONAL: f64 = COSINE_LOBE[2] * 0.315_391_565_252_520_05;
 
+/// Factors of the nine polynomials in the irradiance under each harmonic.
+pub const FACTORS: [f64; 9] = [CONSTANT, LINEAR, LINEAR, LINEAR, SQUARE, SQUARE, ZONAL, SQUARE, SQUARE / 2.0];
+
 /// Irradiance at `normal` under each harmonic.
 pub fn irradiance(normal: DVec3) -> [f64; 9] {
     let DVec3 { x, y, z } = normal;

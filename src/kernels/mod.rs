@@ -53,3 +53,5 @@ pub mod sphere;
 pub mod split;
 pub mod transfer;
 pub mod transport;
+
+pub use expansion::{expand_discs, expand_map, nine_harmonics};

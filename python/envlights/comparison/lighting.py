@@ -54,10 +54,9 @@ class Lighting:
     """Lights of a rig or of a set of lights, as they were given."""
 
     @cached_property
-    def harmonics(self) -> NDArray[np.complex128]:
+    def harmonics(self) -> NDArray[np.float64]:
         """Coefficients; see `comparison.harmonics`."""
-        cells = reduce_cells(self.backdrop, harmonics.MOST_ROWS)
-        out = harmonics.of_map(cells.astype(np.float64))
+        out = harmonics.of_map(reduce_cells(self.backdrop, harmonics.MOST_ROWS))
         if self.discs is not None and len(self.discs):
             arrays = self.discs.direction, self.discs.irradiance, self.discs.angular_radius
             out = out + harmonics.of_discs(*arrays)
@@ -79,9 +78,9 @@ class Lighting:
     @property
     def vector(self) -> NDArray[np.float64]:
         """Irradiance vector of the luminance: the part of degree 1, (3,)."""
-        polar, turned = self.harmonics[:2, 1] @ LUMINANCE
-        x, z = -turned.imag / np.sqrt(3 / (8 * np.pi)), -turned.real / np.sqrt(3 / (8 * np.pi))
-        return np.array([x, polar.real / np.sqrt(3 / (4 * np.pi)), z])
+        (y, _), (z, x) = self.harmonics[:2, 1].reshape(2, 2, 3) @ LUMINANCE
+        vector: NDArray[np.float64] = np.array([x, y, -z]) * np.sqrt(4 * np.pi / 3)
+        return vector
 
     @property
     def rows(self) -> int:
@@ -117,7 +116,7 @@ class Pair:
     def vector_angle(self) -> float | None:
         """Degrees between the irradiance vectors; None if one is 0, but for rounding."""
         for side in self.sides:
-            flux = float(side.harmonics[0, 0].real @ LUMINANCE) * np.sqrt(4 * np.pi)
+            flux = float(side.harmonics[0, 0, :3] @ LUMINANCE) * np.sqrt(4 * np.pi)
             if not np.linalg.norm(side.vector) > _LEAST_LENGTH * flux:
                 return None
         return float(degrees_between(self.truth.vector, self.guess.vector))

@@ -11,6 +11,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from envlights import _native
 from envlights._native import EnvLightsError
 from envlights.comparison.harmonics import DEGREE
 from envlights.comparison.protocol import Material
@@ -48,15 +49,9 @@ def of_metal(roughness: float) -> NDArray[np.float64]:
 def lambertian() -> NDArray[np.float64]:
     """Factors of a white Lambertian sphere: squares of those of a clamped cosine over pi.
 
-    Ramamoorthi and Hanrahan (2001), equation 8, by Legendre's recurrence.
+    Ramamoorthi and Hanrahan (2001), equation 8.
     """
-    out = np.zeros(DEGREE + 1)
-    out[:2] = 1, 2 / 3
-    even = 1.0  # (l - 2)!!-like product: |P_l(0)| by steps of two degrees
-    for l in range(2, DEGREE + 1, 2):  # noqa: E741, the degree
-        even *= (l - 1) / l
-        out[l] = 2 * even / ((l - 1) * (l + 2))
-    return out**2
+    return _native.kernel_spectra(DEGREE)[0] / np.pi**2
 
 
 @lru_cache(maxsize=1)
@@ -65,9 +60,4 @@ def shadows() -> NDArray[np.float64]:
 
     Kernel at the angle g: ``2/3 (sin g + (pi - g) cos g) (1 - g/pi) / 2``.
     """
-    nodes, weights = np.polynomial.legendre.leggauss(4 * DEGREE)
-    g = np.pi / 2 * (1 + nodes)
-    kernel = (np.sin(g) + (np.pi - g) * np.cos(g)) * (1 - g / np.pi) / 3
-    polynomials = np.polynomial.legendre.legvander(np.cos(g), DEGREE)
-    factors: NDArray[np.float64] = np.pi**2 * (weights * np.sin(g) * kernel) @ polynomials
-    return factors
+    return _native.kernel_spectra(DEGREE)[1]

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from envlights.comparison.angles import degrees_between
 from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
-from envlights.environment.peaks import PixelIntegrals
+from envlights.kernels.image import LUMINANCE
 
 #: Vectors shorter than this fraction of the map's flux are 0: single precision of the pixels gives
 #: them a random direction.
@@ -68,7 +68,6 @@ def vector_angle(truth: AnyMap, guess: AnyMap) -> float | None:
 
 def _irradiance_vector(env: EnvMap) -> NDArray[np.float64] | None:
     """Unit vector along the irradiance vector of the luminance; None if that is 0."""
-    integrals = PixelIntegrals(env.height, env.width, env.is_border_sampled)
-    *vector, flux = integrals.of_luminance(env.radiance)
-    length = np.linalg.norm(vector)
-    return np.array(vector) / length if length > _LEAST_LENGTH * flux else None
+    mean, y, z, x = (env.harmonics(1, fill="black") / np.sqrt([[1], [3], [3], [3]])) @ LUMINANCE
+    length = np.linalg.norm([x, y, z])
+    return np.array([x, y, z]) / length if length > _LEAST_LENGTH * mean else None

@@ -7,8 +7,20 @@ kernel reads it.
 """
 
 from envlights.kernels import gloss
-from envlights.kernels.harmonics import harmonic_irradiance, harmonic_radiance
-from envlights.kernels.image import blur, luminance, reduced_luminance, resize_bilinear, uv_to_pixel
+from envlights.kernels.harmonics import (
+    expand_discs,
+    expand_map,
+    harmonic_irradiance,
+    harmonic_radiance,
+)
+from envlights.kernels.image import (
+    area_means,
+    blur,
+    luminance,
+    reduced_luminance,
+    resize_bilinear,
+    uv_to_pixel,
+)
 from envlights.kernels.loghin import (
     bresenham_line,
     merge_along_lines,
@@ -52,10 +64,13 @@ from envlights.kernels.transport import transport_plan
 
 __all__ = [
     "WORKING_COLUMNS",
+    "area_means",
     "blur",
     "bresenham_line",
     "direction_to_uv",
     "disc_map",
+    "expand_discs",
+    "expand_map",
     "face_radiance",
     "form_factors",
     "gloss",

@@ -1,4 +1,4 @@
-"""The nine real spherical harmonics up to order 2, and the irradiance under each."""
+"""Real spherical harmonics: nine up to order 2 with their irradiance, and maps up to any degree."""
 
 from __future__ import annotations
 
@@ -6,7 +6,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native
-from envlights._common.check import reals
+from envlights._common.check import count, flag, float_image, reals
+
+#: Highest degree of an expansion.
+_MOST_DEGREES = 500
 
 
 def harmonic_radiance(directions: ArrayLike) -> NDArray[np.float64]:
@@ -74,3 +77,75 @@ def harmonic_irradiance(normals: ArrayLike) -> NDArray[np.float64]:
            -0.429])
     """
     return _native.harmonic_irradiance(reals("normals", normals, 2))
+
+
+def expand_map(
+    radiance: ArrayLike, degree: int, *, border_sampled: bool = False
+) -> NDArray[np.float64]:
+    r"""Coefficients of a map in orthonormal real spherical harmonics around +y.
+
+    Parameters
+    ----------
+    radiance : array_like, shape (height, width, 3)
+        Radiance of cells, over which the harmonics are integrated.
+    degree : int
+        Highest degree, 0 to 500.
+    border_sampled : bool
+        True: the outer pixels lie on the seam and the poles.
+
+    Returns
+    -------
+    ndarray, shape (degree + 1, degree + 1, 6)
+        By order m and degree l: RGB for :math:`P_{lm}(\cos\theta) \cos(m \phi)`, then RGB for
+        :math:`P_{lm}(\cos\theta) \sin(m \phi)`. :math:`\theta` is the angle to +y, and
+        :math:`\phi` the azimuth from -z over +x. 0 where l < m.
+
+    Raises
+    ------
+    EnvLightsError
+        If the shape is wrong or `degree` is out of range.
+
+    Examples
+    --------
+    >>> expand_map(np.ones((8, 16, 3)), 1)[0, 0, 0].round(3)
+    np.float64(3.545)
+    """
+    image = float_image("radiance", radiance, 3)
+    degree = count("degree", degree, most=_MOST_DEGREES)
+    return _native.expand_map(image, degree, flag("border_sampled", border_sampled))
+
+
+def expand_discs(
+    directions: ArrayLike, irradiance: ArrayLike, angular_radius: ArrayLike, degree: int
+) -> NDArray[np.float64]:
+    """Coefficients of the sum of discs of uniform radiance, in closed form.
+
+    Parameters
+    ----------
+    directions : array_like, shape (n, 3)
+        Unit vectors to the centres.
+    irradiance : array_like, shape (n, 3)
+        RGB irradiance of each at normal incidence.
+    angular_radius : array_like, shape (n,)
+        Radians, 0 to pi / 2; 0 is a point.
+    degree : int
+        Highest degree, 0 to 500.
+
+    Returns
+    -------
+    ndarray, shape (degree + 1, degree + 1, 6)
+        As from `expand_map`.
+
+    Raises
+    ------
+    EnvLightsError
+        If a shape, a length, a radius or `degree` is out of range.
+
+    Examples
+    --------
+    >>> expand_discs([[0, 1, 0]], [[1, 2, 3]], [0.0], 1)[0, :, 0].round(3)
+    array([0.282, 0.489])
+    """
+    discs = reals("directions", directions, 2), reals("irradiance", irradiance, 2)
+    radii = reals("angular_radius", angular_radius, 1)
+    return _native.expand_discs(*discs, radii, count("degree", degree, most=_MOST_DEGREES))

@@ -111,6 +111,38 @@ def reduced_luminance(
     )
 
 
+def area_means(image: ArrayLike, rows: int, columns: int) -> NDArray[np.float64]:
+    """Means of a plane image over equal areas; a pixel between two areas counts in both.
+
+    Parameters
+    ----------
+    image : array_like, shape (height, width), or ndarray, shape (height, width, channels)
+        A float32 array is read in place. NaN makes the areas that it touches NaN.
+    rows, columns : int
+        The new size.
+
+    Returns
+    -------
+    ndarray, shape (rows, columns) or (rows, columns, channels)
+
+    Raises
+    ------
+    EnvLightsError
+        If `image` has another shape, or is empty, or the new size is not positive.
+
+    Examples
+    --------
+    >>> area_means([[3, 6, 9], [5, 8, 11]], 1, 2)
+    array([[5., 9.]])
+    """
+    size = count("rows", rows, least=1), count("columns", columns, least=1)
+    ndim = 3 if getattr(image, "ndim", 2) == 3 else 2
+    is_single = isinstance(image, np.ndarray) and image.dtype == np.float32 and image.ndim == ndim
+    pixels = np.require(image, None, ["ALIGNED"]) if is_single else reals("image", image, ndim)
+    means = _native.area_means(pixels if ndim == 3 else pixels[..., None], *size)
+    return means if ndim == 3 else means[..., 0]
+
+
 def blur(image: ArrayLike, sigma: float, *, wrap: bool = False) -> NDArray[np.float32]:
     """Gaussian blur; Loghin (2021), optional in step 2.
 

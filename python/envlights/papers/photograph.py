@@ -295,21 +295,10 @@ def _working_image(
     height, width = (max(round(each * side / max(luminance.shape)), 1) for each in luminance.shape)
     image = luminance
     if (height, width) != luminance.shape and reduction == "area":
-        image = _means(_means(luminance, height).T, width).T.astype(np.float32)
+        image = images.area_means(luminance, height, width).astype(np.float32)
     elif (height, width) != luminance.shape:
         image = images.resize_bilinear(luminance, height, width)
     return images.blur(image, blur_px) if amount("blur_px", blur_px) > 0 else image
-
-
-def _means(image: NDArray[np.floating], rows: int) -> NDArray[np.float64]:
-    """Exact means of an image over `rows` bands of equal height."""
-    sums = np.vstack([np.zeros(image.shape[1]), np.cumsum(image, axis=0, dtype=np.float64)])
-    edges = np.linspace(0, len(image), rows + 1)
-    first = np.minimum(edges.astype(int), len(image) - 1)
-    part = (edges - first)[:, None]
-    at_edges = sums[first] + part * (sums[first + 1] - sums[first])
-    means: NDArray[np.float64] = np.diff(at_edges, axis=0) * (rows / len(image))
-    return means
 
 
 def _levels(

@@ -26,8 +26,7 @@ from envlights.sun.almanac import SunAt
 from envlights.sun.find import find_sun
 from envlights.sun.repair import repair_with_sun as repair_with_sun
 from envlights.sun.result import Sun
-from envlights.sun.sun_split import SunSplit
-from envlights.sun.sun_split import with_sun
+from envlights.sun.sun_split import SunSplit, with_sun
 
 __all__ = [
     "Sun",

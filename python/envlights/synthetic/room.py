@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from envlights._common.check import count
 from envlights._common.interruptible import interruptible
 from envlights._native import EnvLightsError
+from envlights.kernels.image import area_means
 from envlights.synthetic.smoothstep import smoothstep
 from envlights.transfer.files.database import ImagePairs
 
@@ -184,10 +185,8 @@ def _in_rows(values: NDArray[Any], side: int) -> NDArray[Any]:
 def _means(values: NDArray[np.float64], width: int) -> NDArray[np.float64]:
     """Lightmaps (k, texels, 3) reduced to `width` columns."""
     fine = int(np.sqrt(values.shape[1]))
-    step = fine // width
-    grid = values.reshape(len(values), width, step, width, step, 3)
-    reduced: NDArray[np.float64] = grid.mean(axis=(2, 4)).reshape(len(values), -1, 3)
-    return reduced
+    stacked = area_means(values.reshape(-1, fine, 3), len(values) * width, width)
+    return stacked.reshape(len(values), -1, 3)
 
 
 def _lamps(rng: np.random.Generator, at: _Texels) -> NDArray[np.float64]:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from envlights._common.srgb import encode_srgb
 from envlights.environment import thumbnails
 from envlights.environment.envmap import EnvMap
+from envlights.environment.harmonics import FACTORS
 from envlights.fitting.fit import fit
 from envlights.kernels import sphere
 from envlights.kernels.image import LUMINANCE
@@ -38,12 +39,6 @@ _ROWS_OF_RIG, _GROUND_OF_RIG = 512, 0.25
 _ROWS = 28
 #: Angle in radians from the brightest light to the camera: a little behind the things.
 _ACROSS = 1.9
-#: Irradiance over radiance of real harmonics of each order, times the constants of the polynomials
-#: 1, y, z, x, xy, yz, 3zz - 1, xz, xx - yy.
-_HARMONICS = np.repeat([np.pi, 2 * np.pi / 3, np.pi / 4], [1, 3, 5]) * [
-    *(0.282095, 0.488603, 0.488603, 0.488603),
-    *(1.092548, 1.092548, 0.315392, 1.092548, 0.546274),
-]
 
 
 def fitted_rigs(env: EnvMap) -> dict[str, list[Rig]]:
@@ -85,7 +80,7 @@ def rig_data(rig: Rig) -> dict[str, Any]:
     lights = rig.lights
     columns = (lights.direction, lights.irradiance, lights.angular_radius[:, None])
     return {
-        "ambient": _digits(ambient if len(ambient) == 1 else _HARMONICS[:, None] * ambient),
+        "ambient": _digits(ambient if len(ambient) == 1 else FACTORS[:, None] * ambient),
         "floor": rig.floor,
         "error": float(f"{rig.error:.3g}"),
         "lights": _digits(np.hstack(columns)),

@@ -6,7 +6,7 @@ use nalgebra::{Complex, DMatrix};
 use ndarray::ArrayView3;
 use rayon::prelude::*;
 
-use super::{DEGREES, Rgb2};
+use super::Rgb2;
 use crate::kernels::cache::Cache;
 
 /// Rows that one task integrates; constant, so that sums do not depend on the number of threads.
@@ -15,58 +15,64 @@ const TASK_ROWS: usize = 16;
 /// Integrals over azimuth, for each row and order.
 #[derive(Clone, Debug)]
 pub struct Azimuthal {
+    /// Number of orders.
+    orders: usize,
     values: Vec<Rgb2>,
 }
 
 impl Azimuthal {
-    /// Integrate cells of `radiance`, (rows, columns, 3), between meridians.
-    pub fn new(radiance: ArrayView3<'_, f32>, edges: &[f64]) -> Self {
-        static WAVES: Cache<Vec<f64>, Waves> = Cache::new();
-        let waves: Arc<Waves> = WAVES.get(&edges.to_vec(), || Waves::new(edges));
+    /// Integrate cells of `radiance`, (rows, columns, 3), between meridians, for the orders below `orders`.
+    pub fn new(radiance: ArrayView3<'_, f32>, edges: &[f64], orders: usize) -> Self {
+        static WAVES: Cache<(Vec<f64>, usize), Waves> = Cache::new();
+        let waves: Arc<Waves> = WAVES.get(&(edges.to_vec(), orders), || Waves::new(edges, orders));
         let (rows, count, _) = radiance.dim();
         let samples = radiance.as_standard_layout();
         let samples = samples.as_slice().unwrap_or(&[]).as_chunks::<3>().0; // the standard layout is a slice
-        let mut values = vec![[0.0; 8]; rows * DEGREES];
+        let mut values = vec![[0.0; 8]; rows * orders];
         let tasks = samples.par_chunks(TASK_ROWS * count);
-        tasks.zip(values.par_chunks_mut(TASK_ROWS * DEGREES)).for_each(|(samples, values)| {
+        tasks.zip(values.par_chunks_mut(TASK_ROWS * orders)).for_each(|(samples, values)| {
             waves.integrate(samples, values);
         });
-        Self { values }
+        Self { orders, values }
     }
 
     /// The integrals of one order over a row.
     pub fn at(&self, row: usize, order: usize) -> &Rgb2 {
-        &self.values[row * DEGREES + order]
+        &self.values[row * self.orders + order]
     }
 }
 
 /// Integrals of cosines and sines over the columns of a map.
 struct Waves {
     count: usize,
+    /// Number of orders.
+    orders: usize,
     /// True if the columns of the 4 quarters of a row mirror each other.
     are_symmetric: bool,
     /// Integrals of each kind, with a row for each order and a column for each column of the map, or of its first quarter.
     integrals: [DMatrix<f64>; 4],
 }
 
-/// Orders of a kind: cosines of even and of odd order, then sines of even and of odd order.
-fn orders(kind: usize) -> impl Iterator<Item = usize> {
-    (kind % 2..DEGREES).step_by(2)
+/// Orders of a kind below `end`: cosines of even and of odd order, then sines of even and of odd order.
+fn orders_of(kind: usize, end: usize) -> impl Iterator<Item = usize> {
+    (kind % 2..end).step_by(2)
 }
 
 impl Waves {
     /// Integrate between meridians.
-    fn new(edges: &[f64]) -> Self {
+    fn new(edges: &[f64], orders: usize) -> Self {
         let count = edges.len() - 1;
         let width = edges[count] / count as f64;
         let are_equal = edges.windows(2).all(|edge| ((edge[1] - edge[0]) / width - 1.0).abs() < 1e-9);
         let are_symmetric = are_equal && count.is_multiple_of(4);
         let used = if are_symmetric { count / 4 } else { count };
         let of_kind = |kind: usize| {
-            let orders: Vec<usize> = orders(kind).collect();
-            DMatrix::from_fn(orders.len(), used, |i, x| integral(orders[i], edges[x], edges[x + 1])[kind / 2])
+            let of_rows: Vec<usize> = orders_of(kind, orders).collect();
+            DMatrix::from_fn(of_rows.len(), used, |i, x| {
+                integral(of_rows[i], edges[x], edges[x + 1])[kind / 2]
+            })
         };
-        Self { count, are_symmetric, integrals: [0, 1, 2, 3].map(of_kind) }
+        Self { count, orders, are_symmetric, integrals: [0, 1, 2, 3].map(of_kind) }
     }
 
     /// Integrate some rows of `samples`.
@@ -76,8 +82,8 @@ impl Waves {
             let sums = integrals * cells;
             for (column, sums) in sums.column_iter().enumerate() {
                 let (row, slot) = (column / 3, 4 * (kind / 2) + column % 3);
-                for (order, sum) in orders(kind).zip(sums.iter()) {
-                    values[row * DEGREES + order][slot] = *sum;
+                for (order, sum) in orders_of(kind, self.orders).zip(sums.iter()) {
+                    values[row * self.orders + order][slot] = *sum;
                 }
             }
         }
@@ -138,7 +144,7 @@ mod tests {
             let map = Array3::from_shape_fn((20, columns, 3), |(y, x, c)| ((7 * y + 3 * x + c) % 11) as f32);
             let edges: Vec<f64> =
                 (0..=columns).map(|x| std::f64::consts::TAU * x as f64 / columns as f64).collect();
-            let integrals = Azimuthal::new(map.view(), &edges);
+            let integrals = Azimuthal::new(map.view(), &edges, 41);
             for (row, order, c) in [(0, 0, 0), (3, 1, 2), (17, 40, 1), (19, 7, 0)] {
                 let mut expected = [0.0; 2];
                 for x in 0..columns {

@@ -8,6 +8,7 @@
 //! | Legendre functions, factors of a disc          | `legendre.rs`            |
 //! | discs added to the coefficients                | `addition.rs`            |
 //! | the harmonics under discs, with derivatives    | `synthesis.rs`           |
+//! | harmonics up to any degree, of maps and discs  | `coefficients.rs`        |
 //! | sources and bright cells of a map              | `bright_parts.rs`        |
 //!
 //! Real harmonics around +y, orthonormal on the sphere, in the angles of [`crate::kernels::sphere`]:
@@ -19,6 +20,7 @@
 mod addition;
 mod azimuthal;
 mod bright_parts;
+mod coefficients;
 mod legendre;
 mod polar;
 mod spherical_harmonics;
@@ -26,6 +28,7 @@ mod synthesis;
 
 pub use addition::Cap;
 pub use bright_parts::{PointLight, bright_cells, sources_of};
+pub use coefficients::{Coefficients, DiscOfFlux, expand_discs, expand_map, nine_harmonics};
 pub use legendre::{
     AssociatedLegendre, DEGREE, DEGREES, DiscFactors, disc_factors, disc_series, legendre_derivatives,
     legendre_values, visit_degrees,
@@ -53,7 +56,8 @@ impl Expansion {
         for &(row, column) in &map.bright {
             radiance.slice_mut(s![row, column, ..]).fill(0.0);
         }
-        let rest = Harmonics::of_cells(&Azimuthal::new(radiance.view(), &map.grid.phi_edges), &map.grid);
+        let azimuthal = Azimuthal::new(radiance.view(), &map.grid.phi_edges, DEGREES);
+        let rest = Harmonics::of_cells(&azimuthal, &map.grid);
         let (whole, known) = (integral_of_squares(&radiance, map), rest.product(&rest, &[1.0; DEGREES]));
         Self { rest, fine: [0, 1, 2].map(|c| (whole[c] - known[c]).max(0.0)) }
     }

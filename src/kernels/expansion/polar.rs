@@ -130,7 +130,7 @@ mod tests {
             let pixel = |(y, x, c)| wave(direction(thetas[y], phis[x]), c) as f32;
             let map = Array3::from_shape_fn((rows, columns, 3), pixel);
             let grid = Grid::of_pixels(rows, columns, registration);
-            let harmonics = Harmonics::of_cells(&Azimuthal::new(map.view(), &grid.phi_edges), &grid);
+            let harmonics = Harmonics::of_cells(&Azimuthal::new(map.view(), &grid.phi_edges, DEGREES), &grid);
             for at in [direction(0.0, 0.0), direction(1.0, 2.0), direction(2.9, 5.0)] {
                 let values = harmonics.values(&[Cap::new(at, 0.0)])[0];
                 for (channel, value) in values.into_iter().enumerate() {

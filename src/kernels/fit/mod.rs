@@ -44,7 +44,7 @@ mod uncertainty;
 mod variable_projection;
 
 pub use ambient::Ambient;
-pub use discs::{BAND_DEGREE, Bands, Comparison, evaluate};
+pub use discs::{BAND_DEGREE, Bands, Comparison, evaluate, kernel_spectra};
 pub use objective::{Objective, PointObjective};
 pub use options::FitOptions;
 pub use problem::Problem;

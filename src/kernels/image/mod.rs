@@ -18,9 +18,11 @@
 //! | - pixels of the largest codes                 | `top_codes.rs` |
 //! | means over blocks of pixels                   | `block_rows.rs`, `block_layout.rs` |
 //! | - share of each block that a map shows        | `seen_part.rs` |
+//! | means of a plane image over equal areas       | `area_means.rs` |
 //! | a picture in another layout, or rotated       | `resample.rs`  |
 //! | - bright pixels, each with its flux           | `splat.rs`     |
 
+mod area_means;
 mod block_layout;
 mod block_rows;
 mod buffers;
@@ -41,6 +43,7 @@ mod splat;
 mod top_codes;
 mod white;
 
+pub use area_means::area_means;
 pub(crate) use block_rows::{BlockRow, block_fractions, samples_of};
 pub use codes::decode;
 pub use colour::apply_matrix;

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _native
-from envlights.kernels.image import LUMINANCE
+from envlights.kernels.image import LUMINANCE, area_means
 from envlights.kernels.sphere import direction_to_uv, pixel_directions
 
 #: Columns of the pictures that are compared, coarse to fine; each next start is within a pixel.
@@ -208,9 +208,7 @@ def _reduce(picture: NDArray[np.float64], width: int) -> NDArray[np.float64]:
     """Means of whole blocks of pixels; NaN if one of them is."""
     factor = max(picture.shape[1] // width, 1)
     height, width = (size // factor for size in picture.shape)
-    blocks = picture[: height * factor, : width * factor].reshape(height, factor, width, factor)
-    mean: NDArray[np.float64] = blocks.mean(axis=(1, 3))
-    return mean
+    return area_means(picture[: height * factor, : width * factor], height, width)
 
 
 def positions(motions: list[Motion | None]) -> list[Motion]:

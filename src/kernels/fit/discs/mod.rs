@@ -34,7 +34,7 @@ mod zonal;
 
 pub use bands::{BAND_DEGREE, Bands};
 pub use evaluate::evaluate;
-pub use zonal::Comparison;
+pub use zonal::{Comparison, kernel_spectra};
 
 use glam::DVec3;
 use nalgebra::DMatrix;

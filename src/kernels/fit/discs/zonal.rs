@@ -49,13 +49,14 @@ pub struct Kernel {
 
 impl Kernel {
     pub fn new(comparison: Comparison) -> Self {
+        static SPECTRA: LazyLock<[Vec<f64>; 2]> = LazyLock::new(|| kernel_spectra(DEGREES));
         let [probe, shadows] = &*SPECTRA;
         // Divide each kernel by its factor of degree 0, its integral over the sphere.
         let mixed =
             |k: usize| PROBE_SHARE * probe[k] / probe[0] + (1.0 - PROBE_SHARE) * shadows[k] / shadows[0];
         let (whole, cone) = match comparison {
-            Comparison::Probe => (*probe, 0.0),
-            Comparison::Shadows => (*shadows, 1.0 / 3.0),
+            Comparison::Probe => (from_fn(|k| probe[k]), 0.0),
+            Comparison::Shadows => (from_fn(|k| shadows[k]), 1.0 / 3.0),
             Comparison::Mixed => (from_fn(mixed), (1.0 - PROBE_SHARE) / (3.0 * shadows[0])),
         };
         Self { whole, smooth: from_fn(|k| whole[k] + cone * chord_factor(k)), cone }
@@ -94,25 +95,25 @@ pub fn chord_factor(k: usize) -> f64 {
     -16.0 * PI / ((k - 1.0) * (k + 1.0) * (k + 3.0))
 }
 
-/// Factors of the kernels of the probe and of shadows, by degree.
+/// Factors of the kernels of the probe and of shadows, for this many degrees.
 ///
 /// Each is `2 pi` times the integral of `K(g) P_k(cos g) sin g`, smooth in g, so Gauss's quadrature is exact to rounding.
-static SPECTRA: LazyLock<[[f64; DEGREES]; 2]> = LazyLock::new(|| {
-    let (nodes, weights) = gauss_legendre(8 * DEGREES);
-    let mut out = [[0.0; DEGREES]; 2];
+pub fn kernel_spectra(degrees: usize) -> [Vec<f64>; 2] {
+    let (nodes, weights) = gauss_legendre(8 * degrees);
+    let mut out = [vec![0.0; degrees], vec![0.0; degrees]];
     for (node, weight) in nodes.iter().zip(&weights) {
         let g = 0.5 * PI * (1.0 + node);
         let (sine, cosine) = g.sin_cos();
         let probe = 2.0 / 3.0 * (sine + (PI - g) * cosine);
         let shadows = probe * 0.5 * (1.0 - g / PI);
-        for (k, value) in legendre_values(cosine, DEGREES).into_iter().enumerate() {
+        for (k, value) in legendre_values(cosine, degrees).into_iter().enumerate() {
             let share = PI * PI * weight * sine * value;
             out[0][k] += share * probe;
             out[1][k] += share * shadows;
         }
     }
     out
-});
+}
 
 #[cfg(test)]
 mod tests {
