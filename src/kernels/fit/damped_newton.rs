@@ -228,7 +228,8 @@ fn downhill(mut hessian: DMatrix<f64>, damping: f64, gradient: DVector<f64>) -> 
 mod tests {
     use super::super::variable_projection::tests::{target, world};
     use super::*;
-    use crate::kernels::fit::discs::{Comparison, Shadows};
+    use crate::kernels::fit::comparison::Comparison;
+    use crate::kernels::fit::discs::Shadows;
     use crate::kernels::fit::{Ambient, Sphere};
     use crate::kernels::sphere::direction;
 

@@ -6,6 +6,8 @@
 //! |---------------------------------------------------|----------------------------|
 //! | options, and the numbers of the search            | `options.rs`               |
 //! | ambient and lights                                | `rig.rs`, `ambient.rs`     |
+//! | a light with a size, and the kernel that compares it with the map | `light_disc.rs`, `comparison.rs` |
+//! | numbers with derivatives                          | `jet.rs`                   |
 //! | the cost: products of lights and their derivatives | `objective.rs`            |
 //! | - of points at every normal, in closed form       | `sphere/`                  |
 //! | - of points at known normals                      | `samples/`                 |
@@ -22,10 +24,13 @@
 
 mod ambient;
 mod candidates;
+mod comparison;
 mod damped_newton;
 mod discs;
 mod factors;
+mod jet;
 mod light_count;
+mod light_disc;
 mod moves;
 mod multistart;
 mod nnls;
@@ -44,7 +49,8 @@ mod uncertainty;
 mod variable_projection;
 
 pub use ambient::Ambient;
-pub use discs::{BAND_DEGREE, Bands, Comparison, evaluate};
+pub use comparison::Comparison;
+pub use discs::{BAND_DEGREE, Bands, evaluate};
 pub use objective::{Objective, PointObjective};
 pub use options::FitOptions;
 pub use problem::Problem;

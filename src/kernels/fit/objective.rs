@@ -28,7 +28,7 @@ use glam::{DMat3, DVec3};
 use nalgebra::DMatrix;
 
 use super::ambient::Ambient;
-use super::discs::Disc;
+use super::light_disc::Disc;
 use super::rig::Rig;
 use crate::kernels::sphere::{exponential_map, tangents};
 

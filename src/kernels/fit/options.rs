@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::ambient::Ambient;
-use super::discs::Comparison;
+use super::comparison::Comparison;
 use super::objective::PointObjective;
 
 /// Options of one fit.

@@ -2,7 +2,8 @@
 
 use std::iter::once;
 
-use super::discs::{self, Bands, Comparison, Sized, Sizes};
+use super::comparison::Comparison;
+use super::discs::{self, Bands, Sized, Sizes};
 use super::light_count::{self, Trial};
 use super::options::FitOptions;
 use super::problem::Problem;

@@ -8,9 +8,9 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::light_disc::Disc;
 use super::target::Picture;
 use crate::kernels::expansion::{DEGREE, disc_series, visit_degrees};
+use crate::kernels::fit::light_disc::Disc;
 use crate::kernels::fit::relative_rms::relative_error;
 use crate::kernels::fit::rig::Rig;
 use crate::kernels::sphere::angles;

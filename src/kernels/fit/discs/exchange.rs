@@ -31,8 +31,8 @@ pub fn exchange(shadows: &Shadows<'_>, descent: &Descent<'_>, best: State, [roug
 
 #[cfg(test)]
 mod tests {
-    use super::super::Comparison;
     use super::*;
+    use crate::kernels::fit::comparison::Comparison;
     use crate::kernels::fit::variable_projection::tests::{target, world};
     use crate::kernels::fit::{Ambient, Sphere};
     use crate::kernels::sphere::direction;

@@ -6,10 +6,10 @@
 
 use glam::DVec3;
 
-use super::light_disc::Disc;
 use super::shadows::Shadows;
 use crate::kernels::expansion::DiscSum;
 use crate::kernels::fit::damped_newton::Descent;
+use crate::kernels::fit::light_disc::Disc;
 use crate::kernels::fit::state::State;
 use crate::kernels::sampling::even_sphere;
 use crate::kernels::sphere::to_vectors;

@@ -6,10 +6,9 @@
 //! | step                                                  | file            |
 //! |-------------------------------------------------------|-----------------|
 //! | kernels, and discs, in Legendre polynomials           | `zonal.rs`      |
-//! | numbers with derivatives                              | `jet.rs`        |
 //! | the cone of the kernel, between two discs             | `chord.rs`      |
 //! | - for discs that are far apart                        | `far.rs`        |
-//! | a light; bright cells of the map and their cones      | `light_disc.rs`, `patches.rs` |
+//! | bright cells of the map and their cones               | `patches.rs`    |
 //! | inner products of discs, the map and the ambient term | `target.rs`     |
 //! | radii to start from                                   | `start.rs`      |
 //! | the objective of a descent                            | `shadows.rs`    |
@@ -24,8 +23,6 @@ mod evaluate;
 mod exchange;
 mod far;
 mod forward_selection;
-mod jet;
-mod light_disc;
 mod patches;
 mod shadows;
 mod start;
@@ -34,7 +31,6 @@ mod zonal;
 
 pub use bands::{BAND_DEGREE, Bands};
 pub use evaluate::evaluate;
-pub use zonal::Comparison;
 
 use glam::DVec3;
 use nalgebra::DMatrix;
@@ -43,11 +39,12 @@ use rayon::prelude::*;
 use self::bands::MapBands;
 use self::exchange::exchange;
 use self::forward_selection::forward_selection;
-pub use self::light_disc::Disc;
 pub use self::shadows::Shadows;
 use self::shadows::{GREATEST_RADIUS, LEAST_RADIUS};
 use self::target::{Picture, Target};
+use super::comparison::Comparison;
 use super::damped_newton::Descent;
+use super::light_disc::Disc;
 use super::objective::{Objective, Reference};
 use super::options::FitOptions;
 use super::relative_rms::relative_error;

@@ -6,10 +6,10 @@
 use glam::{DMat3, DVec3};
 use nalgebra::DMatrix;
 
-use super::jet::Jet;
-use super::light_disc::Disc;
 use super::target::Target;
 use crate::kernels::expansion::DiscSum;
+use crate::kernels::fit::jet::Jet;
+use crate::kernels::fit::light_disc::Disc;
 use crate::kernels::fit::objective::{
     Constraint, Derivatives, Moments, Objective, Reference, column_weights,
 };

@@ -15,20 +15,10 @@ use std::array::from_fn;
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
-use super::jet::Jet;
 use crate::kernels::expansion::{DEGREES, DiscFactors, legendre_derivatives, legendre_values};
+use crate::kernels::fit::comparison::Comparison;
+use crate::kernels::fit::jet::Jet;
 use crate::kernels::sampling::gauss_legendre;
-
-/// Kernel by which lights are compared with the map.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Comparison {
-    /// Irradiance of a white probe without shadows.
-    Probe,
-    /// Irradiance of a white probe with shadows, over all blocking planes.
-    Shadows,
-    /// Weighted mean of both kernels, each divided by its factor of degree 0.
-    Mixed,
-}
 
 /// Weight of the probe in [`Comparison::Mixed`].
 ///
