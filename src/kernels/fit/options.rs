@@ -39,6 +39,28 @@ pub struct FitOptions {
     pub is_plain: bool,
 }
 
+impl Default for FitOptions {
+    /// Any points beside a constant ambient term.
+    fn default() -> Self {
+        Self {
+            ambient: Ambient::Constant,
+            start: Vec::new(),
+            fixed: 0,
+            lights: 0,
+            error: None,
+            shadow_error: None,
+            gloss_error: None,
+            gloss_factors: Vec::new(),
+            sizes: None,
+            max_radius: None,
+            max_steps: 100,
+            has_floor: false,
+            error_floor: 0.0,
+            is_plain: false,
+        }
+    }
+}
+
 impl FitOptions {
     /// True if the caller named an error that is good enough.
     pub fn has_goal(&self) -> bool {

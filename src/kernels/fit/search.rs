@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::candidates::Candidates;
 use super::moves;
 use super::multistart;
-use super::options::SearchSettings;
+use super::options::{FitOptions, SearchSettings};
 use super::problem::Problem;
 use super::state::{State, StopReason};
 use crate::error::Result;
@@ -30,7 +30,7 @@ pub struct Search<'a> {
 impl<'a> Search<'a> {
     /// A search for any number of lights.
     pub fn new(problem: &'a Problem<'a>) -> Self {
-        let settings = SearchSettings::of(problem.objective, problem.is_plain);
+        let settings = SearchSettings::of(problem.objective, problem.options.is_plain);
         Self { problem, candidates: Candidates::new(problem.objective), settings }
     }
 
@@ -71,14 +71,14 @@ impl<'a> Search<'a> {
 
     /// Lights at the brightest sources, if there are enough of them.
     fn likely(&self, lights: usize) -> Option<State> {
-        let Problem { objective, start, fixed, .. } = *self.problem;
+        let Problem { objective, options: FitOptions { start, fixed, .. } } = *self.problem;
         let likely = objective.likely().get(..lights - fixed)?;
-        Some(State::new(objective, &[&start[..fixed], likely].concat()))
+        Some(State::new(objective, &[&start[..*fixed], likely].concat()))
     }
 
     /// The better half of the minima that rough descents from even starts lead to.
     fn even(&self, lights: usize) -> Result<Vec<State>> {
-        let Problem { objective, start, fixed, .. } = *self.problem;
+        let Problem { objective, options: &FitOptions { ref start, fixed, .. } } = *self.problem;
         let (count, rough) = (self.settings.starts(lights), self.settings.rough);
         let descend = |even: &Vec<DVec3>| {
             let placed = even.iter().map(|&l| objective.place(l));
@@ -91,7 +91,7 @@ impl<'a> Search<'a> {
 
     /// The set after exchanges of single lights while these lower the cost.
     fn exchange(&self, mut best: State) -> State {
-        let Problem { objective, fixed, .. } = *self.problem;
+        let Problem { objective, options: &FitOptions { fixed, .. } } = *self.problem;
         let SearchSettings { exchanges, rough, same, .. } = self.settings;
         loop {
             let moves = moves::exchanges(&self.candidates, &best, fixed, NEAR, exchanges);
@@ -128,7 +128,7 @@ impl<'a> Search<'a> {
 
     /// The lowest minimum that a perturbation of all lights leads to.
     fn perturb_once(&self, best: &State, round: usize) -> Result<Option<State>> {
-        let Problem { objective, fixed, .. } = *self.problem;
+        let Problem { objective, options: &FitOptions { fixed, .. } } = *self.problem;
         let starts = multistart::perturb(best, fixed, self.settings.perturbations, round)?;
         let ends = starts
             .into_par_iter()
@@ -184,16 +184,12 @@ mod tests {
         image::reduce(map.view(), Registration::CellCentred, 256, 1e-3, false).unwrap()
     }
 
-    fn problem(objective: &Sphere, lights: usize) -> Problem<'_> {
-        Problem { objective, start: &[], fixed: 0, lights, max_steps: 100, is_plain: false }
-    }
-
     const PLACES: [((usize, usize), f32); 3] = [((8, 10), 900.0), ((10, 14), 700.0), ((20, 45), 300.0)];
 
     #[test]
     fn forward_selection_adds_the_brightest_lamp_first() {
         let sphere = Sphere::new(&lamps(&PLACES[2..]), Ambient::Constant, false);
-        let problem = problem(&sphere, 1);
+        let problem = Problem { objective: &sphere, options: &FitOptions::default() };
         let search = Search::new(&problem);
         let grown = search.grow(&[State::new(&sphere, &[])]);
         let lamp = sphere.likely()[0];
@@ -203,7 +199,7 @@ mod tests {
     #[test]
     fn forward_selection_ends_where_a_light_lowers_nothing() {
         let sphere = Sphere::new(&lamps(&PLACES[2..]), Ambient::Constant, false);
-        let problem = problem(&sphere, 2);
+        let problem = Problem { objective: &sphere, options: &FitOptions::default() };
         let best = problem.descent().run(State::new(&sphere, sphere.likely()), FINE);
         assert!(Search::new(&problem).grow(&[best]).is_empty());
     }
@@ -212,7 +208,7 @@ mod tests {
     #[test]
     fn an_exchange_leaves_a_local_minimum() {
         let sphere = Sphere::new(&lamps(&PLACES), Ambient::Constant, false);
-        let problem = problem(&sphere, 3);
+        let problem = Problem { objective: &sphere, options: &FitOptions::default() };
         let search = Search::new(&problem);
         let between = (sphere.likely()[0] + sphere.likely()[1]).normalize();
         let start = State::new(&sphere, &[between, sphere.likely()[2], -between]);
@@ -224,7 +220,7 @@ mod tests {
     #[test]
     fn the_best_set_of_known_lamps_has_their_directions() {
         let sphere = Sphere::new(&lamps(&PLACES), Ambient::Constant, false);
-        let problem = problem(&sphere, 3);
+        let problem = Problem { objective: &sphere, options: &FitOptions::default() };
         let beam =
             vec![State::new(&sphere, &[direction(0.5, 1.0), direction(1.5, 3.0), direction(2.5, 5.0)])];
         let best = Search::new(&problem).best(beam).unwrap().swap_remove(0);

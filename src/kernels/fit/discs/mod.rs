@@ -260,23 +260,13 @@ fn discs_of(rig: &Rig, radii: &[f64]) -> Vec<Disc> {
 /// Under the cone of the kernel, which weights the spatial frequency k by `k^-3`, the disc nearest to a blurred one is wider
 /// than the original by 1.25 spreads of a pixel if that is wide, 1.34 for a radius of two pixels and 1.46 for one pixel.
 fn rig_of(reference: &Reference, state: &State, map: &WorkingMap) -> (Rig, Vec<f64>) {
-    let ambient = reference.ambient.coefficients();
-    let rgb = |row: usize| {
-        DVec3::from_array(reference.like.map(|like| like.map_or(0.0, |channel| state.x[(row, channel)])))
-    };
-    let shares: Vec<f64> = state
-        .moments
-        .discs
-        .iter()
-        .map(|disc| (disc.share - BLUR * map.pixel_spread(disc.direction)).max(0.0))
-        .collect();
-    // The irradiance at normal incidence is less than the flux by the factor 1 - A.
-    let irradiance = |(light, disc): (usize, &Disc)| rgb(ambient + light) * (1.0 - disc.share);
-    let rig = Rig {
-        ambient: (0..ambient).map(rgb).collect(),
-        directions: state.moments.discs.iter().map(|disc| disc.direction).collect(),
-        irradiance: state.moments.discs.iter().enumerate().map(irradiance).collect(),
-        has_floor: reference.has_floor,
-    };
-    (rig, shares.iter().map(|share| 2.0 * share.sqrt().asin()).collect())
+    let mut rig = state.rig(reference);
+    let mut radii = Vec::with_capacity(rig.irradiance.len());
+    for (irradiance, disc) in rig.irradiance.iter_mut().zip(&state.moments.discs) {
+        // The irradiance at normal incidence is less than the flux by the factor 1 - A.
+        *irradiance *= 1.0 - disc.share;
+        let share = (disc.share - BLUR * map.pixel_spread(disc.direction)).max(0.0);
+        radii.push(2.0 * share.sqrt().asin());
+    }
+    (rig, radii)
 }
