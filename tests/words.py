@@ -249,14 +249,26 @@ def files_in(paths: list[Path]) -> list[Path]:
     return sorted(f for f in set(every) if f.suffix in READERS and "node_modules" not in f.parts)
 
 
+NUMBER = r"-?\d[\d_]*(?:\.\d+)?(?:e-?\d+)?"
+CONSTANTS = {
+    "constants in src/kernels": r"^\s*(?:pub(?:\([^)]*\))? )?(?:const|static) [A-Z]\w+\b",
+    "numbers of settings in src/kernels": rf"^\s+\w+: \[?{NUMBER}.*,$",
+    "numbers of modules in python": rf"^_?[A-Z][A-Z0-9_]*(?:: [^=]+)? = \(?{NUMBER}",
+}
+
+
 def print_sizes() -> None:
-    """Print lines of Rust, and the number of private constants in the kernels."""
+    """Print lines of Rust, and how many constants and numbers of settings there are."""
     for folder in ("src", "src/kernels/fit", "src/kernels/detect"):
         files = (ROOT / folder).rglob("*.rs")
         print(f"{sum(len(file.read_text().splitlines()) for file in files):6d} lines in {folder}")
-    kernels = "\n".join(file.read_text() for file in (ROOT / "src/kernels").rglob("*.rs"))
-    constants = len(re.findall(r"^\s*(?:const|static) [A-Z]\w+", kernels, re.MULTILINE))
-    print(f"{constants:6d} private constants in src/kernels")
+    for kind, pattern in CONSTANTS.items():
+        folder = kind.rpartition(" ")[2]
+        texts = (
+            file.read_text() for file in (ROOT / folder).rglob("*.*") if file.suffix in READERS
+        )
+        texts = (text.partition("#[cfg(test)]\nmod tests")[0] for text in texts)
+        print(f"{sum(len(re.findall(pattern, text, re.MULTILINE)) for text in texts):6d} {kind}")
 
 
 def main() -> int:
