@@ -5,12 +5,10 @@ use rayon::prelude::*;
 use super::damped_newton::Descent;
 use super::options::FitOptions;
 use super::problem::Problem;
-use super::search::{FINE, Search};
+use super::search::Search;
+use super::settings::SEARCH;
 use super::state::{State, StopReason};
 use crate::error::Result;
-
-/// Relative decrease of the error that is worth one more light.
-const WORTH_A_LIGHT: f64 = 1e-3;
 
 /// Evaluation of a set of lights.
 pub type Evaluate<'a> = &'a (dyn Fn(State) -> Trial + Sync);
@@ -106,7 +104,7 @@ fn larger_sets(search: &Search<'_>, beam: &[State]) -> Result<Vec<State>> {
     let mut grown = search.grow(beam);
     if problem.has_start() {
         grown.truncate(1);
-        return Ok(grown.into_iter().map(|state| problem.descent().run(state, FINE)).collect());
+        return Ok(grown.into_iter().map(|state| problem.descent().run(state, SEARCH.fine)).collect());
     }
     if problem.options.has_goal() {
         let best = search.best(grown.clone())?;
@@ -119,7 +117,7 @@ fn larger_sets(search: &Search<'_>, beam: &[State]) -> Result<Vec<State>> {
 fn near_start(problem: &Problem<'_>, count: usize) -> State {
     let FitOptions { start, fixed, .. } = problem.options;
     let descent = Descent { fixed: *fixed.min(&count), ..problem.descent() };
-    descent.run(State::new(problem.objective, &start[..count]), FINE)
+    descent.run(State::new(problem.objective, &start[..count]), SEARCH.fine)
 }
 
 /// Replace lights that are black in all channels by new lights, and descend again.
@@ -131,13 +129,11 @@ fn refill(search: &Search<'_>, state: State) -> State {
         let Some(next) = search.grow(std::slice::from_ref(&state)).into_iter().next() else { break };
         state = next;
     }
-    search.problem.descent().run(state, FINE)
+    search.problem.descent().run(state, SEARCH.fine)
 }
 
 /// True if the residual is 0, the errors of the options are reached, or the last lights have not lowered the error.
 fn is_enough(options: &FitOptions, path: &[Trial]) -> bool {
-    /// Lights in a row that may fail to lower the error.
-    const PATIENCE: usize = 3;
     let Some(last) = path.last() else { return false };
     let lights = last.state.lights();
     if lights < options.fixed {
@@ -151,14 +147,14 @@ fn is_enough(options: &FitOptions, path: &[Trial]) -> bool {
     last.state.stop == Some(StopReason::Exact)
         || last.error <= options.error_floor
         || options.is_reached(last)
-        || lights >= useful + PATIENCE
+        || lights >= useful + SEARCH.patience
 }
 
 /// Number of lights of the last trial whose error is less than that of all before it.
 fn last_gain(path: &[&Trial], error: &dyn Fn(&Trial) -> f64) -> usize {
     let mut best = (f64::INFINITY, 0);
     for trial in path {
-        if error(trial) < best.0 * (1.0 - WORTH_A_LIGHT) {
+        if error(trial) < best.0 * (1.0 - SEARCH.worth_a_light) {
             best = (error(trial), trial.state.lights());
         }
     }
@@ -171,7 +167,7 @@ fn last_gain(path: &[&Trial], error: &dyn Fn(&Trial) -> f64) -> usize {
 /// than the start are skipped.
 pub fn choose(options: &FitOptions, path: &[Trial]) -> usize {
     let least = path.iter().map(|trial| options.comparison_error(trial)).fold(f64::INFINITY, f64::min);
-    let enough = (least * (1.0 + WORTH_A_LIGHT)).max(options.error_floor);
+    let enough = (least * (1.0 + SEARCH.worth_a_light)).max(options.error_floor);
     let is_reached = path.iter().any(|trial| options.is_reached(trial));
     let is_enough = |trial: &Trial| {
         if is_reached { options.is_reached(trial) } else { options.comparison_error(trial) <= enough }

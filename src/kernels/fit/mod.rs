@@ -4,7 +4,7 @@
 //!
 //! | step                                              | file                       |
 //! |---------------------------------------------------|----------------------------|
-//! | options, and the numbers of the search            | `options.rs`               |
+//! | options, and the tuned numbers                    | `options.rs`, `settings.rs` |
 //! | ambient and lights                                | `rig.rs`, `ambient.rs`     |
 //! | a light with a size, and the kernel that compares it with the map | `light_disc.rs`, `comparison.rs` |
 //! | numbers with derivatives                          | `jet.rs`                   |
@@ -43,6 +43,7 @@ mod result;
 mod rig;
 mod samples;
 mod search;
+mod settings;
 mod sphere;
 mod state;
 mod uncertainty;
@@ -231,7 +232,7 @@ mod tests {
     use ndarray::s;
 
     fn options(lights: usize, ambient: Ambient) -> FitOptions {
-        FitOptions { lights, ambient, ..FitOptions::default() }
+        FitOptions { ambient, lights, ..FitOptions::default() }
     }
 
     fn fit(rig: &Rig, lights: usize) -> FitResult {

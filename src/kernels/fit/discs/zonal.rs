@@ -18,13 +18,8 @@ use std::sync::LazyLock;
 use crate::kernels::expansion::{DEGREES, DiscFactors, legendre_derivatives, legendre_values};
 use crate::kernels::fit::comparison::Comparison;
 use crate::kernels::fit::jet::Jet;
+use crate::kernels::fit::settings::DISCS;
 use crate::kernels::sampling::gauss_legendre;
-
-/// Weight of the probe in [`Comparison::Mixed`].
-///
-/// The shadow error is several times the probe's error, and errors count squared. With this weight, sizes increase the
-/// probe's error on hardly any of 21 real maps, and the shadow error is close to its minimum.
-const PROBE_SHARE: f64 = 0.973;
 
 /// A kernel.
 #[derive(Clone, Debug)]
@@ -42,11 +37,11 @@ impl Kernel {
         let [probe, shadows] = &*SPECTRA;
         // Divide each kernel by its factor of degree 0, its integral over the sphere.
         let mixed =
-            |k: usize| PROBE_SHARE * probe[k] / probe[0] + (1.0 - PROBE_SHARE) * shadows[k] / shadows[0];
+            |k: usize| DISCS.probe * probe[k] / probe[0] + (1.0 - DISCS.probe) * shadows[k] / shadows[0];
         let (whole, cone) = match comparison {
             Comparison::Probe => (*probe, 0.0),
             Comparison::Shadows => (*shadows, 1.0 / 3.0),
-            Comparison::Mixed => (from_fn(mixed), (1.0 - PROBE_SHARE) / (3.0 * shadows[0])),
+            Comparison::Mixed => (from_fn(mixed), (1.0 - DISCS.probe) / (3.0 * shadows[0])),
         };
         Self { whole, smooth: from_fn(|k| whole[k] + cone * chord_factor(k)), cone }
     }
