@@ -92,7 +92,7 @@ def detections(env):
 def detected_row(lights):
     flux = lights.flux if hasattr(lights, "flux") else lights.irradiance
     return {
-        **numbers(lights, "direction", "solid_angle", "flux_share"),
+        **numbers(lights, "direction", "solid_angle", "flux_fraction"),
         "flux": np.asarray(flux).tolist(),
     }
 
@@ -105,7 +105,7 @@ def splits(env):
         yield (
             f"split {name}",
             {
-                **numbers(lights, "direction", "solid_angle", "flux_share"),
+                **numbers(lights, "direction", "solid_angle", "flux_fraction"),
                 "flux": lights.irradiance.tolist(),
                 "error": kernels.relative_rms(total, env.probe(NORMALS), WEIGHTS),
                 "rest": rest.radiance.mean(axis=(0, 1)).tolist(),
@@ -201,7 +201,7 @@ def lights_summary(rows):
 def pairs_of_lights(one, other):
     """Yield the flux fraction of each light, with the angle and flux ratio of its counterpart."""
     towards = np.reshape(other["direction"], (-1, 3))
-    columns = (one["direction"], one["flux"], one["flux_share"], one["solid_angle"])
+    columns = (one["direction"], one["flux"], one["flux_fraction"], one["solid_angle"])
     for direction, flux, share, solid_angle in zip(*columns, strict=True):
         if share < LEAST_FLUX:
             continue

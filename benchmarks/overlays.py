@@ -69,7 +69,7 @@ def _time():
     seconds = []
     for _ in range(_TIMES):
         start = perf_counter()
-        el.kernels.hidden_shares(stage, lights.direction, lights.angular_radius, floor=True)
+        el.kernels.hidden_fractions(stage, lights.direction, lights.angular_radius, floor=True)
         seconds.append(perf_counter() - start)
     print(f"{len(points)} points, 4 discs, a ball and a box: {min(seconds):.2f} s")
 

@@ -66,7 +66,7 @@ def _row(path, env, name, parts, truth):
     seen = rest.probe(_NORMALS) + discs.probe(_NORMALS)
     probe = el.kernels.relative_rms(seen, env.probe(_NORMALS), _SOLID_ANGLES)
     return (
-        f"{Path(path).stem[:24]:>24} {name} {len(lights):>5} {lights.flux_share.sum():>6.1%}"
+        f"{Path(path).stem[:24]:>24} {name} {len(lights):>5} {lights.flux_fraction.sum():>6.1%}"
         f" {closed:>8.1e} {colour:>8.1e} {len(again) if name == 'all' else '':>6} {probe:>7.2%}"
         f" {together.error(exact):>7.2%} {max(exact.noise, together.noise):>7.2%}"
         f"   {noise[0]}   {noise[1]}"

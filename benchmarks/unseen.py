@@ -90,7 +90,7 @@ def table_of_fills(maps):
             el.fit(part, lights=0, unseen="black").report.unseen_spread for part in parts
         ]
         cells = (f"{np.median(each):.3f} ({max(each):.3f})" for each in columns.values())
-        print(f"{name:20}  {parts[0].seen_share:.2f}", *(f"{cell:>14}" for cell in cells))
+        print(f"{name:20}  {parts[0].coverage_fraction:.2f}", *(f"{cell:>14}" for cell in cells))
 
 
 def table_of_fits(maps):

@@ -41,8 +41,8 @@ SOLID_CALLS = {
         },
     ),
     "kernels.form_factors": (kernels.form_factors, {"stage": STAGE}),
-    "kernels.hidden_shares": (
-        kernels.hidden_shares,
+    "kernels.hidden_fractions": (
+        kernels.hidden_fractions,
         {"stage": STAGE, "directions": FEW, "angular_radius": ANGLES, "floor": FLAG},
     ),
     "kernels.reflected_irradiance": (

@@ -136,7 +136,7 @@ CALLS = {
         {
             "env": IMAGE,
             "max_lights": LIGHTS,
-            "min_flux_share": SHARE,
+            "min_flux_fraction": SHARE,
             "min_worth": SMALL,
             "rise": SMALL,
             "prominence": SMALL,
@@ -391,7 +391,7 @@ CALLS = {
             "normals": NORMALS,
             "border_sampled": FLAG,
             "columns": SIZE,
-            "source_share": SHARE,
+            "source_fraction": SHARE,
         },
     ),
 }

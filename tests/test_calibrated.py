@@ -157,7 +157,7 @@ def test_the_clip_level_and_what_is_seen_keep_their_place():
     world = el.EnvMap(clipped_map().radiance, white=1.0, seen=seen)
     env = world.calibrated(ev100=0)
     assert env.white == pytest.approx(1.2)
-    assert env.clipped_share == world.clipped_share
+    assert env.clipped_fraction == world.clipped_fraction
     np.testing.assert_array_equal(env.seen, world.seen)
 
 

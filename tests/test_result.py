@@ -270,7 +270,7 @@ def test_one_light_holds_a_row_of_each_array():
     assert detected_lights()[-1] == detected_lights()[len(detected_lights()) - 1]
     assert [each.is_clipped for each in detected_lights()] == detected_lights().is_clipped.tolist()
     assert detected_lights()[0].peak_luminance == detected_lights().peak_luminance[0]
-    assert detected_lights().share is detected_lights().flux_share
+    assert detected_lights().share is detected_lights().flux_fraction
 
 
 def test_azimuth_and_elevation_lead_back_to_the_direction():

@@ -34,7 +34,7 @@ def test_what_is_hidden_is_no_light(kind, hidden):
         "alpha": lambda: el.EnvMap(np.dstack([array, share])),
         "seen": lambda: el.EnvMap(array, seen=share),
     }.get(kind, lambda: el.EnvMap(np.ma.masked_array(array, mask)))()
-    assert env.seen_share == pytest.approx(0.5, abs=1e-6)
+    assert env.coverage_fraction == pytest.approx(0.5, abs=1e-6)
     np.testing.assert_array_equal(env.seen, share)
     np.testing.assert_array_equal(env.radiance[16:], 0)
     np.testing.assert_array_equal(env.radiance[:16], SKY[:16])
@@ -50,7 +50,7 @@ def test_partly_seen_pixels_are_multiplied_by_alpha_in_linear_light():
     codes[..., 3] = 51
     env = el.EnvMap(codes)
     np.testing.assert_allclose(env.radiance, 0.2 * ((188 / 255 + 0.055) / 1.055) ** 2.4, rtol=1e-5)
-    assert env.seen_share == pytest.approx(0.2)
+    assert env.coverage_fraction == pytest.approx(0.2)
 
 
 @pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.float32, np.float64])
@@ -58,7 +58,7 @@ def test_opaque_alpha_changes_nothing(dtype):
     most = 1 if np.dtype(dtype).kind == "f" else np.iinfo(dtype).max
     env = el.EnvMap(np.full((4, 8, 4), most, dtype))
     assert env.seen is None
-    assert env.seen_share == 1.0
+    assert env.coverage_fraction == 1.0
     assert not any("seen" in note for note in env.notes)
 
 
@@ -70,7 +70,7 @@ def test_the_share_survives_copies_and_turns_with_the_map():
     assert env != el.EnvMap(env.radiance)
     turned = env.rotated(np.diag([1.0, -1.0, -1.0]))
     np.testing.assert_allclose(turned.seen, lower_half()[::-1], atol=1e-6)
-    assert env.repaired().seen_share == env.seen_share
+    assert env.repaired().coverage_fraction == env.coverage_fraction
     # Half a sphere once counted as black without a word; now a fit asks what is there.
     notes = el.fit(env, lights=1, unseen="black").notes
     assert any("not seen counts as black" in note for note in notes)

@@ -142,7 +142,7 @@ def test_a_floor_hides_the_lower_half():
     dome, whole = el.EnvMap(radiance, seen=seen), el.EnvMap(radiance)
     rig, expected = (el.fit(env, lights=2, floor=True) for env in (dome, whole))
     np.testing.assert_allclose(rig.lights.direction, expected.lights.direction, atol=1e-5)
-    assert rig.report.seen_share == pytest.approx(1, abs=1e-6)
+    assert rig.report.coverage_fraction == pytest.approx(1, abs=1e-6)
     assert rig.report.unseen_spread == pytest.approx(0, abs=1e-6)
 
 
@@ -150,16 +150,16 @@ def test_the_report_has_the_share_and_what_the_rest_may_change():
     env = el.EnvMap(GREY, seen=NO_NADIR)
     report = el.fit(env, lights=1).report
     cap = (1 - np.sin(np.deg2rad(60))) / 2
-    assert report.seen_share == pytest.approx(1 - cap, abs=0.01)
+    assert report.coverage_fraction == pytest.approx(1 - cap, abs=0.01)
     black, grey = (
         el.EnvMap(each.radiance).probe(NORMALS) for each in map(env.filled, ("black", "harmonic"))
     )
     assert report.unseen_spread == pytest.approx(relative_rms(black, grey, SOLID_ANGLES), rel=1e-2)
-    assert f"{100 * report.seen_share:.3g} % of the sphere is seen" in str(report)
+    assert f"{100 * report.coverage_fraction:.3g} % of the sphere is seen" in str(report)
     again = type(report).from_dict(json.loads(json.dumps(report.to_dict())))
-    assert (again.seen_share, again.unseen_spread) == (report.seen_share, report.unseen_spread)
+    assert (again.coverage_fraction, again.unseen_spread) == (report.coverage_fraction, report.unseen_spread)
     whole = el.fit(el.EnvMap(GREY), lights=1).report
-    assert (whole.seen_share, whole.unseen_spread) == (1.0, 0.0)
+    assert (whole.coverage_fraction, whole.unseen_spread) == (1.0, 0.0)
     assert "seen" not in str(whole)
 
 
@@ -176,7 +176,7 @@ def test_the_command_line_passes_the_choice(tmp_path):
         done = run(cli.main, ["fit", str(path), "--unseen", choice, "--json"])
         assert done.exit_code == 0, done.output
         report = json.loads(done.output)["report"]
-        assert report["seen_share"] == pytest.approx(0.5, abs=1e-6)
+        assert report["coverage_fraction"] == pytest.approx(0.5, abs=1e-6)
 
 
 @pytest.mark.parametrize("method", ["tree", "article"])

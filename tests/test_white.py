@@ -29,7 +29,7 @@ def test_the_clip_level_is_where_the_picture_ends(white, dtype):
     env = el.EnvMap(codes.astype(dtype) * (1 if dtype == np.uint8 else 257))
     assert env.white == pytest.approx(linear(white), rel=1e-5)
     assert f"the picture is clipped at code {white} of 255, by its histogram" in env.notes
-    assert env.clipped_share > 0
+    assert env.clipped_fraction > 0
     assert el.detect(env).is_clipped.any()
     assert any("lower bound" in note for note in el.fit(env, lights=1).notes)
     assert "no pixel is clipped" not in env.repaired().notes[-1]
@@ -46,7 +46,7 @@ def test_a_smooth_highlight_is_not_clipped(peak):
     assert codes.max() < 250
     env = el.EnvMap(codes)
     assert env.white == 1.0
-    assert env.clipped_share == 0
+    assert env.clipped_fraction == 0
 
 
 def test_an_even_wall_is_not_clipped():

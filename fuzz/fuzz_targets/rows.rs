@@ -67,8 +67,8 @@ impl Case {
 
     fn compare<T: Sample>(&self, samples: &Array3<T>, table: &[f32], values: ArrayView3<'_, f32>) {
         let options = self.options(values);
-        let ReductionOptions { registration, columns, source_share, has_floor, .. } = options;
-        let whole = reduce(values, registration, columns, source_share, has_floor);
+        let ReductionOptions { registration, columns, source_fraction, has_floor, .. } = options;
+        let whole = reduce(values, registration, columns, source_fraction, has_floor);
         let Ok(mut reducer) = RowReducer::new(options, table.to_vec(), true) else {
             assert!(whole.is_err(), "only the whole array is a map");
             return;
@@ -93,7 +93,7 @@ impl Case {
             width,
             registration,
             columns: usize::from(self.columns).max(1),
-            source_share: 1e-4 + f64::from(self.share) / 256.0,
+            source_fraction: 1e-4 + f64::from(self.share) / 256.0,
             has_floor: self.flags & 2 != 0,
         }
     }

@@ -124,7 +124,7 @@ class MapCalibration(MapLight):
         self, ratio: float, facing: NDArray[np.float64], readings: Readings, unseen: Unseen
     ) -> Self:
         """Map with the clipped light that two readings show; see `repaired`."""
-        if not self.clipped_share:
+        if not self.clipped_fraction:
             raise EnvLightsError(
                 "shaded needs a map with a clipped sun, but no pixel is clipped: its sun has its"
                 " true ratio to the sky; leave shaded out"

@@ -179,7 +179,7 @@ class MapLight(MapPixels):
         The surface faces a unit vector; up when left out.
         """
         _unseen.checked_unseen(unseen)
-        if self._seen is None or not self.clipped_share:
+        if self._seen is None or not self.clipped_fraction:
             return 0.0, ""
         part = PartialMap(self._radiance, self._seen, self.is_border_sampled)
         share = part.share if facing is not None else _unseen.share_above_horizon(part)

@@ -17,7 +17,7 @@ from envlights._map_array import image_array
 from envlights._native import EnvLightsError
 from envlights._notes import Note
 from envlights._units import OWN_SCALE, checked_units, in_nits
-from envlights._white import white_of_codes
+from envlights._white import clip_level_of_codes
 from envlights.io.hints import NO_HINTS, Hints
 from envlights.io.images import MOST_PIXELS
 from envlights.layouts.layout import equirectangular
@@ -62,7 +62,7 @@ class MapPixels:
             projection, faces, registration, mapping, fov, horizon, circle, towards, eye
         )
         arguments.check()
-        self._white = None if white is None else checked_white(white)
+        self._white = None if white is None else checked_clip_level(white)
         self._notes = texts("notes", notes)
         if isinstance(radiance, str | os.PathLike):
             raise EnvLightsError(
@@ -157,7 +157,7 @@ class MapPixels:
         if seen is None or (share := _visibility.checked_seen(seen, radiance.shape[:2])) is None:
             return
         self._seen = _read_only(share)
-        note = _visibility.note_of_unseen(self.seen_share)
+        note = _visibility.note_of_unseen(self.coverage_fraction)
         if note not in self._notes:
             self._notes.append(note)
 
@@ -214,21 +214,21 @@ class MapPixels:
         return self._ev100
 
     @property
-    def clipped_share(self) -> float:
+    def clipped_fraction(self) -> float:
         """Fraction of the sphere with clipped radiance.
 
         With a known `white`: pixels with a channel at it, from code 254 of 255 on. Otherwise:
         pixels with the largest sample of the map, if there are several.
         """
-        return self._clipped_shares()[0]
+        return self._clipped_fractions()[0]
 
     @property
-    def clipped_flux_share(self) -> float:
+    def clipped_flux_fraction(self) -> float:
         """Fraction of the luminance flux in clipped pixels.
 
         Lights that `fit` places there are a lower bound.
         """
-        return self._clipped_shares()[1]
+        return self._clipped_fractions()[1]
 
     @property
     def seen(self) -> NDArray[np.float32] | None:
@@ -236,7 +236,7 @@ class MapPixels:
         return self._seen
 
     @property
-    def seen_share(self) -> float:
+    def coverage_fraction(self) -> float:
         """Fraction of the sphere that is seen."""
         if self._seen is None:
             return 1.0
@@ -273,7 +273,7 @@ class MapPixels:
 
     def _clipped_in_words(self) -> str:
         """Clipped part of a map with a clip level; empty for other maps."""
-        return "" if self._white is None else _map_text.clipped(*self._clipped_shares())
+        return "" if self._white is None else _map_text.clipped(*self._clipped_fractions())
 
     def _repr_pretty_(self, printer: Any, _: bool) -> None:
         printer.text(repr(self) if printer.indentation else str(self))
@@ -305,7 +305,7 @@ class MapPixels:
         return build, (self._radiance,), {"_source": self._source, "_ev100": self._ev100}
 
     def with_radiance(
-        self, radiance: NDArray[np.float32], notes: Iterable[str], *, keeps_white: bool = True
+        self, radiance: NDArray[np.float32], notes: Iterable[str], *, keeps_clip_level: bool = True
     ) -> Self:
         """Map of other samples at the same places.
 
@@ -315,7 +315,7 @@ class MapPixels:
             Multiplied by `seen`; not checked.
         notes : iterable of str
             All notes of the new map.
-        keeps_white : bool
+        keeps_clip_level : bool
             False for radiance that was estimated above the clip level.
 
         Returns
@@ -327,7 +327,7 @@ class MapPixels:
             radiance,
             registration=self._registration,
             notes=notes,
-            white=self._white if keeps_white else None,
+            white=self._white if keeps_clip_level else None,
             seen=self._seen,
             source=self._source,
         )
@@ -338,9 +338,9 @@ class MapPixels:
         env._units, env._ev100 = self._units, self._ev100
         return env
 
-    def _clipped_shares(self) -> tuple[float, float]:
+    def _clipped_fractions(self) -> tuple[float, float]:
         if self._clipped is None:
-            self._clipped = _native.clipped_share(
+            self._clipped = _native.clipped_fraction(
                 self._radiance, self.is_border_sampled, self._white
             )
         return self._clipped
@@ -364,7 +364,7 @@ class MapPixels:
     def _linear(self, array: NDArray[Any], seen: NDArray[np.float32] | None) -> NDArray[np.float32]:
         """Linear samples of `array`; the clip level of codes is that of pixels that are seen."""
         if array.dtype.kind != "f" and self._white is None:
-            self._white = white_of_codes(array, seen, self._notes)
+            self._white = clip_level_of_codes(array, seen, self._notes)
         return _cleaning.linear(array, self._notes)
 
 
@@ -388,7 +388,7 @@ def _read_only(array: NDArray[np.float32]) -> NDArray[np.float32]:
     return view
 
 
-def checked_white(white: float) -> float:
+def checked_clip_level(white: float) -> float:
     """Clip level as a number above 0, or a refusal."""
     value = amount("white", white)
     if value == 0:

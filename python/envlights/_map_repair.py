@@ -95,7 +95,7 @@ class MapRepair(MapLight):
             with_sun: Self = _LOADERS[-1]()(self, sun, irradiance, ratio, unseen)
             return with_sun
         white = self._white
-        if white is None and self.clipped_share:
+        if white is None and self.clipped_fraction:
             white = float(self._radiance.max())
         received, assumed = self._from_unseen(unseen)
         radiance, note, is_open = repair(

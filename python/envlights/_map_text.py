@@ -30,11 +30,11 @@ def paragraph(
     return "\n".join(filter(None, lines))
 
 
-def clipped(share: float, flux_share: float) -> str:
+def clipped(share: float, flux_fraction: float) -> str:
     """Clipped fractions of the sphere and of the flux, or nothing if no pixel is clipped."""
     if not share:
         return ""
     return (
         f", {100 * share:.2g} % of the sphere is clipped and holds"
-        f" {100 * flux_share:.2g} % of the flux"
+        f" {100 * flux_fraction:.2g} % of the flux"
     )

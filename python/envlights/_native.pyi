@@ -20,13 +20,13 @@ __all__ = [
     "ReducedMap", "RowReducer", "TreeDetection", "TriangleTree",
     "UnusableSamplesError", "apply_matrix",
     "are_clipped", "blur", "bounding_volume_hierarchy", "bresenham_line", "clipped_depth",
-    "clipped_light_shares", "clipped_share", "code_histogram_8", "code_histogram_16",
+    "clipped_light_shares", "clipped_fraction", "code_histogram_8", "code_histogram_16",
     "continue_reduced", "cut_cards",
     "decode_8", "decode_16", "detect_tree", "direction_to_uv", "disc_map", "draw_cards",
     "even_sphere",
     "face_radiance", "fill_unseen", "fit_reduced", "fit_reduced_by_count", "fit_samples",
     "form_factors", "gloss_spectrum", "halton",
-    "hammersley", "harmonic_irradiance", "harmonic_radiance", "hidden_shares", "icosphere",
+    "hammersley", "harmonic_irradiance", "harmonic_radiance", "hidden_fractions", "icosphere",
     "irradiance", "luminance", "map_energy", "merge_along_lines", "neighbour_maximum",
     "pack_lights", "pixel_directions", "pixel_solid_angles", "plane_threshold",
     "probe_jacobian", "probe_model", "probe_residual", "projection_directions",
@@ -62,8 +62,8 @@ class ClippedDetection:
     direction_uncertainty: _Reals
     weight: _Reals
     clip_level: float
-    is_below_white: bool
-    clipped_share: float
+    is_below_largest: bool
+    clipped_fraction: float
 
 @final
 class ReducedMap:
@@ -97,7 +97,7 @@ class TreeDetection:
     solid_angle: _Reals
     elongation: _Reals
     peak_luminance: _Reals
-    flux_share: _Reals
+    flux_fraction: _Reals
     is_clipped: NDArray[np.bool_]
     is_cut: NDArray[np.bool_]
     pixel: _Indices
@@ -190,7 +190,7 @@ def clipped_depth(
 def clipped_light_shares(
     radiance: _Image, border_sampled: bool, white: float, working_columns: int, gap: float
 ) -> _Image: ...
-def clipped_share(
+def clipped_fraction(
     radiance: _Image, border_sampled: bool, white: float | None
 ) -> tuple[float, float]: ...
 def decode_16(codes: NDArray[np.uint16], tables: NDArray[np.float32]) -> _Image: ...
@@ -242,7 +242,7 @@ def halton(count: int, bases: list[int]) -> _Reals: ...
 def hammersley(count: int) -> _Reals: ...
 def harmonic_irradiance(normals: _Reals) -> _Reals: ...
 def harmonic_radiance(directions: _Reals) -> _Reals: ...
-def hidden_shares(stage: Stage, directions: _Reals, radii: _Reals, floor: bool) -> _Reals: ...
+def hidden_fractions(stage: Stage, directions: _Reals, radii: _Reals, floor: bool) -> _Reals: ...
 def form_factors(stage: Stage) -> _Reals: ...
 def reflected_irradiance(stage: Stage, lighting: _Lighting) -> _Reals: ...
 def icosphere(faces: int) -> tuple[_Reals, _Reals]: ...
@@ -276,10 +276,10 @@ def projection_directions(layout: Layout, places: _Reals) -> _Reals: ...
 def projection_places(layout: Layout, directions: _Reals) -> _Reals: ...
 def projection_solid_angles(layout: Layout) -> _Reals: ...
 def reduce_map(
-    radiance: _Image, border_sampled: bool, columns: int, source_share: float, floor: bool
+    radiance: _Image, border_sampled: bool, columns: int, source_fraction: float, floor: bool
 ) -> ReducedMap: ...
 def reduce_radiance(
-    file: RadianceFile, columns: int, source_share: float, floor: bool
+    file: RadianceFile, columns: int, source_fraction: float, floor: bool
 ) -> ReducedMap: ...
 def reduced_luminance(radiance: _Image, columns: int, border_sampled: bool) -> _Image: ...
 def relative_rms(seen: _Reals, wanted: _Reals, weights: _Reals) -> float: ...
@@ -345,7 +345,7 @@ def working_irradiance(
     normals: _Reals,
     border_sampled: bool,
     columns: int,
-    source_share: float,
+    source_fraction: float,
 ) -> tuple[_Reals, int]: ...
 
 @final

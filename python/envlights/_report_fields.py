@@ -95,6 +95,6 @@ def row_of(report: Any) -> dict[str, Any]:
         "ambient": report.ambient,
         "steps": report.steps,
         "stop_reason": report.stop_reason.name,
-        "seen_share": report.seen_share,
+        "coverage_fraction": report.coverage_fraction,
         "seconds": float(sum(report.seconds.values())),
     }

@@ -49,7 +49,7 @@ def white_of(histogram: CodeHistogram, table: NDArray[np.float32]) -> tuple[floa
     return value, notes
 
 
-def white_of_codes(
+def clip_level_of_codes(
     codes: NDArray[Any], seen: NDArray[np.float32] | None, notes: list[str]
 ) -> float:
     """Linear clip level of sRGB codes, (height, width, 3), with a note if it is below 1.

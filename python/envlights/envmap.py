@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from envlights._map_calibration import MapCalibration
 from envlights._map_layouts import MapLayouts
-from envlights._map_pixels import checked_white
+from envlights._map_pixels import checked_clip_level
 from envlights._map_repair import MapRepair
 from envlights._native import EnvLightsError, UnusableSamplesError
 from envlights._notes import log
@@ -174,7 +174,7 @@ class EnvMap(MapCalibration, MapRepair, MapLayouts):
         )
         env = cls.__new__(cls)
         env._notes = list(image.notes)
-        env._white = image.white if white is None else checked_white(white)
+        env._white = image.white if white is None else checked_clip_level(white)
         env._units, env._ev100 = image.units, image.ev100
         try:
             env._set_pixels(image.pixels, image.seen, image.hints, arguments, width)

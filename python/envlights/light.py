@@ -81,7 +81,7 @@ class DetectedLight(Light):
     elongation: float
     orientation: NDArray[np.float64]
     peak_luminance: float
-    flux_share: float
+    flux_fraction: float
     flux: NDArray[np.float64]
     is_clipped: bool
     is_broad: bool

@@ -143,7 +143,7 @@ class FitReport(Result):
     fewer_lights: str = ""
     """Reason why there are fewer lights than allowed; empty if there are not."""
 
-    seen_share: float = 1.0
+    coverage_fraction: float = 1.0
     """Fraction of the sphere that the map shows; over a floor, of its upper half."""
 
     unseen_spread: float = 0.0
@@ -184,7 +184,7 @@ class FitReport(Result):
             "fixed": list(self.fixed),
             "at_max_radius": list(self.at_max_radius),
             "fewer_lights": self.fewer_lights,
-            "seen_share": self.seen_share,
+            "coverage_fraction": self.coverage_fraction,
             "unseen_spread": self.unseen_spread,
             "skipped": list(self.skipped),
         }
@@ -234,7 +234,7 @@ class FitReport(Result):
                 count("at_max_radius", row) for row in data.get("at_max_radius", ())
             ),
             fewer_lights=str(data.get("fewer_lights", "")),
-            seen_share=amount("seen_share", data.get("seen_share", 1.0), most=1.0),
+            coverage_fraction=amount("coverage_fraction", data.get("coverage_fraction", 1.0), most=1.0),
             unseen_spread=amount("unseen_spread", data.get("unseen_spread", 0.0)),
             skipped=tuple(str(note) for note in data["skipped"]),
         )
@@ -364,10 +364,10 @@ class FitReport(Result):
 
     def _unseen(self) -> str:
         """Seen share, and what the unseen part may change; empty if all is seen."""
-        if self.seen_share == 1:
+        if self.coverage_fraction == 1:
             return ""
         return (
-            f"{percent(self.seen_share)} of the sphere is seen; a black or a harmonic fill of the"
+            f"{percent(self.coverage_fraction)} of the sphere is seen; a black or a harmonic fill of the"
             f" rest changes the probe by {percent(self.unseen_spread)}"
         )
 

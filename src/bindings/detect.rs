@@ -23,7 +23,7 @@ pub struct TreeOptions {
     prominence: f64,
     extent: f64,
     gap: f64,
-    min_flux_share: f64,
+    min_flux_fraction: f64,
     min_worth: f64,
     max_lights: usize,
     white: Option<f64>,
@@ -32,7 +32,7 @@ pub struct TreeOptions {
 impl From<TreeOptions> for DetectionOptions {
     fn from(options: TreeOptions) -> Self {
         let TreeOptions { working_columns, threshold, rise, prominence, extent, gap, .. } = options;
-        let TreeOptions { min_flux_share, min_worth, max_lights, white, .. } = options;
+        let TreeOptions { min_flux_fraction, min_worth, max_lights, white, .. } = options;
         Self {
             working_columns,
             threshold,
@@ -40,7 +40,7 @@ impl From<TreeOptions> for DetectionOptions {
             prominence,
             extent,
             gap,
-            min_flux_share,
+            min_flux_fraction,
             min_worth,
             max_lights,
             white,
@@ -59,7 +59,7 @@ pub struct TreeDetection {
     solid_angle: Py<PyArray1<f64>>,
     elongation: Py<PyArray1<f64>>,
     peak_luminance: Py<PyArray1<f64>>,
-    flux_share: Py<PyArray1<f64>>,
+    flux_fraction: Py<PyArray1<f64>>,
     is_clipped: Py<PyArray1<bool>>,
     is_cut: Py<PyArray1<bool>>,
     pixel: Py<PyArray2<i64>>,
@@ -83,8 +83,8 @@ pub struct ClippedDetection {
     direction_uncertainty: Py<PyArray1<f64>>,
     weight: Py<PyArray1<f64>>,
     clip_level: f64,
-    is_below_white: bool,
-    clipped_share: f64,
+    is_below_largest: bool,
+    clipped_fraction: f64,
 }
 
 /// See `envlights.kernels.reduced_luminance`.
@@ -133,8 +133,8 @@ impl ClippedDetection {
             direction_uncertainty: uncertainty.into_pyarray(py).unbind(),
             weight: Array1::from(lights.weights).into_pyarray(py).unbind(),
             clip_level: lights.level.luminance(),
-            is_below_white: matches!(lights.level, ClipLevel::Peak(_)),
-            clipped_share: lights.clipped_share,
+            is_below_largest: matches!(lights.level, ClipLevel::Peak(_)),
+            clipped_fraction: lights.clipped_fraction,
         };
         Py::new(py, detection)
     }
@@ -165,7 +165,7 @@ impl TreeDetection {
             solid_angle: numbers(&LightMoments::solid_angle),
             elongation: numbers(&|light| light.elongation().0),
             peak_luminance: numbers(&|light| light.peak),
-            flux_share: numbers(&|light| light.flux / whole),
+            flux_fraction: numbers(&|light| light.flux / whole),
             is_clipped: detection.are_clipped(white).collect::<Array1<bool>>().into_pyarray(py).unbind(),
             is_cut: Array1::from(detection.is_cut).into_pyarray(py).unbind(),
             pixel: Array2::from(pixels).into_pyarray(py).unbind(),

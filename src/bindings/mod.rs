@@ -84,7 +84,7 @@ mod _native {
         face_radiance, pack_lights, probe_jacobian, probe_model, probe_residual, unpack_lights,
     };
     #[pymodule_export]
-    use super::occluder::{form_factors, hidden_shares, reflected_irradiance};
+    use super::occluder::{form_factors, hidden_fractions, reflected_irradiance};
     #[pymodule_export]
     use super::pool::threads;
     #[pymodule_export]
@@ -96,7 +96,7 @@ mod _native {
     #[pymodule_export]
     use super::reduction::{PyRowReducer, ReducedMap, reduce_map, reduce_radiance};
     #[pymodule_export]
-    use super::repair::{clipped_depth, clipped_light_shares, clipped_share};
+    use super::repair::{clipped_depth, clipped_light_shares, clipped_fraction};
     #[pymodule_export]
     use super::rough_reflection::rough_reflection;
     #[pymodule_export]

@@ -66,9 +66,9 @@ fn sources(
     Ok(Sources::new(&directions, &radii, floor))
 }
 
-/// See `envlights.kernels.hidden_shares`.
+/// See `envlights.kernels.hidden_fractions`.
 #[pyfunction]
-pub fn hidden_shares<'py>(
+pub fn hidden_fractions<'py>(
     py: Python<'py>,
     stage: Stage<'py>,
     directions: PyReadonlyArray2<'py, f64>,
@@ -77,7 +77,7 @@ pub fn hidden_shares<'py>(
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let (solids, receivers) = stage.for_kernel()?;
     let sources = sources(directions, radii, floor)?;
-    let out = interruptible(py, || Ok(kernel::hidden_shares(&receivers, &sources, &solids)))?;
+    let out = interruptible(py, || Ok(kernel::hidden_fractions(&receivers, &sources, &solids)))?;
     Ok(out.into_pyarray(py))
 }
 

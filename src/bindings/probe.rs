@@ -29,11 +29,11 @@ pub fn working_irradiance<'py>(
     normals: PyReadonlyArray2<'py, f64>,
     border_sampled: bool,
     columns: usize,
-    source_share: f64,
+    source_fraction: f64,
 ) -> PyResult<(Bound<'py, PyArray2<f64>>, usize)> {
     let (radiance, normals) = (radiance.as_array(), normals.as_array());
     let (out, sources) = interruptible(py, || {
-        let map = image::reduce(radiance, registration(border_sampled), columns, source_share, false)?;
+        let map = image::reduce(radiance, registration(border_sampled), columns, source_fraction, false)?;
         probe::working_irradiance(&map, normals).map(|out| (out, map.sources.dim().0))
     })?;
     Ok((out.into_pyarray(py), sources))

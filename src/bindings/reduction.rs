@@ -29,12 +29,12 @@ pub fn reduce_map(
     radiance: PyReadonlyArray3<'_, f32>,
     border_sampled: bool,
     columns: usize,
-    source_share: f64,
+    source_fraction: f64,
     floor: bool,
 ) -> PyResult<ReducedMap> {
     let radiance = radiance.as_array();
     interruptible(py, || {
-        let map = image::reduce(radiance, registration(border_sampled), columns, source_share, floor)?;
+        let map = image::reduce(radiance, registration(border_sampled), columns, source_fraction, floor)?;
         Ok(ReducedMap { map, floor })
     })
 }
@@ -67,12 +67,12 @@ pub fn reduce_radiance(
     py: Python<'_>,
     file: &RadianceFile,
     columns: usize,
-    source_share: f64,
+    source_fraction: f64,
     floor: bool,
 ) -> PyResult<ReducedMap> {
     interruptible(py, || {
         let rows = FileRows(&file.picture);
-        let map = image::reduce_rows(&rows, Registration::CellCentred, columns, source_share, floor)?;
+        let map = image::reduce_rows(&rows, Registration::CellCentred, columns, source_fraction, floor)?;
         Ok(ReducedMap { map, floor })
     })
 }
@@ -114,10 +114,10 @@ impl PyRowReducer {
         counts_codes: bool,
     ) -> PyResult<Self> {
         let (height, width, border_sampled) = size;
-        let (columns, source_share, floor) = cells;
+        let (columns, source_fraction, floor) = cells;
         let registration = registration(border_sampled);
         let options =
-            ReductionOptions { height, width, registration, columns, source_share, has_floor: floor };
+            ReductionOptions { height, width, registration, columns, source_fraction, has_floor: floor };
         let table = table.as_slice()?.to_vec();
         let reducer = match table.len() {
             0 => Reducer::Floats(RowReducer::new(options, table, counts_codes)?),

@@ -5,18 +5,18 @@ use pyo3::prelude::*;
 
 use super::pool::{in_pool, interruptible};
 use super::sphere::registration;
-use crate::kernels::repair::{clipped_share as share, missing_light};
+use crate::kernels::repair::{clipped_fraction as share, missing_light};
 
-/// See `envlights.EnvMap.clipped_share`: clipped fractions of the sphere and of the flux.
+/// See `envlights.EnvMap.clipped_fraction`: clipped fractions of the sphere and of the flux.
 #[pyfunction]
-pub fn clipped_share(
+pub fn clipped_fraction(
     py: Python<'_>,
     radiance: PyReadonlyArray3<'_, f32>,
     border_sampled: bool,
     white: Option<f32>,
 ) -> PyResult<(f64, f64)> {
     let radiance = radiance.as_array();
-    let share = in_pool(py, || share::clipped_share(radiance, registration(border_sampled), white))?;
+    let share = in_pool(py, || share::clipped_fraction(radiance, registration(border_sampled), white))?;
     Ok((share.sphere, share.flux))
 }
 

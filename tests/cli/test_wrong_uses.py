@@ -117,7 +117,7 @@ WRONG = [
     ("error-curve hall.exr --roughness 2", GENERAL, 2, "roughness must be"),
     ("show hall.exr --max-radius 100", GENERAL, 2, "max_radius must be"),
     ("detect hall.exr --set rise", GENERAL, 2, "--set must be NAME=VALUE of an option of the"),
-    ("detect hall.exr --set tolerance=1", GENERAL, 2, "method tree: min_flux_share, min_worth"),
+    ("detect hall.exr --set tolerance=1", GENERAL, 2, "method tree: min_flux_fraction, min_worth"),
     ("detect hall.exr --set rise=0", GENERAL, 2, "rise must"),
     ("split hall.exr --set rise=0", GENERAL, 2, "rise must"),
     ("split hall.exr --set rise=4 --limit 3", GENERAL, 2, "leave out --sun and --limit, or --set"),

@@ -272,7 +272,7 @@ def test_the_brightest_pixel_of_an_evenly_lit_window_is_not_clipped():
     radiance = radiance * np.random.default_rng(1).normal(1, 0.002, radiance.shape[:2])[..., None]
     for method in ("tree", "article"):
         assert not el.detect(radiance, method).is_clipped.any(), method
-    assert el.EnvMap(radiance).clipped_share == 0
+    assert el.EnvMap(radiance).clipped_fraction == 0
 
 
 @pytest.mark.parametrize("ceiling", [1.0, 4096, 32000, 65025, 65504])
@@ -282,7 +282,7 @@ def test_a_flat_top_at_a_ceiling_is_clipped(ceiling):
         options = {"relative": True} if method == "article" else {}
         assert el.detect(radiance, method, **options).is_clipped[0], method
     share = (1 - np.cos(np.deg2rad(6.0))) / 2
-    np.testing.assert_allclose(el.EnvMap(radiance).clipped_share, share, rtol=0.05)
+    np.testing.assert_allclose(el.EnvMap(radiance).clipped_fraction, share, rtol=0.05)
 
 
 def test_a_sun_with_two_channels_at_the_ceiling_is_clipped():
@@ -291,14 +291,14 @@ def test_a_sun_with_two_channels_at_the_ceiling_is_clipped():
     assert el.detect(radiance).is_clipped.tolist() == [True]
 
 
-def test_the_map_knows_its_clipped_share():
+def test_the_map_knows_its_clipped_fraction():
     radiance = np.full((64, 128, 3), 0.25)
     radiance[:16] = 3.0
     share = (1 - np.cos(np.pi / 4)) / 2
     for env in (el.EnvMap(np.minimum(radiance, 1), white=1.0), el.EnvMap(eight_bits(radiance))):
-        np.testing.assert_allclose(env.clipped_share, share, rtol=1e-6)
+        np.testing.assert_allclose(env.clipped_fraction, share, rtol=1e-6)
         wanted = share / (share + env.radiance[40, 0, 0] * (1 - share))
-        np.testing.assert_allclose(env.clipped_flux_share, wanted, rtol=1e-6)
+        np.testing.assert_allclose(env.clipped_flux_fraction, wanted, rtol=1e-6)
         assert f"{100 * share:.2g} % of the sphere is clipped" in repr(env)
     assert "%" not in repr(el.EnvMap(radiance))
 

@@ -122,7 +122,7 @@ def test_a_light_is_the_sum_over_its_pixels(rows, columns, block, registration):
     luminance = colours @ LUMINANCE
     np.testing.assert_allclose(lights.flux[0], solid_angles @ colours, rtol=1e-6)
     flux = luminance * solid_angles
-    np.testing.assert_allclose(lights.flux_share, 1, rtol=1e-6)
+    np.testing.assert_allclose(lights.flux_fraction, 1, rtol=1e-6)
     np.testing.assert_allclose(lights.solid_angle, flux.sum() ** 2 / (luminance @ flux), rtol=1e-6)
     np.testing.assert_allclose(lights.peak_luminance, luminance.max(), rtol=1e-6)
     centre = flux @ directions
@@ -314,8 +314,8 @@ def test_exposure_and_mirrors_change_no_light_of_a_real_map(path):
     for other, turn, factor in [(scaled, (1, 1, 1), 1e-3), (mirrored, (-1, 1, 1), 1)]:
         assert len(other) == len(lights)
         # Dim lights of nearly the same flux may change places: the bright ones, which may not.
-        np.testing.assert_allclose(other.flux_share, lights.flux_share, rtol=1e-3, atol=1e-6)
-        for direction in (lights.direction * turn)[lights.flux_share > 0.001]:
+        np.testing.assert_allclose(other.flux_fraction, lights.flux_fraction, rtol=1e-3, atol=1e-6)
+        for direction in (lights.direction * turn)[lights.flux_fraction > 0.001]:
             assert angle_deg(other.direction, direction).min() < 1e-2
         total = factor * lights.flux.sum(axis=0)
         np.testing.assert_allclose(other.flux.sum(axis=0), total, rtol=1e-4)

@@ -188,11 +188,11 @@ def test_a_slice_keeps_members_and_order():
     lights = el.detect(suite.hard(1002).radiance)
     first = lights[:2]
     assert len(first) == 2
-    np.testing.assert_array_equal(first.flux_share, lights.flux_share[:2])
+    np.testing.assert_array_equal(first.flux_fraction, lights.flux_fraction[:2])
     assert set(first.members.light) == {0, 1}
     flux = lights.flux @ LUMINANCE
     assert (np.diff(flux) <= 0).all()
-    assert lights.flux_share.sum() <= 1 + 1e-6
+    assert lights.flux_fraction.sum() <= 1 + 1e-6
     assert set(lights.to_dict()) >= {"direction", "irradiance", "solid_angle", "is_clipped"}
     assert lights.to_dict()["report"]["threshold"] == lights.report.threshold
     assert json.loads(json.dumps(lights.to_dict())) == lights.to_dict()
@@ -274,7 +274,7 @@ def test_one_lit_pixel_in_the_dark_is_one_light(size, row):
     assert len(lights) == 1
     wanted = kernels.pixel_directions(height, width)[row, 0]
     assert angle_deg(lights.direction, wanted[None]) < 1e-6
-    np.testing.assert_allclose(lights.flux_share, 1.0, rtol=1e-6)
+    np.testing.assert_allclose(lights.flux_fraction, 1.0, rtol=1e-6)
 
 
 def test_two_equal_suns_opposite_each_other_are_two():
@@ -310,7 +310,7 @@ def test_white_noise_is_answered():
     ("options", "message"),
     [
         ({"max_lights": 0}, "max_lights must be a whole number, 1 or more"),
-        ({"min_flux_share": 2}, "min_flux_share must be a finite number, from 0 to 1"),
+        ({"min_flux_fraction": 2}, "min_flux_fraction must be a finite number, from 0 to 1"),
         ({"rise": 0.5}, "rise must be a finite number, 1 or more"),
         ({"prominence": 0.5}, "prominence must be a finite number, 1 or more"),
         ({"gap_deg": -1}, "gap_deg"),

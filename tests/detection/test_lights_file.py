@@ -112,7 +112,7 @@ def change_file(change):
                 "solid_angle": (np.nan, -1, 13),
                 "elongation": (np.nan, -1),
                 "peak_luminance": (np.inf, -1, 1e39),
-                "flux_share": (-5, np.nan),
+                "flux_fraction": (-5, np.nan),
                 "flux": ([np.nan, 0, 0], [0, -1, 0], [1e39, 0, 0]),
                 "irradiance": ([1e39, 0, 0],),
                 "peak_direction": ([9, 0, 0], [np.nan, 0, 0]),

@@ -239,7 +239,7 @@ def test_lights_have_no_more_than_all_flux_of_the_map():
     """A sample at a pole has 3000 times the solid angle of its pixel."""
     radiance = np.full((48, 96, 3), 0.2, np.float32)
     radiance[0, 0] = radiance[-1, -1] = 1e4
-    assert 0.5 < el.detect(radiance, method="article").flux_share.sum() <= 1 + 1e-12
+    assert 0.5 < el.detect(radiance, method="article").flux_fraction.sum() <= 1 + 1e-12
 
 
 def test_lights_at_the_poles_hold_no_more_than_the_flux():
@@ -248,5 +248,5 @@ def test_lights_at_the_poles_hold_no_more_than_the_flux():
     radiance[0, 0] = radiance[-1, -1] = 1e4
     found = el.detect(radiance, method="article")
     assert len(found)
-    assert (found.flux_share <= 1).all()
-    assert found.flux_share.sum() <= 1 + 1e-6
+    assert (found.flux_fraction <= 1).all()
+    assert found.flux_fraction.sum() <= 1 + 1e-6

@@ -40,19 +40,19 @@ def test_merging_is_wards_with_the_flux_as_weight(seed):
 def test_the_report_counts_what_was_dropped_and_what_was_merged():
     radiance = one_pixel_suns(12, 0)
     whole = el.detect(radiance)
-    share = whole.flux_share
-    kept = el.detect(radiance, min_flux_share=0.5 * (share[9] + share[8]))
+    share = whole.flux_fraction
+    kept = el.detect(radiance, min_flux_fraction=0.5 * (share[9] + share[8]))
     np.testing.assert_array_equal(kept.direction, whole[:9].direction)
-    lights = el.detect(radiance, min_flux_share=0.5 * (share[9] + share[8]), max_lights=4)
+    lights = el.detect(radiance, min_flux_fraction=0.5 * (share[9] + share[8]), max_lights=4)
     assert len(lights) == 4
-    np.testing.assert_allclose(lights.flux_share.sum(), share[:9].sum(), rtol=1e-9)
+    np.testing.assert_allclose(lights.flux_fraction.sum(), share[:9].sum(), rtol=1e-9)
     report = str(lights.report)
     assert "3 lights are too weak" in report
     assert "5 lights were merged into neighbours" in report
 
 
 def test_where_all_lights_are_too_dim_the_report_says_no_other_reason():
-    lights = el.detect(one_pixel_suns(3, 1), min_flux_share=1.0)
+    lights = el.detect(one_pixel_suns(3, 1), min_flux_fraction=1.0)
     assert len(lights) == 0
     assert "3 lights are too weak" in str(lights.report)
     assert "the whole map" not in str(lights.report)

@@ -331,7 +331,7 @@ class TestResult:
         assert (np.diff(found.luminance) <= 1e-9).all()
         part = found[[2, 0]]
         assert part == found[np.array([0, 2])]
-        assert [light.flux_share for light in part] == [found.share[0], found.share[2]]
+        assert [light.flux_fraction for light in part] == [found.share[0], found.share[2]]
         assert found[-1] == list(found)[-1]
         wanted = found.samples.pixel[np.isin(found.samples.light, [0, 2])]
         np.testing.assert_array_equal(part.samples.pixel, wanted)

@@ -65,7 +65,7 @@ def test_a_table_has_lights_or_their_places(tmp_path):
         (lambda data: data.update(format="envlights lights"), "it does not say 'format'"),
         (lambda data: data.update(version=9), "of version 9"),
         (lambda data: data["position"].pop(), "must have"),
-        (lambda data: data["flux_share"].__setitem__(0, -1.0), "flux_share must have"),
+        (lambda data: data["flux_fraction"].__setitem__(0, -1.0), "flux_fraction must have"),
         (lambda data: data["direction"].__setitem__(0, [0, 0, 2.0]), "impossible"),
         (lambda data: data["samples"]["light"].__setitem__(0, 10**6), "must be indices below"),
         (lambda data: data["samples"]["pixel"].pop(), "arrays of one length"),

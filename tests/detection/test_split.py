@@ -58,7 +58,7 @@ def test_a_disc_before_an_even_sky_leaves_that_sky(direction):
     angles = kernels.pixel_solid_angles(128, 256).reshape(-1, 1)
     flux = (taken * angles).sum(axis=0) @ LUMINANCE
     map_flux = (env.radiance.reshape(-1, 3) * angles).sum(axis=0) @ LUMINANCE
-    np.testing.assert_allclose(lights.flux_share, flux / map_flux, rtol=1e-6)
+    np.testing.assert_allclose(lights.flux_fraction, flux / map_flux, rtol=1e-6)
 
 
 def test_a_removed_light_gives_what_its_disc_gives():

@@ -45,7 +45,7 @@ def test_a_disc_at_the_border_leaves_the_sky_that_is_seen(seen, direction):
     vector = np.einsum("hwc,hwk->ck", removed, TOWARDS)
     np.testing.assert_allclose(lights.vector_irradiance[0], vector, rtol=1e-4, atol=1e-4)
     whole = (env.radiance @ LUMINANCE * pixel_solid_angles(HEIGHT, 2 * HEIGHT)).sum()
-    np.testing.assert_allclose(lights.flux_share[0], removed.sum((0, 1)) @ LUMINANCE / whole, 1e-6)
+    np.testing.assert_allclose(lights.flux_fraction[0], removed.sum((0, 1)) @ LUMINANCE / whole, 1e-6)
     assert len(el.split(rest).lights) == 0
 
 

@@ -206,7 +206,7 @@ def test_a_crop_lies_where_its_numbers_say(tmp_path, scale):
     assert (row - HEIGHT // 2) in range(8, 12)
     assert (column - WIDTH // 2) in range(20, 24)
     # Half of the columns, and the rows from 45 degrees to -45.
-    assert env.seen_share == pytest.approx(0.5 * np.sin(np.pi / 4), rel=1e-6)
+    assert env.coverage_fraction == pytest.approx(0.5 * np.sin(np.pi / 4), rel=1e-6)
     assert env.radiance[0].max() == 0
 
 
@@ -221,7 +221,7 @@ def test_a_crop_lies_where_its_numbers_say(tmp_path, scale):
 )
 def test_stale_numbers_of_a_crop_change_nothing(tmp_path, changes):
     env = el.EnvMap.open(jpeg(tmp_path / "a.jpg", world(), CROP | changes))
-    assert (env.width, env.seen_share) == (WIDTH, 1.0)
+    assert (env.width, env.coverage_fraction) == (WIDTH, 1.0)
 
 
 @pytest.mark.parametrize("projection", ["cylindrical", "fisheye", "mercator", "cubemap"])
@@ -263,7 +263,7 @@ def test_light_under_a_transparent_pixel_is_not_light(tmp_path, bits):
     env = el.EnvMap.open(png(tmp_path / "a.png", hole(bits)))
     assert env.radiance[24:].max() == 0
     np.testing.assert_allclose(env.radiance[20, 5], SKY, rtol=0.02)
-    assert env.seen_share == pytest.approx((1 + np.sqrt(0.5)) / 2, rel=1e-6)
+    assert env.coverage_fraction == pytest.approx((1 + np.sqrt(0.5)) / 2, rel=1e-6)
     # An array of the same samples is the same map.
     assert el.EnvMap(hole(bits)) == env
 
@@ -274,14 +274,14 @@ def test_a_transparent_colour_of_png_is_not_light(tmp_path):
     white = (b"tRNS", struct.pack(">3H", 255, 255, 255))
     env = el.EnvMap.open(png(tmp_path / "a.png", samples, white))
     assert env.radiance[24:].max() == 0
-    assert env.seen_share < 1
+    assert env.coverage_fraction < 1
 
 
 def test_openexr_keeps_light_at_alpha_0(tmp_path):
     samples = np.dstack([world(), np.zeros((HEIGHT, WIDTH))]).astype(np.float32)
     env = el.EnvMap.open(write_file(tmp_path / "a.exr", samples, ("R", "G", "B", "A")))
     np.testing.assert_allclose(env.radiance, world(), rtol=1e-6)
-    assert env.seen_share == 1
+    assert env.coverage_fraction == 1
 
 
 # Layers

@@ -90,7 +90,7 @@ def test_a_shortest_exposure_at_white_is_said_to_be_clipped():
     for white in (255, 245):
         env = el.EnvMap.from_exposures(codes(truth, white=white), TIMES)
         assert env.white == pytest.approx(decode_srgb(1.0) / TIMES[0], rel=0.01)
-        assert env.clipped_share > 0
+        assert env.clipped_fraction > 0
         np.testing.assert_allclose(env.radiance[SUN], env.white, rtol=0.01)
 
 

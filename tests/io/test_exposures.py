@@ -72,7 +72,7 @@ def test_what_every_exposure_lost_ends_at_the_white_of_the_shortest():
     env = el.EnvMap.from_exposures(series(radiance), TIMES)
     assert env.white == pytest.approx(250.0)
     assert env.radiance[2, 3, 0] == pytest.approx(250.0)
-    assert env.clipped_share > 0
+    assert env.clipped_fraction > 0
 
 
 # Ghosts and times

@@ -94,7 +94,7 @@ def test_straight_alpha_is_the_share_that_is_seen_and_premultiplied_keeps_light(
     is_straight = file_format == oiio.UINT8
     expected = decode_srgb(np.array(128 / 255)) * 128 / 255 if is_straight else 0.5
     np.testing.assert_allclose(env.radiance, expected, rtol=1e-3)
-    assert env.seen_share == pytest.approx(128 / 255 if is_straight else 1.0)
+    assert env.coverage_fraction == pytest.approx(128 / 255 if is_straight else 1.0)
 
 
 def test_extra_channels_are_ignored_and_noted(tmp_path):

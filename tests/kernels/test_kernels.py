@@ -152,8 +152,8 @@ def test_sum_over_sources_is_equations_1_to_3():
         (lambda: kernels.working_irradiance(BRIGHTEST, UP), r"too large to be summed"),
         (lambda: kernels.reduced_luminance(BRIGHTEST, 8), r"too large to be summed"),
         (
-            lambda: kernels.working_irradiance(BRIGHTEST, UP, source_share=-1),
-            r"source_share must be",
+            lambda: kernels.working_irradiance(BRIGHTEST, UP, source_fraction=-1),
+            r"source_fraction must be",
         ),
     ],
 )

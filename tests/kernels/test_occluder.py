@@ -101,7 +101,7 @@ def test_hidden_shares_are_those_of_rings_of_rays(things, radius):
         azimuth = np.rad2deg(np.arctan2(aim[0], aim[2]))
         axis = aim / np.linalg.norm(aim) if elevation == 70 else direction(elevation, azimuth)
         stage = Stage(solids, point[None], normal[None], [-1])
-        seen = kernels.hidden_shares(stage, [axis], [radius], floor=True)[0]
+        seen = kernels.hidden_fractions(stage, [axis], [radius], floor=True)[0]
         disc = hidden_by_rings(solids, point, normal, axis, radius, False)
         sky = hidden_by_rings(solids, point, normal, normal, np.pi / 2, True)
         np.testing.assert_allclose(seen, [sky, disc], rtol=0, atol=1e-5)
@@ -116,7 +116,7 @@ def test_a_ball_in_the_middle_of_a_disc_hides_a_smaller_disc(radius, height):
         inner = part * radius
         ball = el.Ball(3 * axis, 3 * np.sin(inner))
         stage = Stage(ball, [[0, 0, 0]], [UP], [-1])
-        seen = kernels.hidden_shares(stage, [axis], [radius])[0, 1]
+        seen = kernels.hidden_fractions(stage, [axis], [radius])[0, 1]
         disc = kernels.rig_irradiance([UP], [0, 0, 0], [axis], [[1, 1, 1]], [inner])[0, 0]
         assert seen == pytest.approx(disc * (np.sin(inner) / np.sin(radius)) ** 2, abs=1e-9)
 
@@ -126,7 +126,7 @@ def test_at_the_point_of_contact_all_is_hidden():
     stage = Stage.floor(
         [el.Ball((0, 1, 0), 1), el.Box((4, 1, 0), (1, 1, 1), 0.4)], [[0, 0, 0], [4, 0, 0.5]]
     )
-    seen = kernels.hidden_shares(stage, [sun, UP], [np.deg2rad(0.27), 1.3], floor=True)
+    seen = kernels.hidden_fractions(stage, [sun, UP], [np.deg2rad(0.27), 1.3], floor=True)
     np.testing.assert_allclose(seen, np.tile([1, sun[1], 1], (2, 1)), rtol=0, atol=1e-9)
 
 
@@ -134,7 +134,7 @@ def test_a_wall_through_the_middle_hides_half():
     wall = el.Box((50, 0, 0), (50, 100, 100))
     light = direction(40, 0)
     for degrees in (0.27, 10, 40):
-        seen = kernels.hidden_shares(Stage.floor(wall, [[0, 0, 0]]), [light], [np.deg2rad(degrees)])
+        seen = kernels.hidden_fractions(Stage.floor(wall, [[0, 0, 0]]), [light], [np.deg2rad(degrees)])
         assert seen[0, 1] == pytest.approx(light[1] / 2, abs=1e-9)
 
 
@@ -145,7 +145,7 @@ def test_a_floor_has_the_form_factors_of_its_solids():
     expected = 0.5 * 0.5**2 / np.linalg.norm(away, axis=1) ** 3
     factors = kernels.form_factors(Stage.floor([BALL, BOX], points))
     np.testing.assert_allclose(factors[:, 0], expected, atol=1e-12)
-    alone = kernels.hidden_shares(Stage.floor(BOX, points), *NONE, floor=True)[:, 0]
+    alone = kernels.hidden_fractions(Stage.floor(BOX, points), *NONE, floor=True)[:, 0]
     np.testing.assert_allclose(factors[:, 1], alone, atol=1e-12)
 
 
@@ -154,7 +154,7 @@ def test_black_surfaces_reflect_nothing():
     lights = rig.lights[rig.lights.direction[:, 1] > 0]
     stage = Stage.floor([BALL, BOX], [[1, 0, 0.3], [0.2, 0, -0.8]])
     discs = lights.direction, lights.irradiance, lights.angular_radius
-    shares = kernels.hidden_shares(stage, discs[0], discs[2], floor=True)
+    shares = kernels.hidden_fractions(stage, discs[0], discs[2], floor=True)
     seen = kernels.reflected_irradiance(
         stage, [1, 2, 3], *discs, albedo=np.zeros((2, 3)), floor_albedo=[1, 1, 1]
     )
@@ -169,7 +169,7 @@ def test_threads_give_the_same_bits():
         "g = np.stack(np.meshgrid(np.linspace(-2, 2, 60), 0, np.linspace(-2, 2, 60)), -1)\n"
         "solids = el.Ball((0, 0.5, 0), 0.5), el.Box((1, 0.4, 0), (0.4,) * 3)\n"
         "s = el.occluders.Stage.floor(solids, g.reshape(-1, 3))\n"
-        "out = el.kernels.hidden_shares(s, [[0.6, 0.8, 0], [0, 0.6, 0.8]], [0.3, 0.005])\n"
+        "out = el.kernels.hidden_fractions(s, [[0.6, 0.8, 0], [0, 0.6, 0.8]], [0.3, 0.005])\n"
         "import hashlib; print(hashlib.sha256(out.tobytes()).hexdigest())"
     )
     assert len(set(printed_by_threads(code))) == 1
@@ -183,7 +183,7 @@ def test_points_on_a_solid_are_recognised():
     assert stage.own.tolist() == [1, 0, -1, -1]
     # What lies on a convex solid is not hidden by it, also by the general rule.
     other = Stage(stage.solids, stage.points, stage.normals, [-1] * 4)
-    seen, expected = (kernels.hidden_shares(each, [UP], [0.3]) for each in (other, stage))
+    seen, expected = (kernels.hidden_fractions(each, [UP], [0.3]) for each in (other, stage))
     np.testing.assert_allclose(seen, expected, atol=1e-6)
 
 
@@ -221,13 +221,13 @@ CUBE = el.Box((0, 0, 0), (1, 1, 1))
             "normals must have the shape of points",
         ),
         (lambda: Stage.floor(BALL, [[0, np.inf, 0]]), "points must be finite; row 0 holds"),
-        (lambda: kernels.hidden_shares(BALL, *NONE), "stage must be an occluders.Stage"),
+        (lambda: kernels.hidden_fractions(BALL, *NONE), "stage must be an occluders.Stage"),
         (
-            lambda: kernels.hidden_shares(Stage.floor(BALL, [[0, 0, 0]]), [UP], [2.0]),
+            lambda: kernels.hidden_fractions(Stage.floor(BALL, [[0, 0, 0]]), [UP], [2.0]),
             "angular_radius must lie from 0 to pi / 2; got 2",
         ),
         (
-            lambda: kernels.hidden_shares(Stage(BALL, [UP], [UP], [4]), *NONE),
+            lambda: kernels.hidden_fractions(Stage(BALL, [UP], [UP], [4]), *NONE),
             "own must be from -1 to 0; got 4",
         ),
     ],

@@ -241,7 +241,7 @@ def test_the_seen_share_is_that_of_the_picture(name, width):
     angles = _native.projection_solid_angles(layout)
     picture = np.full((layout.height, layout.width, 3), 0.3, np.float32) * (angles > 0)[..., None]
     env = open_case(CASES[name], picture, width=width)
-    assert env.seen_share == pytest.approx(angles.sum() / (4 * np.pi), abs=2e-3)
+    assert env.coverage_fraction == pytest.approx(angles.sum() / (4 * np.pi), abs=2e-3)
 
 
 @pytest.mark.parametrize("name", TARGETS)

@@ -23,7 +23,7 @@ def test_the_picture_shows_the_clipped_share_the_depth_and_the_lights():
     figure = plot.plateau_picture(env, el.detect(env))
     above, below, _ = figure.axes
     title = figure.get_suptitle().replace("\n", " ")
-    assert f"{100 * env.clipped_share:.2g} % of the sphere" in title
+    assert f"{100 * env.clipped_fraction:.2g} % of the sphere" in title
     depth = below.images[0].get_array()
     assert np.nanmax(depth) == pytest.approx(5.0, abs=0.8)
     clipped = above.images[1].get_array()[..., 3] > 0

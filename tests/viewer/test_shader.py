@@ -76,7 +76,7 @@ def test_hidden_shares_are_those_of_the_kernel(page):
         points, normals, own = random_points(rng, ball, box)
         stage = things.stage(things.solids(ball, box), points, normals, own)
         is_floor = turn % 3 != 2
-        shares.append(_native.hidden_shares(stage, directions, radii, is_floor))
+        shares.append(_native.hidden_fractions(stage, directions, radii, is_floor))
         factors.append(_native.form_factors(stage))
         lights = np.hstack([directions, np.ones((LIGHTS, 3)), radii[:, None]]).tolist()
         rig = {"ambient": [[1, 1, 1]], "floor": is_floor, "lights": lights}

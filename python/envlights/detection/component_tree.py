@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from envlights import _native
 from envlights._check import LARGEST_COUNT, amount, count
-from envlights._map_pixels import checked_white
+from envlights._map_pixels import checked_clip_level
 from envlights.detection import wording
 from envlights.detection.colour_casts import colour_cast_notes
 from envlights.detection.lights import DetectedLights, DetectionReport
@@ -32,7 +32,7 @@ class TreeOptions(NamedTuple):
     prominence: float
     extent: float
     gap: float
-    min_flux_share: float
+    min_flux_fraction: float
     min_worth: float
     max_lights: int
     white: float | None
@@ -42,7 +42,7 @@ def detect_tree(
     env: AnyMap,
     *,
     max_lights: int | None = None,
-    min_flux_share: float = 0.0,
+    min_flux_fraction: float = 0.0,
     min_worth: float = 0.0005,
     threshold: float | None = None,
     rise: float = 2.5,
@@ -67,7 +67,7 @@ def detect_tree(
     max_lights : int, optional
         Largest number of lights. Neighbours are merged until it is reached, the pair with the
         least cost first (Ward 1963); no flux is dropped. `detect_article` drops lights instead.
-    min_flux_share : float
+    min_flux_fraction : float
         Lights with a smaller fraction of the map's flux are dropped.
     min_worth : float
         Least product of a light's fraction of the map's flux and its contrast, the ratio of its
@@ -150,7 +150,7 @@ def detect_tree(
     lights, _ = _detect(
         env,
         max_lights=max_lights,
-        min_flux_share=min_flux_share,
+        min_flux_fraction=min_flux_fraction,
         min_worth=min_worth,
         threshold=threshold,
         rise=rise,
@@ -193,7 +193,7 @@ def _detect(env: AnyMap, **arguments: Any) -> tuple[DetectedLights, NDArray[np.f
 def _options(
     *,
     max_lights: int | None,
-    min_flux_share: float,
+    min_flux_fraction: float,
     min_worth: float,
     threshold: float | None,
     rise: float,
@@ -211,10 +211,10 @@ def _options(
         prominence=amount("prominence", prominence, least=1.0),
         extent=amount("extent", extent, most=1.0),
         gap=math.radians(amount("gap_deg", gap_deg, most=90.0)),
-        min_flux_share=amount("min_flux_share", min_flux_share, most=1.0),
+        min_flux_fraction=amount("min_flux_fraction", min_flux_fraction, most=1.0),
         min_worth=amount("min_worth", min_worth),
         max_lights=LARGEST_COUNT if max_lights is None else count("max_lights", max_lights, 1),
-        white=None if white is None else checked_white(white),
+        white=None if white is None else checked_clip_level(white),
     )
 
 
@@ -242,7 +242,7 @@ def _lights(
         elongation=detection.elongation,
         orientation=detection.orientation,
         peak_luminance=detection.peak_luminance,
-        flux_share=detection.flux_share,
+        flux_fraction=detection.flux_fraction,
         is_clipped=detection.is_clipped,
         members=Members(detection.pixel, detection.light_of_pixel),
         report=report,

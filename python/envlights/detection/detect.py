@@ -26,7 +26,7 @@ def detect(
     method: Literal["tree"] = ...,
     *,
     max_lights: int | None = ...,
-    min_flux_share: float = ...,
+    min_flux_fraction: float = ...,
     min_worth: float = ...,
     threshold: float | None = ...,
     rise: float = ...,
@@ -79,7 +79,7 @@ def detect(env: AnyMap, method: str = "tree", **options: Any) -> DetectedLights:
         Largest number of lights. The tree merges neighbours; the article drops the dimmest.
     working_width : int
         Largest number of columns of the reduced map in which lights are searched.
-    min_flux_share, min_worth, rise, prominence, gap_deg, extent, white
+    min_flux_fraction, min_worth, rise, prominence, gap_deg, extent, white
         Options of the tree: the limits and the extent of lights; see `detect_tree`.
     threshold : float, optional
         Luminance above which a pixel is bright. By default the tree chooses it from the map, and

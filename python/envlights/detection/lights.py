@@ -172,7 +172,7 @@ class DetectedLights(Lights):
     peak_luminance: NDArray[np.float64]
     """Luminance at the peak, shape (n,)."""
 
-    flux_share: NDArray[np.float64]
+    flux_fraction: NDArray[np.float64]
     """Fraction of the luminance flux of the whole map, shape (n,)."""
 
     is_clipped: NDArray[np.bool_]
@@ -268,8 +268,8 @@ class DetectedLights(Lights):
 
     @property
     def share(self) -> NDArray[np.float64]:
-        """Fraction of the flux of the whole map in each light: `flux_share`, (n,)."""
-        return self.flux_share
+        """Fraction of the flux of the whole map in each light: `flux_fraction`, (n,)."""
+        return self.flux_fraction
 
     def rotated(self, matrix: ArrayLike) -> Self:
         """The lights after a rotation; members and report still describe the map before it."""
@@ -337,7 +337,7 @@ class DetectedLights(Lights):
         return (*super()._html_parts(), _html.lines(f"{self._together()}\n{self.report}"))
 
     def _together(self) -> str:
-        return f"together: {100 * self.flux_share.sum():.3g} % of all light in the map"
+        return f"together: {100 * self.flux_fraction.sum():.3g} % of all light in the map"
 
     def _cells(self) -> tuple[list[str], list[list[str]]]:
         columns = ["light", "azimuth", "elevation", "share", "radius", "peak"]

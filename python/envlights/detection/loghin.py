@@ -105,7 +105,7 @@ def detect_article(
         smaller than the distance between samples (3.6 degrees at 1024 columns). The irradiance
         comes from the same samples, without subtraction of a background, because the article has
         none. The solid angle is that of the samples above the threshold, at least one. If the
-        lights have more flux than the map, their `flux_share` is that of their own sum.
+        lights have more flux than the map, their `flux_fraction` is that of their own sum.
 
     Raises
     ------
@@ -270,7 +270,7 @@ def _lights(
         elongation=elongation,
         orientation=orientation,
         peak_luminance=image[merged.peak[:, 0], merged.peak[:, 1]].astype(np.float64),
-        flux_share=flux @ images.LUMINANCE / total,
+        flux_fraction=flux @ images.LUMINANCE / total,
         is_clipped=_are_clipped(env, image.shape, merged, reach, sphere),
         members=Members(samples.pixel, merged.light),
         report=report,

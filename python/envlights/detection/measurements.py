@@ -13,7 +13,7 @@ from envlights._light_arrays import LARGEST_LIGHT, amounts, axes_of_lights
 
 #: Arrays of the file: vectors, numbers, and numbers that clipped maps alone have.
 VECTORS = ("direction", "irradiance", "flux", "peak_direction", "orientation")
-NUMBERS = ("solid_angle", "elongation", "peak_luminance", "flux_share")
+NUMBERS = ("solid_angle", "elongation", "peak_luminance", "flux_fraction")
 OF_CLIPPED = ("weight", "direction_uncertainty")
 #: Arrays that the constructor checks; `light_arrays` checks the first two.
 _MEASURED = (*VECTORS[2:], *NUMBERS, *OF_CLIPPED)

@@ -25,7 +25,7 @@ _FORMAT = "# envlights CSV of a photograph, version 1"
 def fields_of(data: Mapping[str, Any]) -> dict[str, Any]:
     """Fields of `PhotographLights` from the dictionary of `to_dict`, checked; no picture."""
     lights = len(data["position"])
-    numbers = {name: reals(name, data[name], 1) for name in ("peak_luminance", "flux_share")}
+    numbers = {name: reals(name, data[name], 1) for name in ("peak_luminance", "flux_fraction")}
     arrays: dict[str, Any] = {
         "position": _rows("position", data["position"], 2),
         "pixel_flux": _rows("pixel_flux", data["pixel_flux"], 3),

@@ -35,7 +35,7 @@ _UNITS = (
     " linear Rec.709 RGB; samples: row, column in the working size"
 )
 #: Arrays with a row for each light; the last two are None without a field of view.
-_ARRAYS = ("position", "pixel_flux", "peak_pixel", "peak_luminance", "flux_share", "is_clipped")
+_ARRAYS = ("position", "pixel_flux", "peak_pixel", "peak_luminance", "flux_fraction", "is_clipped")
 _WITH_FIELD = ("direction", "irradiance")
 #: Arrays of numbers in a data frame.
 _SCALARS = ("share", "luminance", "peak_luminance", "is_clipped")
@@ -83,7 +83,7 @@ class PhotographLight(Result):
     pixel_flux: NDArray[np.float64]
     peak_pixel: NDArray[np.int64]
     peak_luminance: float
-    flux_share: float
+    flux_fraction: float
     is_clipped: bool
     direction: NDArray[np.float64] | None = None
     irradiance: NDArray[np.float64] | None = None
@@ -96,7 +96,7 @@ class PhotographLight(Result):
     def in_short(self) -> str:
         """Place and share of the light."""
         x, y = self.position
-        return f"x {x:.1f}, y {y:.1f}, {100 * self.flux_share:.3g} %"
+        return f"x {x:.1f}, y {y:.1f}, {100 * self.flux_fraction:.3g} %"
 
     def __str__(self) -> str:
         if self.direction is None or self.irradiance is None:
@@ -129,7 +129,7 @@ class PhotographLights(Result):
     peak_luminance: NDArray[np.float64]
     """Luminance of this sample, (n,)."""
 
-    flux_share: NDArray[np.float64]
+    flux_fraction: NDArray[np.float64]
     """Fraction of the luminance of the whole photograph, (n,)."""
 
     is_clipped: NDArray[np.bool_]
@@ -193,7 +193,7 @@ class PhotographLights(Result):
 
     def _light(self, row: int) -> PhotographLight:
         rows = {name: getattr(self, name)[row] for name in self._array_names()}
-        plain = {name: rows[name].item() for name in ("peak_luminance", "flux_share", "is_clipped")}
+        plain = {name: rows[name].item() for name in ("peak_luminance", "flux_fraction", "is_clipped")}
         return PhotographLight(**{**rows, **plain})
 
     def _array_names(self) -> tuple[str, ...]:
@@ -208,8 +208,8 @@ class PhotographLights(Result):
 
     @property
     def share(self) -> NDArray[np.float64]:
-        """Fraction of the luminance of the whole photograph: `flux_share`, (n,)."""
-        return self.flux_share
+        """Fraction of the luminance of the whole photograph: `flux_fraction`, (n,)."""
+        return self.flux_fraction
 
     def in_short(self) -> str:
         """Number of lights, and the size and field of view of the photograph."""
@@ -247,7 +247,7 @@ class PhotographLights(Result):
 
     def _cells(self, row: int) -> list[str]:
         x, y = self.position[row]
-        place = [f"{row + 1}", f"{x:.1f}", f"{y:.1f}", f"{100 * self.flux_share[row]:.1f} %"]
+        place = [f"{row + 1}", f"{x:.1f}", f"{y:.1f}", f"{100 * self.flux_fraction[row]:.1f} %"]
         place.append(f"{self.peak_luminance[row]:.4g}")
         remark = "clipped" if self.is_clipped[row] else ""
         if self.direction is None or self.irradiance is None:

@@ -53,7 +53,7 @@ def measure(
         "pixel_flux": flux,
         "peak_pixel": place,
         "peak_luminance": working[merged.peak[:, 0], merged.peak[:, 1]].astype(np.float64),
-        "flux_share": flux @ images.LUMINANCE / (total or 1.0),
+        "flux_fraction": flux @ images.LUMINANCE / (total or 1.0),
         "is_clipped": _native.are_clipped(
             radiance, place, reach_in_photograph, False, photograph.white
         ),

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from envlights import _cleaning, _visibility
 from envlights._map_array import image_array
 from envlights._native import EnvLightsError
-from envlights._white import white_of_codes
+from envlights._white import clip_level_of_codes
 from envlights.envmap import EnvMap
 from envlights.io.colour import ColourArgument
 from envlights.io.focal_length import FocalLength, focal_length
@@ -97,7 +97,7 @@ def _of_array(image: ArrayLike) -> PhotographPixels:
     notes: list[str] = []
     array = image_array(image, notes, "a photograph")
     is_float = array.samples.dtype.kind == "f"
-    white = None if is_float else white_of_codes(array.samples, array.seen, notes)
+    white = None if is_float else clip_level_of_codes(array.samples, array.seen, notes)
     linear = _cleaning.linear(array.samples, notes)
     if array.seen is not None:
         linear = _visibility.multiply_by_share(linear, array.seen)

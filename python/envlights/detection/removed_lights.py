@@ -22,7 +22,7 @@ class RemovedLights(DetectedLights):
     r"""Lights that `split` has removed from a map, brightest first.
 
     `irradiance` is that at normal incidence, :math:`|\int T \omega\, d\omega|` for the removed
-    radiance :math:`T`. `direction`, `solid_angle` and `flux_share` also belong to T. The remaining
+    radiance :math:`T`. `direction`, `solid_angle` and `flux_fraction` also belong to T. The remaining
     measurements come from `detect`.
 
     Examples
@@ -74,7 +74,7 @@ class RemovedLights(DetectedLights):
         return Lights.load(path)
 
     def _together(self) -> str:
-        return f"removed: {100 * self.flux_share.sum():.3g} % of all light in the map"
+        return f"removed: {100 * self.flux_fraction.sum():.3g} % of all light in the map"
 
     def _remarks(self, row: int) -> str:
         remarks = super()._remarks(row)

@@ -232,8 +232,8 @@ def _choose(
     part = None if share is None else amount("share", share, most=1.0)
     found, luminance = detect_with_luminance(env, **_OPTIONS | options)
     if part is not None:
-        together = np.cumsum(found.flux_share)
-        enough = int(np.searchsorted(together, part * (1 - 1e-12) * found.flux_share.sum())) + 1
+        together = np.cumsum(found.flux_fraction)
+        enough = int(np.searchsorted(together, part * (1 - 1e-12) * found.flux_fraction.sum())) + 1
         most = min(enough if part else 0, len(found) if most is None else most)
     return found, found if most is None else found[:most], luminance
 
@@ -302,7 +302,7 @@ def _removed_lights(
         "irradiance": parts.irradiance,
         "flux": parts.flux,
         "solid_angle": parts.solid_angle,
-        "flux_share": parts.flux @ LUMINANCE / (parts.map_flux or 1.0),
+        "flux_fraction": parts.flux @ LUMINANCE / (parts.map_flux or 1.0),
         "vector_irradiance": parts.vectors,
         "reach": parts.reach,
         "report": report,
@@ -322,7 +322,7 @@ def _report(chosen: DetectedLights, found: int, seconds: float) -> DetectionRepo
 def _notes(removed: RemovedLights) -> tuple[str, ...]:
     if not len(removed):
         return ()
-    percent = 100 * removed.flux_share.sum()
+    percent = 100 * removed.flux_fraction.sum()
     notes = [f"{removed.in_short()} with {percent:.3g} % of the flux removed"]
     if cut := int(removed.is_cut.sum()):
         lights = "light lies" if cut == 1 else "lights lie"

@@ -22,12 +22,12 @@ def reason_of_tree(detection: _native.TreeDetection) -> str:
 def dropped_by_tree(detection: _native.TreeDetection) -> tuple[str, ...]:
     """Sentences on lights that the result does not list."""
     lines = []
-    if not len(detection.flux_share) and not detection.dropped:
+    if not len(detection.flux_fraction) and not detection.dropped:
         lines.append("no lights: nothing is much brighter than the threshold")
     if detection.dropped:
         lights = "light is" if detection.dropped == 1 else "lights are"
         lines.append(
-            f"{detection.dropped} {lights} too weak to list (options min_flux_share, min_worth)"
+            f"{detection.dropped} {lights} too weak to list (options min_flux_fraction, min_worth)"
         )
     if detection.merged:
         lights = "light was" if detection.merged == 1 else "lights were"
@@ -80,9 +80,9 @@ def _clipping(detection: _native.TreeDetection) -> list[str]:
     if clipped is None:
         return []
     level = f"the map is clipped at {clipped.clip_level:.3g}"
-    if clipped.is_below_white:
+    if clipped.is_below_largest:
         level += ", below its largest possible value"
-    share = f"{100 * clipped.clipped_share:.2g} % of the sphere is clipped"
+    share = f"{100 * clipped.clipped_fraction:.2g} % of the sphere is clipped"
     expanded = (
         "the search used expanded luminance (Schlick 1994), in which values near the clip"
         " level are up to 50 times larger"

@@ -45,7 +45,7 @@ def continue_rig(
             measured_on=wording.measured_on(len(samples[1]), arguments.floor),
             ambient=ambient,
         ),
-        (*reduction.notes, *wording.clipping(reduction.clipped_flux_share)),
+        (*reduction.notes, *wording.clipping(reduction.clipped_flux_fraction)),
         arguments.floor,
     )
     return rig, MapSamples(*samples)

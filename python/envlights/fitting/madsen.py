@@ -234,7 +234,7 @@ def fit_paper(
     x, errors, stop = _gauss_newton(problem, x, damped, max_steps)
     found, directions, irradiance = (freeze(part) for part in madsen.unpack_lights(x))
     history, (k_a, k_d, _) = tuple(errors), surface
-    notes = (*env.notes, *clipping(env.clipped_flux_share if env.white else 0.0))
+    notes = (*env.notes, *clipping(env.clipped_flux_fraction if env.white else 0.0))
     return PaperFit(found, directions, irradiance, history, stop, k_a, k_d, notes, env.units)
 
 

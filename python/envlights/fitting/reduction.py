@@ -33,14 +33,14 @@ class Reduction(NamedTuple):
     notes: tuple[str, ...]
     """Notes of the map."""
 
-    clipped_flux_share: float
+    clipped_flux_fraction: float
     """Fraction of the flux in clipped pixels; 0 for a map without a clip level.
 
     Such maps are not examined, because that takes a third of the time of a fit.
-    `EnvMap.clipped_flux_share` examines any map.
+    `EnvMap.clipped_flux_fraction` examines any map.
     """
 
-    seen_share: float = 1.0
+    coverage_fraction: float = 1.0
     """Fraction of the sphere that the map shows; over a floor, of its upper half."""
 
     unseen_spread: float = 0.0
@@ -60,8 +60,8 @@ def reduction_of(env: EnvMap, floor: bool, unseen: Unseen = None) -> Reduction:
     if times > 1:
         radiance = radiance.repeat(times, axis=0).repeat(times, axis=1)
     cells = _native.reduce_map(radiance, env.is_border_sampled, WORKING_COLUMNS, POINT_SHARE, floor)
-    share = 0.0 if env.white is None else env.clipped_flux_share
-    unseen_part = part.seen_share, part.unseen_spread
+    share = 0.0 if env.white is None else env.clipped_flux_fraction
+    unseen_part = part.coverage_fraction, part.unseen_spread
     return Reduction(cells, env.width, env.notes, share, *unseen_part, env.units)
 
 

@@ -24,7 +24,7 @@ class FilledMap(NamedTuple):
     env: EnvMap
     """Map without a `seen` share."""
 
-    seen_share: float
+    coverage_fraction: float
     """Fraction of the sphere that was seen; over a floor, of its upper half."""
 
     unseen_spread: float

@@ -42,7 +42,7 @@ class ReducedFile(NamedTuple):
     notes: tuple[str, ...]
     """Remarks on assumptions and on ignored content."""
 
-    clipped_flux_share: float
+    clipped_flux_fraction: float
     """Fraction of the flux in clipped pixels; 0 for a file without a clip level."""
 
     units: str
@@ -53,12 +53,12 @@ class _Cells(NamedTuple):
     """Size of the reduced map."""
 
     columns: int
-    source_share: float
+    source_fraction: float
     floor: bool
 
 
 def reduce_file(
-    source: AnySource, columns: int, source_share: float, floor: bool
+    source: AnySource, columns: int, source_fraction: float, floor: bool
 ) -> ReducedFile | None:
     """Reduce the rows of a file; None if the whole map is needed.
 
@@ -68,12 +68,12 @@ def reduce_file(
         File; see `read_image`.
     columns : int
         Largest number of columns of the reduced map.
-    source_share : float
+    source_fraction : float
         Fraction of the flux of a channel from which a cell becomes a point source.
     floor : bool
         True if a floor hides all light from below the horizon.
     """
-    cells = _Cells(columns, source_share, floor)
+    cells = _Cells(columns, source_fraction, floor)
     with open_image(source, any_projection=True) as file:
         if not _is_plain(file):
             return None

@@ -30,7 +30,7 @@ from envlights.kernels.madsen import (
     probe_residual,
     unpack_lights,
 )
-from envlights.kernels.occluder import form_factors, hidden_shares, reflected_irradiance
+from envlights.kernels.occluder import form_factors, hidden_fractions, reflected_irradiance
 from envlights.kernels.probe import (
     WORKING_COLUMNS,
     disc_map,
@@ -69,7 +69,7 @@ __all__ = [
     "hammersley",
     "harmonic_irradiance",
     "harmonic_radiance",
-    "hidden_shares",
+    "hidden_fractions",
     "icosphere",
     "irradiance",
     "luminance",

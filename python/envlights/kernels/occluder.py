@@ -13,7 +13,7 @@ from envlights._native import EnvLightsError
 from envlights.occluders import Stage
 
 
-def hidden_shares(
+def hidden_fractions(
     stage: Stage, directions: ArrayLike, angular_radius: ArrayLike, *, floor: bool = False
 ) -> NDArray[np.float64]:
     r"""Hidden fractions of an ambient term and of discs, with shadows of all solids together.
@@ -58,12 +58,12 @@ def hidden_shares(
 
     >>> from envlights.occluders import Ball, Stage
     >>> stage = Stage.floor(Ball((0, 2, 0), 1), [[0, 0, 0]])
-    >>> hidden_shares(stage, [[0, 1, 0]], [0.005]).round(9)
+    >>> hidden_fractions(stage, [[0, 1, 0]], [0.005]).round(9)
     array([[0.25, 1.  ]])
     """
     _check(stage)
     arrays = reals("directions", directions, 2), _radii(angular_radius)
-    return _native.hidden_shares(stage, *arrays, flag("floor", floor))
+    return _native.hidden_fractions(stage, *arrays, flag("floor", floor))
 
 
 def form_factors(stage: Stage) -> NDArray[np.float64]:

@@ -55,11 +55,11 @@ def working_irradiance(
     *,
     border_sampled: bool = False,
     columns: int = WORKING_COLUMNS,
-    source_share: float = 2e-3,
+    source_fraction: float = 2e-3,
 ) -> tuple[NDArray[np.float64], int]:
     """Irradiance of a map at many normals, from a smaller working map.
 
-    The map is averaged into at most `columns` columns; cells with more than `source_share` of the
+    The map is averaged into at most `columns` columns; cells with more than `source_fraction` of the
     flux become point sources of exact direction. On 14 real maps the relative RMS difference from
     `irradiance` was 3e-5 to 1.4e-4 with 256 columns, and up to 4e-4 with 128.
 
@@ -69,7 +69,7 @@ def working_irradiance(
         Arguments of `irradiance`.
     columns : int
         Width of the working map.
-    source_share : float
+    source_fraction : float
         Fraction of the flux of any channel above which a cell becomes a point source.
 
     Returns
@@ -86,7 +86,7 @@ def working_irradiance(
     image = float_image("radiance", radiance, 3)
     normals = reals("normals", normals, 2)
     columns = count("columns", columns, least=2)
-    share = amount("source_share", source_share)
+    share = amount("source_fraction", source_fraction)
     return _native.working_irradiance(
         image, normals, flag("border_sampled", border_sampled), columns, share
     )

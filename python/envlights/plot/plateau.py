@@ -109,7 +109,7 @@ def plateau_picture(
     clipped = Patch(color=_CLIPPED, label="clipped")
     circle = Line2D([], [], color=RIM, lw=1.4, label="uncertainty of the direction")
     draw_legend(below, [clipped, circle])
-    sphere, flux = 100 * env.clipped_share, 100 * env.clipped_flux_share
+    sphere, flux = 100 * env.clipped_fraction, 100 * env.clipped_flux_fraction
     page.entitle(
         f"{lights.in_short()} in clipped regions\n"
         f"{sphere:.2g} % of the sphere is clipped, with {flux:.2g} % of the light"

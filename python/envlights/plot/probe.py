@@ -43,7 +43,7 @@ def shaded_ball(env: EnvMap, eye: NDArray[np.float64], floor: bool) -> ShadedBal
     """Probe under a map, seen from the direction `eye`; over a floor if the rigs are."""
     seen = ball(eye)
     # A picture needs no choice; a map that was filled before is drawn with its fill.
-    env = env.filled(None if env.seen_share >= ENOUGH_SEEN else "black")
+    env = env.filled(None if env.coverage_fraction >= ENOUGH_SEEN else "black")
     return ShadedBall(seen, under(above_horizon(env) if floor else env, seen.normals))
 
 

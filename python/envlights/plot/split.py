@@ -77,7 +77,7 @@ def split_picture(
     entitle(on_map, title, "small")
     entitle(on_rest, f"without the lights: the brightest pixel {left}", "small")
     entitle(on_removed, "the removed radiance, and the lights", "small")
-    share = 100 * lights.flux_share.sum()
+    share = 100 * lights.flux_fraction.sum()
     page.entitle(f"{lights.in_short()} removed, with {share:.3g} % of all light in the map")
     return page.figure
 

@@ -35,7 +35,7 @@ def shade(rig: Rig, scene: SolidsOnFloor, sight: Sight) -> NDArray[np.float64]:
 def shade_directly(rig: Rig, scene: SolidsOnFloor, sight: Sight) -> NDArray[np.float64]:
     """Irradiance with shadows of lights and ambient term, without reflected light, (n, 3)."""
     lights = rig.lights
-    hidden = _hidden_shares(rig, scene, sight, lights.angular_radius)
+    hidden = _hidden_fractions(rig, scene, sight, lights.angular_radius)
     strengths = np.concatenate([[np.pi * rig.ambient], lights.irradiance])
     received: NDArray[np.float64] = rig.probe(sight.normals) - hidden @ strengths
     return received.clip(0)
@@ -44,7 +44,7 @@ def shade_directly(rig: Rig, scene: SolidsOnFloor, sight: Sight) -> NDArray[np.f
 def shade_with_hard_shadows(rig: Rig, scene: SolidsOnFloor, sight: Sight) -> NDArray[np.float64]:
     """Irradiance with shadows of lights as points, and none of the ambient term, (n, 3)."""
     lights = rig.lights
-    hidden = _hidden_shares(rig, scene, sight, np.zeros(len(lights)))[:, 1:]
+    hidden = _hidden_fractions(rig, scene, sight, np.zeros(len(lights)))[:, 1:]
     received: NDArray[np.float64] = rig.probe(sight.normals) - hidden @ lights.irradiance
     return received.clip(0)
 
@@ -54,11 +54,11 @@ def shade_without_shadows(rig: Rig, scene: SolidsOnFloor, sight: Sight) -> NDArr
     return rig.probe(sight.normals)
 
 
-def _hidden_shares(
+def _hidden_fractions(
     rig: Rig, scene: SolidsOnFloor, sight: Sight, radii: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     stage = Stage(scene.solids, *sight)
-    return kernels.hidden_shares(stage, rig.lights.direction, radii, floor=rig.floor)
+    return kernels.hidden_fractions(stage, rig.lights.direction, radii, floor=rig.floor)
 
 
 def closed_form(

@@ -163,7 +163,7 @@ def _exact(lights: Lights, stage: Stage) -> NDArray[np.float64]:
     """Irradiance under lights, with shadows in closed form."""
     discs = lights.direction, lights.irradiance, lights.angular_radius
     whole = kernels.rig_irradiance(stage.normals, DARK, *discs)
-    hidden = kernels.hidden_shares(stage, lights.direction, lights.angular_radius)[:, 1:]
+    hidden = kernels.hidden_fractions(stage, lights.direction, lights.angular_radius)[:, 1:]
     return np.asarray(np.maximum(whole - hidden @ lights.irradiance, 0.0))
 
 

@@ -98,7 +98,7 @@ def shadow_overlay(
     stage = Stage.floor(solids, where.reshape(-1, 3))
     reflectance = np.array(colour("floor_albedo", floor_albedo))
     light = source_light(rig, stage)
-    sky = kernels.hidden_shares(stage, np.zeros((0, 3)), np.zeros(0), floor=True)[:, 0]
+    sky = kernels.hidden_fractions(stage, np.zeros((0, 3)), np.zeros(0), floor=True)[:, 0]
     whole = light.whole.sum(axis=0)[:1] if len(where) else rig.probe([[0.0, 1.0, 0.0]])
     # A dark floor without any light has no shadows.
     unit = np.where(whole > 0, whole, 1.0)

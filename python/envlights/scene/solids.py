@@ -35,7 +35,7 @@ def source_light(rig: Rig, stage: Stage) -> SourceLight:
     lights = rig.lights
     none: tuple[NDArray[np.float64], ...] = (np.zeros((0, 3)), np.zeros((0, 3)))
     whole = [kernels.rig_irradiance(stage.normals, rig.ambient, *none, floor=rig.floor)]
-    shares = kernels.hidden_shares(stage, lights.direction, lights.angular_radius, floor=rig.floor)
+    shares = kernels.hidden_fractions(stage, lights.direction, lights.angular_radius, floor=rig.floor)
     hidden = [_hidden_ambient(rig.ambient, shares[:, 0], stage)]
     rows = zip(lights.direction, lights.irradiance, lights.angular_radius, strict=True)
     for share, (direction, strength, radius) in zip(shares.T[1:], rows, strict=True):
@@ -64,7 +64,7 @@ def hidden_harmonics(surface: Surface, stage: Stage, directions: int) -> NDArray
     whole = kernels.harmonic_irradiance(stage.normals)
     traced = whole - sky_transfer(surface, blocked_by(stage.solids), directions)
     none = np.zeros((0, 3)), np.zeros(0)
-    exact = (kernels.hidden_shares(stage, *none) * np.pi / np.sqrt(4 * np.pi))[:, 0]
+    exact = (kernels.hidden_fractions(stage, *none) * np.pi / np.sqrt(4 * np.pi))[:, 0]
     # Without a ray that meets a solid, use the mean over the whole sky.
     is_hit = traced[:, 0] > 1e-12
     means = np.where(is_hit[:, None], traced, whole)

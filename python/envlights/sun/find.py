@@ -76,7 +76,7 @@ def find_sun(
     world = as_envmap(env)
     if given is not None:
         return _given_sun(world, given)
-    if world.white is None or not world.clipped_share:
+    if world.white is None or not world.clipped_fraction:
         return sun_of_float_map(world)
     radiance = world.cells()
     image = sky_image(radiance, world.white)

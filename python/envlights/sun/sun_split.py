@@ -132,7 +132,7 @@ def parts_of(
         none = replace(sun.lights[:0], notes=(note,))
         return SunSplit(none, env.with_radiance(env.radiance, notes))
     else:
-        rest = env.with_radiance(sun.sky(env.radiance), env.notes, keeps_white=False)
+        rest = env.with_radiance(sun.sky(env.radiance), env.notes, keeps_clip_level=False)
     lights, measured = sun.lights, ""
     if irradiance is not None or ratio is not None:
         lights, measured = _of_reading(sun, rest, irradiance, ratio, unseen)

@@ -19,7 +19,7 @@ pub struct DetectionOptions {
     /// Dark gaps up to this angle, in radians, do not divide a light.
     pub gap: f64,
     /// Lights with a smaller fraction of the map's flux are dropped.
-    pub min_flux_share: f64,
+    pub min_flux_fraction: f64,
     /// Least product of a light's fraction of the map's flux and its contrast; not used for clipped maps.
     pub min_worth: f64,
     /// Most lights; neighbours are merged until there are no more.
@@ -58,7 +58,7 @@ mod tests {
         prominence: 4.0,
         extent: 0.1,
         gap: 0.014,
-        min_flux_share: 0.0,
+        min_flux_fraction: 0.0,
         min_worth: 0.0,
         max_lights: 1000,
         white: None,

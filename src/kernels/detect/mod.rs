@@ -179,7 +179,7 @@ impl Scene {
         let backgrounds = backgrounds.iter().map(|background| background.luminance).collect();
         let windows = bars::join(working, &adjacency, &segments, &outline, options.gap, lights, backgrounds);
         let is_listed = |light: &LightMoments, background| {
-            light.flux >= options.min_flux_share * working.flux
+            light.flux >= options.min_flux_fraction * working.flux
                 && (positions.is_some() || options.is_worth_a_line(light, background, working.flux))
         };
         let (selection, panes) = windows.select(is_listed, options.max_lights);

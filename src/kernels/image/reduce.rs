@@ -40,7 +40,7 @@ impl WorkingMap {
 /// Reduce `radiance` to at most `columns` columns, with its bright cells as point sources.
 ///
 /// The light of a cell on the horizon of a normal is smeared over the width of the cell, which matters only for a cell with
-/// much light. So each cell with more than `source_share` of the flux of any channel becomes a source with the vector
+/// much light. So each cell with more than `source_fraction` of the flux of any channel becomes a source with the vector
 /// `F = integral of L w dw` over its pixels. `max(0, n.F)` is exact for a sun of one pixel at any position in its cell.
 /// Shadows depend on the shape of a light as well, so the map also has parts of these and of other bright cells.
 ///
@@ -54,11 +54,11 @@ pub fn reduce(
     radiance: ArrayView3<'_, f32>,
     registration: Registration,
     columns: usize,
-    source_share: f64,
+    source_fraction: f64,
     has_floor: bool,
 ) -> Result<WorkingMap> {
     check_rgb(radiance)?;
-    reduce_rows(&radiance, registration, columns, source_share, has_floor)
+    reduce_rows(&radiance, registration, columns, source_fraction, has_floor)
 }
 
 /// Reduce a map whose rows are decoded when they are needed; see [`reduce`].
@@ -70,13 +70,13 @@ pub fn reduce_rows(
     map: &impl PixelRows,
     registration: Registration,
     columns: usize,
-    source_share: f64,
+    source_fraction: f64,
     has_floor: bool,
 ) -> Result<WorkingMap> {
     let (height, width) = map.size();
     let layout = BlockLayout::new(height, width, registration, columns);
     let flux = CellFlux::of_map(map, &layout)?;
-    let reduced = ReducedFlux::new(flux, &layout, source_share, has_floor);
+    let reduced = ReducedFlux::new(flux, &layout, source_fraction, has_floor);
     let pixels = pixels_of_cells(map, &layout, &reduced.cells());
     Ok(reduced.with_parts(&layout, has_floor, pixels))
 }
@@ -108,12 +108,12 @@ pub(super) struct ReducedFlux {
 
 impl ReducedFlux {
     /// Means of the cells, with those that are sources or bright.
-    pub fn new(mut flux: CellFlux, layout: &BlockLayout, source_share: f64, has_floor: bool) -> Self {
+    pub fn new(mut flux: CellFlux, layout: &BlockLayout, source_fraction: f64, has_floor: bool) -> Self {
         if has_floor {
             flux.hide_below(&layout.grid);
         }
         let whole = flux.whole();
-        let sources = flux.sources(whole, source_share);
+        let sources = flux.sources(whole, source_fraction);
         for &cell in &sources {
             flux.remove(cell);
         }

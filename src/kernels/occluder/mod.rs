@@ -18,6 +18,6 @@ mod solid;
 #[cfg(test)]
 mod tests;
 
-pub use occlusion::{Receivers, Sources, form_factors, hidden_shares};
+pub use occlusion::{Receivers, Sources, form_factors, hidden_fractions};
 pub use reflection::{Surroundings, received_irradiance};
 pub use solid::{Ball, Polyhedron, Solid};

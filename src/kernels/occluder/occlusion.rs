@@ -103,7 +103,7 @@ impl Sources {
 ///
 /// A share is the hidden irradiance over that of the source at normal incidence, or over that of a whole sphere
 /// for the ambient term.
-pub fn hidden_shares(receivers: &Receivers, sources: &Sources, solids: &[Solid]) -> Array2<f64> {
+pub fn hidden_fractions(receivers: &Receivers, sources: &Sources, solids: &[Solid]) -> Array2<f64> {
     receivers.table(solids, 1 + sources.discs(), |place, column| match column {
         0 => place.hidden_ambient(sources),
         disc => place.hidden_disc(sources, disc - 1),

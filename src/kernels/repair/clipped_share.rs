@@ -27,7 +27,7 @@ pub struct ClippedShare {
 /// # Errors
 ///
 /// [`crate::error::Error::NotAMap`] when the array is not (height, width, 3) or smaller than 2 x 2.
-pub fn clipped_share(
+pub fn clipped_fraction(
     radiance: ArrayView3<'_, f32>,
     registration: Registration,
     white: Option<f32>,
@@ -91,7 +91,7 @@ mod tests {
     #[test]
     fn half_a_sphere_at_white_is_half_of_it_and_four_fifths_of_the_flux() {
         for white in [Some(1.0), None] {
-            let share = clipped_share(halves(1.0).view(), Registration::CellCentred, white).unwrap();
+            let share = clipped_fraction(halves(1.0).view(), Registration::CellCentred, white).unwrap();
             assert_relative_eq!(share.sphere, 0.5, max_relative = 1e-12);
             assert_relative_eq!(share.flux, 0.8, max_relative = 1e-6);
         }
@@ -101,7 +101,7 @@ mod tests {
     fn nothing_is_clipped_below_white_or_in_the_dark() {
         let none = ClippedShare { sphere: 0.0, flux: 0.0 };
         let share =
-            |map: Array3<f32>, white| clipped_share(map.view(), Registration::CellCentred, white).unwrap();
+            |map: Array3<f32>, white| clipped_fraction(map.view(), Registration::CellCentred, white).unwrap();
         assert_eq!(share(halves(0.9), Some(1.0)), none);
         assert_eq!(share(Array3::zeros((4, 8, 3)), None), none);
         let mut sun = halves(0.9);

@@ -2,8 +2,8 @@
 //!
 //! | number                                             | file               |
 //! |----------------------------------------------------|--------------------|
-//! | clipped fraction of the sphere and of the flux     | `clipped_share.rs` |
+//! | clipped fraction of the sphere and of the flux     | `clipped_fraction.rs` |
 //! | distribution of the light that was cut off         | `missing_light.rs` |
 
-pub mod clipped_share;
+pub mod clipped_fraction;
 pub mod missing_light;

@@ -60,7 +60,7 @@ pub struct ClippedMap {
     pub expanded: WorkingImage,
     level: ClipLevel,
     /// Fraction of the sphere at the largest value that the map can hold.
-    clipped_share: f64,
+    clipped_fraction: f64,
 }
 
 /// Properties of the lights of a clipped map.
@@ -73,7 +73,7 @@ pub struct ClippedLights {
     /// Clip level of the map.
     pub level: ClipLevel,
     /// Fraction of the sphere at the largest value that the map can hold.
-    pub clipped_share: f64,
+    pub clipped_fraction: f64,
 }
 
 impl ClippedMap {
@@ -99,7 +99,7 @@ impl ClippedMap {
         };
         let first = reduced(columns, white)?;
         let Some(level) = ClipLevel::of(&first.working, first.maximum, white) else { return Ok(None) };
-        let clipped_share = clip_level::share_above(&first.working, LEAST_WHITE * white);
+        let clipped_fraction = clip_level::share_above(&first.working, LEAST_WHITE * white);
         let end = level.luminance();
         let mut map = if end < white { reduced(columns, end)? } else { first };
         let mut level_of_bright = threshold_of(&map, end, threshold);
@@ -111,7 +111,7 @@ impl ClippedMap {
             level_of_bright = threshold_of(&map, end, threshold);
         }
         let ExpandedMap { working, expanded, .. } = map;
-        Ok(Some((working, Self { expanded, level, clipped_share }, level_of_bright)))
+        Ok(Some((working, Self { expanded, level, clipped_fraction }, level_of_bright)))
     }
 
     /// Threshold in luminance instead of expanded luminance.
@@ -139,8 +139,8 @@ impl ClippedMap {
         let positions = position::positions(working, expanded, &segments, &depth);
         let weights = order::weights(expanded, &segments, &positions);
         let (segments, positions, weights) = order::drop_least(segments, positions, weights);
-        let (level, clipped_share) = (self.level, self.clipped_share);
-        (segments, ClippedLights { positions, weights, level, clipped_share })
+        let (level, clipped_fraction) = (self.level, self.clipped_fraction);
+        (segments, ClippedLights { positions, weights, level, clipped_fraction })
     }
 }
 

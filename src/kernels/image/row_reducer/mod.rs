@@ -35,7 +35,7 @@ pub struct ReductionOptions {
     /// Largest number of columns of the working map.
     pub columns: usize,
     /// Fraction of the flux of a channel from which a cell becomes a source.
-    pub source_share: f64,
+    pub source_fraction: f64,
     /// True if a floor hides all light from below the horizon.
     pub has_floor: bool,
 }
@@ -213,7 +213,7 @@ impl<T: Sample> RowReducer<T> {
         let cells: Vec<(usize, usize)> = self.retained.keys().copied().chain(new).collect();
         let least = least_source(
             self.so_far,
-            self.options.source_share * (1.0 - ROUNDING),
+            self.options.source_fraction * (1.0 - ROUNDING),
             self.bounds.bands.len() * columns,
         );
         let is_source = |at: &(usize, usize)| is_source(&self.cell(*at), least);
@@ -278,8 +278,8 @@ impl<T: Sample> RowReducer<T> {
             return None;
         }
         let flux = CellFlux { cells: self.flux.cells.clone(), rows: self.flux.rows.clone() };
-        let ReductionOptions { source_share, has_floor, .. } = self.options;
-        let reduced = ReducedFlux::new(flux, &self.layout, source_share, has_floor);
+        let ReductionOptions { source_fraction, has_floor, .. } = self.options;
+        let reduced = ReducedFlux::new(flux, &self.layout, source_fraction, has_floor);
         let linear = |cell: &(usize, usize)| {
             let pixels = self.retained.get(cell)?;
             Some(without_signs(T::linear(pixels, &self.table, &mut Vec::new())))

@@ -7,11 +7,11 @@ use proptest::prelude::*;
 use super::*;
 use crate::kernels::image::reduce;
 use crate::kernels::image::white::code_histogram;
-use crate::kernels::repair::clipped_share::clipped_share;
+use crate::kernels::repair::clipped_fraction::clipped_fraction;
 
 fn options(map: &Array3<f32>, registration: Registration, columns: usize) -> ReductionOptions {
     let (height, width, _) = map.dim();
-    ReductionOptions { height, width, registration, columns, source_share: 5e-3, has_floor: false }
+    ReductionOptions { height, width, registration, columns, source_fraction: 5e-3, has_floor: false }
 }
 
 /// Reducer of all `samples`, a number of rows of `blocks` at a time.
@@ -35,8 +35,8 @@ fn bits(map: Option<WorkingMap>) -> String {
 }
 
 fn of_array(map: &Array3<f32>, options: ReductionOptions) -> String {
-    let ReductionOptions { registration, columns, source_share, has_floor, .. } = options;
-    bits(reduce(map.view(), registration, columns, source_share, has_floor).ok())
+    let ReductionOptions { registration, columns, source_fraction, has_floor, .. } = options;
+    bits(reduce(map.view(), registration, columns, source_fraction, has_floor).ok())
 }
 
 /// Codes of a dim map with lamps of all sizes anywhere: at the poles, the seam and in the last row as well.
@@ -73,7 +73,7 @@ proptest! {
         let registration = [Registration::CellCentred, Registration::BorderSampled][usize::from(is_border)];
         let (table_8, table_16) = (table(256), table(65536));
         let map = codes.map(|&code| table_8[usize::from(code)]);
-        let options = ReductionOptions { source_share: share, has_floor, ..options(&map, registration, columns) };
+        let options = ReductionOptions { source_fraction: share, has_floor, ..options(&map, registration, columns) };
         let expected = of_array(&map, options);
         prop_assert!(expected.starts_with("Some"));
         let bytes = reducer(options, codes.as_slice().unwrap(), &table_8, blocks);
@@ -93,7 +93,7 @@ proptest! {
         let map = codes.map(|&code| table[usize::from(code)]);
         let reducer = reducer(options(&map, registration, 8), codes.as_slice().unwrap(), &table, 1);
         let white = table[250];
-        let expected = clipped_share(map.view(), registration, Some(white)).unwrap();
+        let expected = clipped_fraction(map.view(), registration, Some(white)).unwrap();
         let [sphere, flux] = reducer.clipped((0.985 * f64::from(white)) as f32).unwrap();
         assert_relative_eq!(sphere, expected.sphere, max_relative = 1e-9, epsilon = 1e-12);
         assert_relative_eq!(flux, expected.flux, max_relative = 1e-5, epsilon = 1e-12);
