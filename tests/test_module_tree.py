@@ -1,4 +1,4 @@
-"""Arrows between Rust files point down: no cycle, and no import from a later step."""
+"""Arrows between Rust files and folders point down: no cycle, no import from a later step."""
 
 import re
 from collections.abc import Iterator
@@ -99,6 +99,23 @@ def in_cycles(arrows: dict[str, set[str]]) -> set[str]:
     return {module for module in arrows if module in reached_from(module)}
 
 
+def between_rooms(folder: str, arrows: dict[str, set[str]]) -> dict[str, set[str]]:
+    """The arrows among the files and folders directly in `folder`; a folder is one room."""
+    room = re.compile(rf"{folder}::\w+" if folder else r"\w+")
+    rooms: dict[str, set[str]] = {}
+    for module, needed in arrows.items():
+        if (own := room.match(module)) and module != folder:
+            others = {other[0] for each in needed if (other := room.match(each)) and each != folder}
+            rooms.setdefault(own[0], set()).update(others - {own[0]})
+    return rooms
+
+
+def cycles_of_rooms(arrows: dict[str, set[str]]) -> set[str]:
+    """The files and folders that need each other through any of their files."""
+    folders = {module.rpartition("::")[0] for module in arrows}
+    return {room for folder in folders for room in in_cycles(between_rooms(folder, arrows))}
+
+
 def steps_of(tree_page: str) -> list[str]:
     """The rows of the table in `kernels/mod.rs`."""
     return re.findall(r"^//! \|.*\| `(\w+)(?:\.rs|/)` +\|$", tree_page, flags=re.M)
@@ -110,6 +127,10 @@ ARROWS = arrows_of(TREE)
 
 def test_no_two_files_import_each_other():
     assert in_cycles(ARROWS) == set()
+
+
+def test_no_two_folders_need_each_other():
+    assert cycles_of_rooms(ARROWS) == set()
 
 
 def test_a_step_uses_only_the_steps_before_it():
@@ -149,3 +170,16 @@ def test_cycles_are_found(tmp_path, files, cycle):
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_text(text)
     assert in_cycles(arrows_of(tree_of(tmp_path))) == cycle
+
+
+def test_cycles_of_folders_are_found():
+    arrows = {
+        "lib": {"a"},
+        "a": {"a::file", "a::folder"},
+        "a::file": {"a::folder::one"},
+        "a::folder": {"a::folder::one", "a::folder::two"},
+        "a::folder::one": set(),
+        "a::folder::two": {"a::file"},
+    }
+    assert in_cycles(arrows) == set()
+    assert cycles_of_rooms(arrows) == {"a::file", "a::folder"}

@@ -28,20 +28,15 @@ impl Ambient {
         }
     }
 
-    /// The ambient term with this number of coefficients in each channel, if there is one.
-    pub fn with(coefficients: usize) -> Option<Self> {
-        [Self::None, Self::Constant, Self::Sh2]
-            .into_iter()
-            .find(|ambient| ambient.coefficients() == coefficients)
-    }
-
     /// The ambient term with this number of coefficients in each channel.
     ///
     /// # Errors
     ///
     /// [`Error::NotAmbient`] if there is none.
     pub fn of(coefficients: usize) -> Result<Self> {
-        Self::with(coefficients).ok_or(Error::NotAmbient { seen: coefficients })
+        let mut all = [Self::None, Self::Constant, Self::Sh2].into_iter();
+        let ambient = all.find(|ambient| ambient.coefficients() == coefficients);
+        ambient.ok_or(Error::NotAmbient { seen: coefficients })
     }
 
     /// Irradiance at `normal` under each coefficient alone; the values beyond [`Self::coefficients`] are unused.

@@ -21,12 +21,11 @@ use glam::DVec3;
 use nalgebra::{DMatrix, DVector};
 
 use super::objective::{Directions, PointObjective};
+use super::settings::SEARCH;
 use super::state::State;
 use crate::kernels::sampling;
 use crate::kernels::sphere::to_vectors;
 
-/// Number of directions, about 20 degrees apart.
-const DIRECTIONS: usize = 96;
 /// Smallest squared distance of a column from the span of the others, relative to its squared length.
 const DEPENDENT: f64 = 1e-6;
 
@@ -60,7 +59,7 @@ pub struct Beside<'a> {
 impl<'a> Candidates<'a> {
     /// Candidates of an objective.
     pub fn new(objective: &'a dyn PointObjective) -> Self {
-        let places = to_vectors(sampling::even_sphere(DIRECTIONS).view());
+        let places = to_vectors(sampling::even_sphere(SEARCH.directions).view());
         let places: Vec<DVec3> = places.into_iter().map(|place| objective.place(place)).collect();
         let at = objective.directions(places);
         let sides = objective.side_products(&at);

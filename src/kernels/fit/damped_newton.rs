@@ -29,8 +29,6 @@ struct DescentSettings {
     longest_polish: f64,
     /// Relative decrease of the cost in one step below which second derivatives are worth their time.
     exact_below: f64,
-    /// Kinks for each light above which a step failed because of its length.
-    most_kinks: usize,
 }
 
 const SETTINGS: DescentSettings = DescentSettings {
@@ -42,7 +40,6 @@ const SETTINGS: DescentSettings = DescentSettings {
     longest_step: 0.5,
     longest_polish: 1e-3,
     exact_below: 0.03,
-    most_kinks: 2,
 };
 
 /// A descent of the lights of one objective.
@@ -143,10 +140,10 @@ impl Descent<'_> {
         None
     }
 
-    /// A lower state on the kinks on the way to `next`, if they are few.
+    /// A lower state on the kinks on the way to `next`.
     fn along_kinks(&self, local: &Local<'_>, next: &State, damping: &mut f64) -> Option<State> {
         let kinks = self.objective.kinks(&local.state.moments, &next.moments);
-        if !(1..=SETTINGS.most_kinks * next.lights()).contains(&kinks.len()) {
+        if kinks.is_empty() {
             return None;
         }
         let mut own = *damping;
@@ -228,7 +225,8 @@ fn downhill(mut hessian: DMatrix<f64>, damping: f64, gradient: DVector<f64>) -> 
 mod tests {
     use super::super::variable_projection::tests::{target, world};
     use super::*;
-    use crate::kernels::fit::discs::{Comparison, Shadows};
+    use crate::kernels::fit::comparison::Comparison;
+    use crate::kernels::fit::discs::Shadows;
     use crate::kernels::fit::{Ambient, Sphere};
     use crate::kernels::sphere::direction;
 

@@ -5,12 +5,10 @@ use rayon::prelude::*;
 use super::damped_newton::Descent;
 use super::options::FitOptions;
 use super::problem::Problem;
-use super::search::{FINE, Search};
+use super::search::Search;
+use super::settings::SEARCH;
 use super::state::{State, StopReason};
 use crate::error::Result;
-
-/// Relative decrease of the error that is worth one more light.
-const WORTH_A_LIGHT: f64 = 1e-3;
 
 /// Evaluation of a set of lights.
 pub type Evaluate<'a> = &'a (dyn Fn(State) -> Trial + Sync);
@@ -51,12 +49,8 @@ impl FitOptions {
 /// The best set with each number of lights, evaluated by `evaluate`.
 ///
 /// The search stops when the error is at most `options.error_floor`.
-pub fn search_path(
-    problem: &Problem<'_>,
-    options: &FitOptions,
-    evaluate: Evaluate<'_>,
-) -> Result<Vec<Trial>> {
-    Ok(search_paths(problem, options, &[problem.lights], evaluate)?.remove(0))
+pub fn search_path(problem: &Problem<'_>, evaluate: Evaluate<'_>) -> Result<Vec<Trial>> {
+    Ok(search_paths(problem, &[problem.options.lights], evaluate)?.remove(0))
 }
 
 /// [`search_path`] to each of these numbers of lights, which are at most `problem.lights`.
@@ -64,18 +58,17 @@ pub fn search_path(
 /// A path is that of a search for its number alone: forward selection finds the same sets on the way to each.
 pub fn search_paths(
     problem: &Problem<'_>,
-    options: &FitOptions,
     counts: &[usize],
     evaluate: Evaluate<'_>,
 ) -> Result<Vec<Vec<Trial>>> {
     let search = Search::new(problem);
-    let (path, beams) = selection_path(&search, options, evaluate)?;
+    let (path, beams) = selection_path(&search, evaluate)?;
     let path_to = |&count: &usize| {
         let end = beams.iter().rposition(|beam| beam[0].lights() <= count).unwrap_or(0);
         let mut path = path[..=end].to_vec();
         // Search for the final number of lights, unless that has happened.
-        let has_search = !options.has_goal() && problem.start.len() == problem.fixed;
-        if has_search && beams[end][0].lights() > problem.fixed {
+        let has_search = !problem.options.has_goal() && !problem.has_start();
+        if has_search && beams[end][0].lights() > problem.options.fixed {
             let mut others = search.best(beams[end].clone())?;
             let best = others.remove(0);
             path[end] = Trial { others, ..evaluate(best) };
@@ -86,16 +79,12 @@ pub fn search_paths(
 }
 
 /// The best set with each number of lights by forward selection, and the sets it was selected from.
-fn selection_path(
-    search: &Search<'_>,
-    options: &FitOptions,
-    evaluate: Evaluate<'_>,
-) -> Result<(Vec<Trial>, Vec<Vec<State>>)> {
+fn selection_path(search: &Search<'_>, evaluate: Evaluate<'_>) -> Result<(Vec<Trial>, Vec<Vec<State>>)> {
     let problem = search.problem;
     let mut beam = vec![near_start(problem, 0)];
     let (mut path, mut beams) = (vec![evaluate(beam[0].clone())], vec![beam.clone()]);
-    while beam[0].lights() < problem.lights && !is_enough(problem, options, &path) {
-        beam = larger_sets(search, options, &beam)?;
+    while beam[0].lights() < problem.options.lights && !is_enough(problem.options, &path) {
+        beam = larger_sets(search, &beam)?;
         let Some(best) = beam.first() else { break };
         path.push(evaluate(best.clone()));
         beams.push(beam.clone());
@@ -104,20 +93,20 @@ fn selection_path(
 }
 
 /// The sets with more lights than those of `beam`, best first; empty if no light helps.
-fn larger_sets(search: &Search<'_>, options: &FitOptions, beam: &[State]) -> Result<Vec<State>> {
+fn larger_sets(search: &Search<'_>, beam: &[State]) -> Result<Vec<State>> {
     let problem = search.problem;
+    let FitOptions { start, fixed, lights, .. } = problem.options;
     let count = beam[0].lights();
-    if count < problem.start.len() {
-        let next = if options.has_goal() { problem.fixed.max(count + 1) } else { problem.start.len() };
-        return Ok(vec![refill(search, near_start(problem, next.min(problem.lights)))]);
+    if count < start.len() {
+        let next = if problem.options.has_goal() { *fixed.max(&(count + 1)) } else { start.len() };
+        return Ok(vec![refill(search, near_start(problem, next.min(*lights)))]);
     }
     let mut grown = search.grow(beam);
-    if problem.start.len() > problem.fixed {
-        // Lights that were given a start stay near it.
+    if problem.has_start() {
         grown.truncate(1);
-        return Ok(grown.into_iter().map(|state| problem.descent().run(state, FINE)).collect());
+        return Ok(grown.into_iter().map(|state| problem.descent().run(state, SEARCH.fine)).collect());
     }
-    if options.has_goal() {
+    if problem.options.has_goal() {
         let best = search.best(grown.clone())?;
         grown.splice(0..0, best.into_iter().take(1));
     }
@@ -126,48 +115,46 @@ fn larger_sets(search: &Search<'_>, options: &FitOptions, beam: &[State]) -> Res
 
 /// The best lights near the first `count` starts.
 fn near_start(problem: &Problem<'_>, count: usize) -> State {
-    let descent = Descent { fixed: problem.fixed.min(count), ..problem.descent() };
-    descent.run(State::new(problem.objective, &problem.start[..count]), FINE)
+    let FitOptions { start, fixed, .. } = problem.options;
+    let descent = Descent { fixed: *fixed.min(&count), ..problem.descent() };
+    descent.run(State::new(problem.objective, &start[..count]), SEARCH.fine)
 }
 
 /// Replace lights that are black in all channels by new lights, and descend again.
 fn refill(search: &Search<'_>, state: State) -> State {
     let lights = state.lights();
-    let Some(mut state) = state.without_black(search.problem.objective.base(), search.problem.fixed) else {
-        return state;
-    };
+    let Problem { objective, options } = *search.problem;
+    let Some(mut state) = state.without_black(objective, options.fixed) else { return state };
     while state.lights() < lights {
         let Some(next) = search.grow(std::slice::from_ref(&state)).into_iter().next() else { break };
         state = next;
     }
-    search.problem.descent().run(state, FINE)
+    search.problem.descent().run(state, SEARCH.fine)
 }
 
 /// True if the residual is 0, the errors of the options are reached, or the last lights have not lowered the error.
-fn is_enough(problem: &Problem<'_>, options: &FitOptions, path: &[Trial]) -> bool {
-    /// Lights in a row that may fail to lower the error.
-    const PATIENCE: usize = 3;
+fn is_enough(options: &FitOptions, path: &[Trial]) -> bool {
     let Some(last) = path.last() else { return false };
     let lights = last.state.lights();
-    if lights < problem.fixed {
+    if lights < options.fixed {
         return false;
     }
-    let allowed: Vec<&Trial> = path.iter().filter(|trial| trial.state.lights() >= problem.fixed).collect();
+    let allowed: Vec<&Trial> = path.iter().filter(|trial| trial.state.lights() >= options.fixed).collect();
     // The first lights of a sky may raise the errors of shadows and of shiny objects while they lower that of the probe.
     let useful = last_gain(&allowed, &|trial| options.comparison_error(trial))
         .max(last_gain(&allowed, &|trial| trial.error))
-        .max(problem.fixed);
+        .max(options.fixed);
     last.state.stop == Some(StopReason::Exact)
         || last.error <= options.error_floor
         || options.is_reached(last)
-        || lights >= useful + PATIENCE
+        || lights >= useful + SEARCH.patience
 }
 
 /// Number of lights of the last trial whose error is less than that of all before it.
 fn last_gain(path: &[&Trial], error: &dyn Fn(&Trial) -> f64) -> usize {
     let mut best = (f64::INFINITY, 0);
     for trial in path {
-        if error(trial) < best.0 * (1.0 - WORTH_A_LIGHT) {
+        if error(trial) < best.0 * (1.0 - SEARCH.worth_a_light) {
             best = (error(trial), trial.state.lights());
         }
     }
@@ -178,14 +165,14 @@ fn last_gain(path: &[&Trial], error: &dyn Fn(&Trial) -> f64) -> usize {
 ///
 /// If no set reaches them, the set with the fewest lights and nearly the least error is chosen. Sets with fewer lights
 /// than the start are skipped.
-pub fn choose(problem: &Problem<'_>, options: &FitOptions, path: &[Trial]) -> usize {
+pub fn choose(options: &FitOptions, path: &[Trial]) -> usize {
     let least = path.iter().map(|trial| options.comparison_error(trial)).fold(f64::INFINITY, f64::min);
-    let enough = (least * (1.0 + WORTH_A_LIGHT)).max(options.error_floor);
+    let enough = (least * (1.0 + SEARCH.worth_a_light)).max(options.error_floor);
     let is_reached = path.iter().any(|trial| options.is_reached(trial));
     let is_enough = |trial: &Trial| {
         if is_reached { options.is_reached(trial) } else { options.comparison_error(trial) <= enough }
     };
     let last = path.len() - 1;
-    let reference = problem.start.len().min(path[last].state.lights());
+    let reference = options.start.len().min(path[last].state.lights());
     path.iter().position(|trial| is_enough(trial) && trial.state.lights() >= reference).unwrap_or(last)
 }

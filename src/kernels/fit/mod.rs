@@ -4,8 +4,10 @@
 //!
 //! | step                                              | file                       |
 //! |---------------------------------------------------|----------------------------|
-//! | options, and the numbers of the search            | `options.rs`               |
+//! | options, and the tuned numbers                    | `options.rs`, `settings.rs` |
 //! | ambient and lights                                | `rig.rs`, `ambient.rs`     |
+//! | a light with a size, and the kernel that compares it with the map | `light_disc.rs`, `comparison.rs` |
+//! | numbers with derivatives                          | `jet.rs`                   |
 //! | the cost: products of lights and their derivatives | `objective.rs`            |
 //! | - of points at every normal, in closed form       | `sphere/`                  |
 //! | - of points at known normals                      | `samples/`                 |
@@ -22,10 +24,13 @@
 
 mod ambient;
 mod candidates;
+mod comparison;
 mod damped_newton;
 mod discs;
 mod factors;
+mod jet;
 mod light_count;
+mod light_disc;
 mod moves;
 mod multistart;
 mod nnls;
@@ -38,13 +43,15 @@ mod result;
 mod rig;
 mod samples;
 mod search;
+mod settings;
 mod sphere;
 mod state;
 mod uncertainty;
 mod variable_projection;
 
 pub use ambient::Ambient;
-pub use discs::{BAND_DEGREE, Bands, Comparison, evaluate, kernel_spectra};
+pub use comparison::Comparison;
+pub use discs::{BAND_DEGREE, Bands, evaluate, kernel_spectra};
 pub use objective::{Objective, PointObjective};
 pub use options::FitOptions;
 pub use problem::Problem;
@@ -89,9 +96,9 @@ fn to_error_goal(map: &WorkingMap, options: &FitOptions) -> Result<FitResult> {
     let expansion = Expansion::new(map);
     let sphere = || Sphere::of(map, &expansion, options.ambient, options.has_floor);
     let (sphere, (sizes, samples)) = rayon::join(sphere, || references(map, &expansion, options));
-    let (samples, problem) = (samples?, Problem::new(&sphere, options));
-    let evaluator = Evaluator { samples: &samples, sizes: Some(sizes), options };
-    let path = search_path(&problem, options, &|state| evaluator.trial(&problem, state))?;
+    let (samples, problem) = (samples?, Problem { objective: &sphere, options });
+    let evaluator = Evaluator { samples: &samples, sizes: Some(sizes) };
+    let path = search_path(&problem, &|state| evaluator.trial(&problem, state))?;
     let result = evaluator.best(&problem, path);
     Ok(FitResult { map_samples: Some(samples), ..result })
 }
@@ -117,8 +124,8 @@ pub fn under_map_by_count(
     };
     let (found, (sizes, samples)) = rayon::join(search, || references(map, &expansion, options));
     let (samples, (sphere, paths)) = (samples?, found?);
-    let problem = Problem::new(&sphere, options);
-    let evaluator = Evaluator { samples: &samples, sizes: Some(sizes), options };
+    let problem = Problem { objective: &sphere, options };
+    let evaluator = Evaluator { samples: &samples, sizes: Some(sizes) };
     let evaluate = |trial: Trial| Trial { others: trial.others, ..evaluator.trial(&problem, trial.state) };
     let result = |path: Vec<Trial>| {
         let result = evaluator.best(&problem, path.into_iter().map(evaluate).collect());
@@ -149,7 +156,7 @@ fn point_paths(sphere: &Sphere, options: &FitOptions, counts: &[usize]) -> Resul
         let error = relative_error(state.cost, energy);
         Trial { state, others: Vec::new(), error, shadow_error: 0.0, gloss_error: 0.0 }
     };
-    search_paths(&Problem::new(sphere, options), options, counts, &trial)
+    search_paths(&Problem { objective: sphere, options }, counts, &trial)
 }
 
 /// `<E, E>` of the probe under a map, over all normals and channels, in closed form.
@@ -165,9 +172,9 @@ pub fn energy(map: &WorkingMap) -> f64 {
 pub fn to_samples(samples: Samples, options: &FitOptions) -> Result<FitResult> {
     check_unknowns(options, samples.normals.len())?;
     let probe = Probe::new(samples, options.ambient);
-    let problem = Problem::new(&probe, options);
-    let evaluator = Evaluator { samples: &probe.samples, sizes: None, options };
-    let path = search_path(&problem, options, &|state| evaluator.trial(&problem, state))?;
+    let problem = Problem { objective: &probe, options };
+    let evaluator = Evaluator { samples: &probe.samples, sizes: None };
+    let path = search_path(&problem, &|state| evaluator.trial(&problem, state))?;
     let result = evaluator.best(&problem, path);
     let uncertainty = uncertainty::uncertainty(&probe, &result.rig, options.fixed);
     Ok(FitResult { uncertainty, ..result })
@@ -225,22 +232,7 @@ mod tests {
     use ndarray::s;
 
     fn options(lights: usize, ambient: Ambient) -> FitOptions {
-        FitOptions {
-            has_floor: false,
-            error_floor: 0.0,
-            ambient,
-            start: Vec::new(),
-            fixed: 0,
-            lights,
-            error: None,
-            shadow_error: None,
-            gloss_error: None,
-            gloss_factors: Vec::new(),
-            sizes: None,
-            max_radius: None,
-            max_steps: 100,
-            is_plain: false,
-        }
+        FitOptions { ambient, lights, ..FitOptions::default() }
     }
 
     fn fit(rig: &Rig, lights: usize) -> FitResult {

@@ -4,12 +4,8 @@ use glam::DVec3;
 
 use super::candidates::{Candidates, Prediction};
 use super::objective::PointObjective;
+use super::settings::SEARCH;
 use super::state::State;
-
-/// Cosine of two directions above which descents from both reach the same minimum.
-const APART: f64 = 0.8;
-/// Cosine of a light's old and new direction above which a descent leads back.
-const BACK: f64 = 0.9;
 
 /// A light to remove, if any, and one to add.
 #[derive(Clone, Copy, Debug)]
@@ -46,14 +42,12 @@ pub fn exchanges(
     most_predicted: f64,
     count: usize,
 ) -> Vec<Move> {
-    /// Number of directions for each light.
-    const DIRECTIONS: usize = 2;
     let Some(beside) = candidates.beside(state) else { return Vec::new() };
     let mut moves: Vec<Move> = Vec::new();
     for light in fixed..state.lights() {
         let mut predictions = beside.relocations(light, most_predicted * state.cost);
-        predictions.retain(|(_, direction)| direction.dot(state.moments.directions[light]) < BACK);
-        let predictions = apart(predictions, DIRECTIONS).into_iter();
+        predictions.retain(|(_, direction)| direction.dot(state.moments.directions[light]) < SEARCH.back);
+        let predictions = apart(predictions, SEARCH.directions_of_light).into_iter();
         moves.extend(predictions.map(|(predicted, new)| Move { predicted, gone: Some(light), new }));
     }
     moves.sort_by(|a, b| a.predicted.total_cmp(&b.predicted));
@@ -68,7 +62,7 @@ fn apart(mut predictions: Vec<Prediction>, count: usize) -> Vec<Prediction> {
         && let Some(&best) = predictions.iter().min_by(|a, b| a.0.total_cmp(&b.0))
     {
         chosen.push(best);
-        predictions.retain(|next| next.1.dot(best.1) < APART);
+        predictions.retain(|next| next.1.dot(best.1) < SEARCH.apart);
     }
     chosen
 }

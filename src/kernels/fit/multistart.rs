@@ -4,13 +4,11 @@ use std::f64::consts::TAU;
 
 use glam::{DQuat, DVec3};
 
+use super::settings::SEARCH;
 use super::state::State;
 use crate::error::Result;
 use crate::kernels::sampling;
 use crate::kernels::sphere::{exponential_map, tangents, to_vectors};
-
-/// The longest perturbation, in radians: to the next small minimum, not to the next light.
-const FARTHEST: f64 = 0.3;
 
 /// Sets of lights spread evenly: the first as it is (Madsen et al. 2003, section 3.2), the others turned.
 ///
@@ -45,7 +43,7 @@ pub fn perturb(state: &State, fixed: usize, count: usize, round: usize) -> Resul
     let lights = state.lights();
     let places = sampling::halton((round + 1) * count * lights, &[2, 3])?;
     let perturb = |start: usize| {
-        let farthest = FARTHEST * (start + 1) as f64 / count as f64;
+        let farthest = SEARCH.farthest * (start + 1) as f64 / count as f64;
         let turn = |(light, &direction): (usize, &DVec3)| {
             if light < fixed {
                 return direction;

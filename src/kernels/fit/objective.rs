@@ -28,7 +28,7 @@ use glam::{DMat3, DVec3};
 use nalgebra::DMatrix;
 
 use super::ambient::Ambient;
-use super::discs::Disc;
+use super::light_disc::Disc;
 use super::rig::Rig;
 use crate::kernels::sphere::{exponential_map, tangents};
 
@@ -71,9 +71,6 @@ pub trait Objective: Debug + Sync {
 
 /// An objective of lights without a size, which a search can add and exchange.
 pub trait PointObjective: Objective {
-    /// This objective without the methods of a search.
-    fn base(&self) -> &dyn Objective;
-
     /// The moments of the lights `kept` of `before`, and of others in the directions `new` after them.
     fn exchange(&self, before: &Moments, kept: &[usize], new: &[DVec3]) -> Moments;
 

@@ -1,6 +1,4 @@
-//! A search for lights: an objective, and the lights that the caller fixed or started.
-
-use glam::DVec3;
+//! A search for lights: an objective, and the options of the caller.
 
 use super::damped_newton::Descent;
 use super::objective::PointObjective;
@@ -11,27 +9,19 @@ use super::options::FitOptions;
 pub struct Problem<'a> {
     /// Cost of lights without a size.
     pub objective: &'a dyn PointObjective,
-    /// Initial directions of the first lights, brightest first. Others start where they lower the cost most.
-    pub start: &'a [DVec3],
-    /// Number of these that keep their directions.
-    pub fixed: usize,
-    /// Greatest number of lights.
-    pub lights: usize,
-    /// Greatest number of steps of one descent.
-    pub max_steps: usize,
-    /// True for the plain search of benchmarks.
-    pub is_plain: bool,
+    /// Starts, numbers of lights and errors that the caller wants.
+    pub options: &'a FitOptions,
 }
 
 impl<'a> Problem<'a> {
-    /// The search that the options ask for.
-    pub fn new(objective: &'a dyn PointObjective, options: &'a FitOptions) -> Self {
-        let &FitOptions { ref start, fixed, lights, max_steps, is_plain, .. } = options;
-        Self { objective, start, fixed, lights, max_steps, is_plain }
-    }
-
     /// A descent of a set of lights.
     pub fn descent(&self) -> Descent<'a> {
-        Descent { objective: self.objective.base(), fixed: self.fixed, max_steps: self.max_steps }
+        let &FitOptions { fixed, max_steps, .. } = self.options;
+        Descent { objective: self.objective, fixed, max_steps }
+    }
+
+    /// True if the caller gave starts of lights that may turn: lights stay near them.
+    pub fn has_start(&self) -> bool {
+        self.options.start.len() > self.options.fixed
     }
 }

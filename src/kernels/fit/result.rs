@@ -2,9 +2,9 @@
 
 use std::iter::once;
 
-use super::discs::{self, Bands, Comparison, Sized, Sizes};
+use super::comparison::Comparison;
+use super::discs::{self, Bands, Sized, Sizes};
 use super::light_count::{self, Trial};
-use super::options::FitOptions;
 use super::problem::Problem;
 use super::rig::Rig;
 use super::samples::{Judged, Samples};
@@ -56,13 +56,12 @@ pub struct Evaluator<'a> {
     pub samples: &'a Samples,
     /// The map with shadows, if there is a map.
     pub sizes: Option<Sizes<'a>>,
-    pub options: &'a FitOptions,
 }
 
 impl Evaluator<'_> {
     /// Errors of a set on the way to the final number of lights: with sizes if an error ends the search, else of points.
     pub fn trial(&self, problem: &Problem<'_>, state: State) -> Trial {
-        if self.options.has_goal() {
+        if problem.options.has_goal() {
             return self.sized(problem, state, &[]).0;
         }
         let error = self.samples.error(&state.rig(problem.objective.reference()));
@@ -71,30 +70,28 @@ impl Evaluator<'_> {
 
     /// A set with its errors, and the rig with sizes if the options ask for them.
     fn sized(&self, problem: &Problem<'_>, state: State, others: &[State]) -> (Trial, Sized, Judged) {
-        let reference = problem.objective.reference();
+        let (reference, options) = (problem.objective.reference(), problem.options);
         let rig = state.rig(reference);
-        let sized = match (&self.sizes, self.options.sizes) {
+        let sized = match (&self.sizes, options.sizes) {
             (Some(sizes), Some(_)) => {
                 let rigs: Vec<Rig> =
                     once(rig).chain(others.iter().map(|other| other.rig(reference))).collect();
-                // Lights that were given a start stay near it. With the other objectives a selection takes as long again
-                // at 8 lights, and lowers the error of none of nine real maps.
-                let is_for_shadows = self.options.sizes == Some(Comparison::Shadows);
-                let can_select = is_for_shadows && problem.start.len() == problem.fixed && !problem.is_plain;
-                sizes.fit(reference, &rigs, problem.fixed, problem.max_steps, can_select)
+                // With the other objectives a selection takes as long again at 8 lights, and lowers the error of none of
+                // nine real maps.
+                let is_for_shadows = options.sizes == Some(Comparison::Shadows);
+                let can_select = is_for_shadows && !problem.has_start() && !options.is_plain;
+                sizes.fit(reference, &rigs, options.fixed, options.max_steps, can_select)
             }
             _ => Sized::points(rig),
         };
-        let probe_error = match self.options.sizes {
+        let probe_error = match options.sizes {
             Some(_) => discs::evaluate(self.samples, &sized.rig, &sized.radii),
             None => self.samples.evaluate(&sized.rig),
         };
         let shadow_error =
             self.sizes.as_ref().map_or(0.0, |sizes| sizes.shadow_error(reference, &sized.rig, &sized.radii));
-        let gloss_error = match (&self.sizes, self.options.gloss_error) {
-            (Some(sizes), Some(_)) => {
-                sizes.bands(&sized.rig, &sized.radii).error(&self.options.gloss_factors)
-            }
+        let gloss_error = match (&self.sizes, options.gloss_error) {
+            (Some(sizes), Some(_)) => sizes.bands(&sized.rig, &sized.radii).error(&options.gloss_factors),
             _ => 0.0,
         };
         let error = probe_error.error;
@@ -103,18 +100,19 @@ impl Evaluator<'_> {
 
     /// The best of the sets in `path`, with its sizes and errors.
     pub fn best(&self, problem: &Problem<'_>, path: Vec<Trial>) -> FitResult {
-        let chosen = light_count::choose(problem, self.options, &path);
+        let Problem { objective, options } = *problem;
+        let chosen = light_count::choose(options, &path);
         let state = problem.descent().polish(path[chosen].state.clone());
-        let state = state.without_black(problem.objective.base(), problem.fixed).unwrap_or(state);
+        let state = state.without_black(objective, options.fixed).unwrap_or(state);
         let (trial, sized, probe_error) = self.sized(problem, state, &path[chosen].others);
         let mut errors: Vec<(usize, f64)> =
             path.iter().map(|trial| (trial.state.lights(), trial.error)).collect();
         // The errors of other numbers are those of points.
-        if self.options.has_goal() || self.options.sizes.is_none() || sized.radii.is_empty() {
+        if options.has_goal() || options.sizes.is_none() || sized.radii.is_empty() {
             errors[chosen].1 = probe_error.error;
         }
-        let reference = problem.objective.reference();
-        let objective_error = match (&self.sizes, self.options.sizes) {
+        let reference = objective.reference();
+        let objective_error = match (&self.sizes, options.sizes) {
             (Some(sizes), Some(_)) => sizes.objective_error(reference, &sized.rig, &sized.radii),
             _ => probe_error.error,
         };
@@ -135,7 +133,7 @@ impl Evaluator<'_> {
             evaluation_normals: self.samples.normals.len(),
             map_samples: None,
             errors,
-            channels: problem.objective.reference().channels.len(),
+            channels: reference.channels.len(),
             steps: trial.state.steps + sized.steps,
             stop: sized.stop.or(trial.state.stop).unwrap_or(StopReason::Converged),
             tolerances,

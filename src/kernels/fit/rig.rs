@@ -6,7 +6,7 @@ use ndarray::Array2;
 use ndarray::ArrayView2;
 
 use super::ambient::Ambient;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::kernels::sphere::vectors;
 #[cfg(test)]
 use crate::kernels::sphere::{from_vectors, unit_vectors};
@@ -29,16 +29,15 @@ impl Rig {
     ///
     /// # Errors
     ///
-    /// [`Error::NotAmbient`], [`Error::WrongColumns`], [`Error::NotFinite`].
+    /// [`crate::error::Error::NotAmbient`], [`crate::error::Error::WrongColumns`], [`crate::error::Error::NotFinite`].
     pub fn of_ambient(ambient: ArrayView2<'_, f64>, has_floor: bool) -> Result<Self> {
-        let seen = ambient.nrows();
-        Ambient::with(seen).ok_or(Error::NotAmbient { seen })?;
+        Ambient::of(ambient.nrows())?;
         Ok(Self { ambient: vectors("ambient", ambient)?, has_floor, ..Self::default() })
     }
 
     /// Irradiance at `normal` of each ambient coefficient alone.
     pub fn ambient_columns(&self, normal: DVec3) -> [f64; 9] {
-        let columns = Ambient::with(self.ambient.len()).unwrap_or(Ambient::None).irradiance(normal);
+        let columns = Ambient::of(self.ambient.len()).unwrap_or(Ambient::None).irradiance(normal);
         if self.has_floor { columns.map(|column| 0.5 * column * (1.0 + normal.y)) } else { columns }
     }
 

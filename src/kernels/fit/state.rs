@@ -51,7 +51,7 @@ pub struct State {
 impl State {
     /// The best radiances of lights in `directions`.
     pub fn new(objective: &dyn PointObjective, directions: &[DVec3]) -> Self {
-        Self::at(objective.base(), objective.moments(directions), 0, &[])
+        Self::at(objective, objective.moments(directions), 0, &[])
     }
 
     /// The best radiances of the lights of `moments`, after that many `steps`; those that are not 0 may be
@@ -74,12 +74,12 @@ impl State {
 
     /// The lights turned to other `directions`, with the best radiances there.
     pub fn turn_to(&self, objective: &dyn PointObjective, directions: Vec<DVec3>) -> Self {
-        Self::at(objective.base(), objective.turn_to(&self.moments, directions), self.steps, &self.supports)
+        Self::at(objective, objective.turn_to(&self.moments, directions), self.steps, &self.supports)
     }
 
     /// The lights `kept`, and others in the directions `new`.
     pub fn exchange(&self, objective: &dyn PointObjective, kept: &[usize], new: &[DVec3]) -> Self {
-        Self::at(objective.base(), objective.exchange(&self.moments, kept, new), self.steps, &[])
+        Self::at(objective, objective.exchange(&self.moments, kept, new), self.steps, &[])
     }
 
     /// Number of lights.

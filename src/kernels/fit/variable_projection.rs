@@ -260,8 +260,9 @@ pub mod tests {
     use super::*;
     use crate::kernels::expansion::Expansion;
     use crate::kernels::fit::Sphere;
+    use crate::kernels::fit::comparison::Comparison;
+    use crate::kernels::fit::discs::Shadows;
     use crate::kernels::fit::discs::target::{Picture, Target};
-    use crate::kernels::fit::discs::{Comparison, Shadows};
     use crate::kernels::image::{self, WorkingMap};
     use crate::kernels::sphere::{Registration, direction};
     use ndarray::Array3;

@@ -7,9 +7,9 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::DVec3;
 
-use super::light_disc::Disc;
 use super::target::Picture;
 use crate::kernels::expansion::{Coefficients, DEGREE, DiscOfFlux};
+use crate::kernels::fit::light_disc::Disc;
 use crate::kernels::fit::relative_rms::relative_error;
 use crate::kernels::fit::rig::Rig;
 

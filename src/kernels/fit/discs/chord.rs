@@ -34,9 +34,9 @@ use std::sync::LazyLock;
 use nalgebra::DMatrix;
 
 use super::far::{are_far, far, far_orders};
-use super::jet::Jet;
 use super::zonal::chord_factor;
 use crate::kernels::expansion::{disc_series, legendre_values};
+use crate::kernels::fit::jet::Jet;
 use crate::kernels::lanes::{LANES, Number};
 
 /// Nodes along w, r and p.

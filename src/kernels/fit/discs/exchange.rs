@@ -8,31 +8,29 @@ use super::forward_selection::CandidateDiscs;
 use super::shadows::Shadows;
 use crate::kernels::fit::damped_newton::Descent;
 use crate::kernels::fit::objective::Objective;
+use crate::kernels::fit::settings::DISCS;
 use crate::kernels::fit::state::State;
 
-/// A lower state than `best`, if an exchange of one light leads to one, after descents to these tolerances.
-pub fn exchange(shadows: &Shadows<'_>, descent: &Descent<'_>, best: State, [rough, fine]: [f64; 2]) -> State {
-    /// Steps after which a local minimum has shown itself: five known ones took 4 to 12.
-    const STEPS: usize = 16;
+/// A lower state than `best`, if an exchange of one light leads to one.
+pub fn exchange(shadows: &Shadows<'_>, descent: &Descent<'_>, best: State) -> State {
     if best.lights() <= descent.fixed {
         return best;
     }
-    let glance = Descent { max_steps: descent.max_steps.min(STEPS), ..*descent };
     let Some(more) = CandidateDiscs::new(shadows).added_to(&best) else { return best };
-    let more = glance.run(more, rough);
+    let more = descent.run(more, DISCS.rough);
     let without = |light: usize| {
         let kept: Vec<usize> = (0..more.lights()).filter(|&other| other != light).collect();
         State::at(shadows, shadows.subset(&more.moments, &kept), more.steps, &[])
     };
     let fewer = (descent.fixed..more.lights()).map(without).min_by(|a, b| a.cost.total_cmp(&b.cost));
-    let Some(next) = fewer.map(|state| descent.run(state, fine)) else { return best };
+    let Some(next) = fewer.map(|state| descent.run(state, DISCS.fine)) else { return best };
     if next.cost < best.cost { next } else { best }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::Comparison;
     use super::*;
+    use crate::kernels::fit::comparison::Comparison;
     use crate::kernels::fit::variable_projection::tests::{target, world};
     use crate::kernels::fit::{Ambient, Sphere};
     use crate::kernels::sphere::direction;

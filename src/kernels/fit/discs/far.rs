@@ -15,7 +15,7 @@
 
 #![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
 
-use super::jet::Jet;
+use crate::kernels::fit::jet::Jet;
 use crate::kernels::lanes::Number;
 
 /// True if [`far`] is accurate to 5e-8 of the distance.
@@ -63,8 +63,8 @@ mod tests {
     use super::are_far;
     use crate::kernels::expansion::{disc_series, legendre_values};
     use crate::kernels::fit::discs::chord::mean_distance;
-    use crate::kernels::fit::discs::jet::Jet;
     use crate::kernels::fit::discs::zonal::chord_factor;
+    use crate::kernels::fit::jet::Jet;
 
     /// Against the series itself, that of the whole chord.
     #[test]

@@ -6,38 +6,33 @@
 
 use glam::DVec3;
 
-use super::light_disc::Disc;
 use super::shadows::Shadows;
 use crate::kernels::expansion::DiscSum;
 use crate::kernels::fit::damped_newton::Descent;
+use crate::kernels::fit::light_disc::Disc;
+use crate::kernels::fit::settings::DISCS;
 use crate::kernels::fit::state::State;
 use crate::kernels::sampling::even_sphere;
 use crate::kernels::sphere::to_vectors;
 
-/// Radius of a new disc: between a sun's and a window's, from where a few steps lead to both.
-const RADIUS: f64 = 0.2;
-
 /// A minimum with `count` discs, if each lowers the cost: `fixed` directions first, then one disc at a time.
-///
-/// Descents end at the first tolerance while discs are added, and the last at the second.
 pub fn forward_selection(
     shadows: &Shadows<'_>,
     descent: &Descent<'_>,
     fixed: &[DVec3],
     count: usize,
-    [rough, fine]: [f64; 2],
 ) -> Option<State> {
-    let discs = fixed.iter().map(|&direction| shadows.disc(direction, RADIUS)).collect();
+    let discs = fixed.iter().map(|&direction| shadows.disc(direction, DISCS.new)).collect();
     let candidates = CandidateDiscs::new(shadows);
-    let mut state = descent.run(shadows.state(discs), rough);
+    let mut state = descent.run(shadows.state(discs), DISCS.rough);
     while state.lights() < count {
-        let larger = descent.run(candidates.added_to(&state)?, rough);
+        let larger = descent.run(candidates.added_to(&state)?, DISCS.rough);
         if larger.cost >= state.cost {
             return None;
         }
         state = State { steps: state.steps + larger.steps, ..larger };
     }
-    Some(descent.run(state.resume(), fine))
+    Some(descent.run(state.resume(), DISCS.fine))
 }
 
 /// Discs in a few directions that may be added to a state, with their products with the map.
@@ -51,10 +46,8 @@ pub struct CandidateDiscs<'a> {
 impl<'a> CandidateDiscs<'a> {
     /// Discs spread evenly over the sphere.
     pub fn new(shadows: &'a Shadows<'a>) -> Self {
-        /// Directions that are tried, some 22 degrees apart.
-        const DIRECTIONS: usize = 80;
-        let directions = to_vectors(even_sphere(DIRECTIONS).view()).into_iter();
-        let discs: Vec<Disc> = directions.map(|direction| shadows.disc(direction, RADIUS)).collect();
+        let directions = to_vectors(even_sphere(DISCS.directions).view()).into_iter();
+        let discs: Vec<Disc> = directions.map(|direction| shadows.disc(direction, DISCS.new)).collect();
         let products = shadows.with_map(&discs);
         Self { shadows, discs, products }
     }

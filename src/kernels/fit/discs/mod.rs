@@ -6,10 +6,9 @@
 //! | step                                                  | file            |
 //! |-------------------------------------------------------|-----------------|
 //! | kernels, and discs, in Legendre polynomials           | `zonal.rs`      |
-//! | numbers with derivatives                              | `jet.rs`        |
 //! | the cone of the kernel, between two discs             | `chord.rs`      |
 //! | - for discs that are far apart                        | `far.rs`        |
-//! | a light; bright cells of the map and their cones      | `light_disc.rs`, `patches.rs` |
+//! | bright cells of the map and their cones               | `patches.rs`    |
 //! | inner products of discs, the map and the ambient term | `target.rs`     |
 //! | radii to start from                                   | `start.rs`      |
 //! | the objective of a descent                            | `shadows.rs`    |
@@ -24,8 +23,6 @@ mod evaluate;
 mod exchange;
 mod far;
 mod forward_selection;
-mod jet;
-mod light_disc;
 mod patches;
 mod shadows;
 mod start;
@@ -34,7 +31,7 @@ mod zonal;
 
 pub use bands::{BAND_DEGREE, Bands};
 pub use evaluate::evaluate;
-pub use zonal::{Comparison, kernel_spectra};
+pub use zonal::kernel_spectra;
 
 use glam::DVec3;
 use nalgebra::DMatrix;
@@ -43,27 +40,20 @@ use rayon::prelude::*;
 use self::bands::MapBands;
 use self::exchange::exchange;
 use self::forward_selection::forward_selection;
-pub use self::light_disc::Disc;
 pub use self::shadows::Shadows;
-use self::shadows::{GREATEST_RADIUS, LEAST_RADIUS};
 use self::target::{Picture, Target};
+use super::comparison::Comparison;
 use super::damped_newton::Descent;
+use super::light_disc::Disc;
 use super::objective::{Objective, Reference};
 use super::options::FitOptions;
 use super::relative_rms::relative_error;
 use super::rig::Rig;
+use super::settings::DISCS;
 use super::state::{State, StopReason};
 use super::uncertainty;
 use crate::kernels::expansion::Expansion;
 use crate::kernels::image::WorkingMap;
-
-/// Relative decrease of the cost in one step that ends the descent of a start.
-const ROUGH: f64 = 1e-2;
-/// Relative decrease that ends the last descent: a mirrored map then has mirrored lights.
-const FINE: f64 = 1e-9;
-
-/// Blur of small discs, in spreads of a pixel: without it, suns are up to a pixel too wide.
-const BLUR: f64 = 1.4;
 
 /// A rig whose lights have angular radii.
 #[derive(Clone, Debug)]
@@ -105,7 +95,7 @@ impl<'a> Sizes<'a> {
         let picture = Picture::new(map, expansion);
         let target = |comparison| Target::new(&picture, comparison, options.ambient, options.has_floor);
         let other = options.sizes.filter(|&comparison| comparison != Comparison::Shadows).map(target);
-        let greatest_radius = options.max_radius.unwrap_or(GREATEST_RADIUS);
+        let greatest_radius = options.max_radius.unwrap_or(DISCS.greatest);
         let bands = MapBands::new(&picture);
         Self { map, shadows: target(Comparison::Shadows), bands, other, greatest_radius }
     }
@@ -142,14 +132,12 @@ impl<'a> Sizes<'a> {
         max_steps: usize,
         can_select: bool,
     ) -> Sized {
-        /// Fewest lights of a forward selection: with 4, it lowers the error of none of nine real maps.
-        const FEWEST: usize = 5;
         let shadows = Shadows::new(self.target(), reference).up_to(self.greatest_radius);
         let descent = Descent { objective: &shadows, fixed, max_steps };
         let selected = || {
-            let first = rigs.first().filter(|rig| can_select && rig.directions.len() >= FEWEST)?;
+            let first = rigs.first().filter(|rig| can_select && rig.directions.len() >= DISCS.fewest)?;
             let (fixed, count) = (&first.directions[..fixed], first.directions.len());
-            forward_selection(&shadows, &descent, fixed, count, [ROUGH, FINE])
+            forward_selection(&shadows, &descent, fixed, count)
         };
         let (near, selected) = rayon::join(|| near(&shadows, &descent, self.map, rigs), selected);
         let Some(near) = near else { return Sized::points(Rig::default()) };
@@ -182,14 +170,14 @@ impl<'a> Sizes<'a> {
 /// The lowest minimum of discs near `rigs` without sizes, with the steps that led to it.
 fn near(shadows: &Shadows<'_>, descent: &Descent<'_>, map: &WorkingMap, rigs: &[Rig]) -> Option<State> {
     let starts = rigs.par_iter().flat_map(|rig| start::starts(shadows, map, rig, descent.fixed));
-    let rough: Vec<State> = starts.map(|state| descent.run(state, ROUGH).resume()).collect();
+    let rough: Vec<State> = starts.map(|state| descent.run(state, DISCS.rough).resume()).collect();
     let steps: usize = rough.iter().map(|state| state.steps).sum();
     let best = rough.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost))?;
     let steps = steps - best.steps;
-    let state = descent.run(best, FINE);
+    let state = descent.run(best, DISCS.fine);
     // Other ambient terms leave few local minima that an exchange escapes.
     let has_harmonics = shadows.reference().free() > 0;
-    let state = if has_harmonics { exchange(shadows, descent, state, [ROUGH, FINE]) } else { state };
+    let state = if has_harmonics { exchange(shadows, descent, state) } else { state };
     Some(State { steps: steps + state.steps, ..state })
 }
 
@@ -217,15 +205,15 @@ pub fn continued_descent(
     let comparison = options.sizes.unwrap_or(Comparison::Shadows);
     let target = Target::new(&picture, comparison, options.ambient, options.has_floor);
     let reference = picture.reference(options.ambient, options.has_floor);
-    let shadows = Shadows::new(&target, &reference).up_to(options.max_radius.unwrap_or(GREATEST_RADIUS));
+    let shadows = Shadows::new(&target, &reference).up_to(options.max_radius.unwrap_or(DISCS.greatest));
     let descent = Descent { objective: &shadows, fixed: options.fixed, max_steps: options.max_steps };
     // A map shows discs wider than they are; `rig_of` takes that off.
     let drawn = |(&direction, radius): (&DVec3, &f64)| {
-        let share = (0.5 * radius).sin().powi(2) + BLUR * map.pixel_spread(direction);
-        shadows.disc(direction, (2.0 * share.min(1.0).sqrt().asin()).max(LEAST_RADIUS))
+        let share = (0.5 * radius).sin().powi(2) + DISCS.blur * map.pixel_spread(direction);
+        shadows.disc(direction, (2.0 * share.min(1.0).sqrt().asin()).max(DISCS.least))
     };
     let state = shadows.state(options.start.iter().zip(radii).map(drawn).collect());
-    let state = descent.run(state, FINE);
+    let state = descent.run(state, DISCS.fine);
     let state = state.without_black(&shadows, options.fixed).unwrap_or(state);
     let (rig, radii) = rig_of(&reference, &state, map);
     let radii: Vec<f64> =
@@ -254,7 +242,7 @@ fn error_under(target: &Target, reference: &Reference, rig: &Rig, radii: &[f64])
 /// The lights of a rig as discs.
 fn discs_of(rig: &Rig, radii: &[f64]) -> Vec<Disc> {
     let lights = rig.directions.iter().zip(radii);
-    lights.map(|(&direction, radius)| Disc::new(direction, radius.max(LEAST_RADIUS))).collect()
+    lights.map(|(&direction, radius)| Disc::new(direction, radius.max(DISCS.least))).collect()
 }
 
 /// The rig of a state.
@@ -263,23 +251,13 @@ fn discs_of(rig: &Rig, radii: &[f64]) -> Vec<Disc> {
 /// Under the cone of the kernel, which weights the spatial frequency k by `k^-3`, the disc nearest to a blurred one is wider
 /// than the original by 1.25 spreads of a pixel if that is wide, 1.34 for a radius of two pixels and 1.46 for one pixel.
 fn rig_of(reference: &Reference, state: &State, map: &WorkingMap) -> (Rig, Vec<f64>) {
-    let ambient = reference.ambient.coefficients();
-    let rgb = |row: usize| {
-        DVec3::from_array(reference.like.map(|like| like.map_or(0.0, |channel| state.x[(row, channel)])))
-    };
-    let shares: Vec<f64> = state
-        .moments
-        .discs
-        .iter()
-        .map(|disc| (disc.share - BLUR * map.pixel_spread(disc.direction)).max(0.0))
-        .collect();
-    // The irradiance at normal incidence is less than the flux by the factor 1 - A.
-    let irradiance = |(light, disc): (usize, &Disc)| rgb(ambient + light) * (1.0 - disc.share);
-    let rig = Rig {
-        ambient: (0..ambient).map(rgb).collect(),
-        directions: state.moments.discs.iter().map(|disc| disc.direction).collect(),
-        irradiance: state.moments.discs.iter().enumerate().map(irradiance).collect(),
-        has_floor: reference.has_floor,
-    };
-    (rig, shares.iter().map(|share| 2.0 * share.sqrt().asin()).collect())
+    let mut rig = state.rig(reference);
+    let mut radii = Vec::with_capacity(rig.irradiance.len());
+    for (irradiance, disc) in rig.irradiance.iter_mut().zip(&state.moments.discs) {
+        // The irradiance at normal incidence is less than the flux by the factor 1 - A.
+        *irradiance *= 1.0 - disc.share;
+        let share = (disc.share - DISCS.blur * map.pixel_spread(disc.direction)).max(0.0);
+        radii.push(2.0 * share.sqrt().asin());
+    }
+    (rig, radii)
 }

@@ -9,9 +9,9 @@ use glam::DVec3;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::chord::mean_distance;
-use super::jet::Jet;
-use super::light_disc::on_tangents;
 use crate::kernels::expansion::{Cap, DiscSum, Harmonics};
+use crate::kernels::fit::jet::Jet;
+use crate::kernels::fit::light_disc::on_tangents;
 use crate::kernels::image::{Part, WorkingMap};
 use crate::kernels::lanes::{LANES, Lanes, Number};
 

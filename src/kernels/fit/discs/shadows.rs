@@ -6,22 +6,16 @@
 use glam::{DMat3, DVec3};
 use nalgebra::DMatrix;
 
-use super::jet::Jet;
-use super::light_disc::Disc;
 use super::target::Target;
 use crate::kernels::expansion::DiscSum;
+use crate::kernels::fit::jet::Jet;
+use crate::kernels::fit::light_disc::Disc;
 use crate::kernels::fit::objective::{
     Constraint, Derivatives, Moments, Objective, Reference, column_weights,
 };
+use crate::kernels::fit::settings::DISCS;
 use crate::kernels::fit::state::State;
 use crate::kernels::sphere::exponential_map;
-
-/// The greatest radius without another bound, in radians: 75 degrees.
-pub const GREATEST_RADIUS: f64 = 75.0 / 180.0 * std::f64::consts::PI;
-/// The least radius: 0.003 degrees. A smaller one changes no shadow visibly.
-pub const LEAST_RADIUS: f64 = 5e-5;
-/// Error of the products, as a fraction of the energy: without it, costs below 0 end a descent at once.
-const NOISE: f64 = 1e-7;
 
 /// The cost of discs under a map.
 #[derive(Debug)]
@@ -38,8 +32,8 @@ impl<'a> Shadows<'a> {
         let energy: f64 = (0..reference.channels.len())
             .map(|c| reference.copies(c) * target.energy[reference.channels[c]])
             .sum();
-        let reference = Reference { energy: (1.0 + NOISE) * energy, ..reference.clone() };
-        Self { target, reference, greatest_radius: GREATEST_RADIUS }
+        let reference = Reference { energy: (1.0 + DISCS.noise) * energy, ..reference.clone() };
+        Self { target, reference, greatest_radius: DISCS.greatest }
     }
 
     /// This objective for lights of at most this radius.
@@ -49,7 +43,7 @@ impl<'a> Shadows<'a> {
 
     /// True if the bound of all radii holds the radius of a disc.
     pub fn is_at_bound(&self, disc: &Disc) -> bool {
-        disc.radius >= self.greatest_radius.max(LEAST_RADIUS)
+        disc.radius >= self.greatest_radius.max(DISCS.least)
     }
 
     /// The best fluxes of `discs`.
@@ -72,14 +66,14 @@ impl<'a> Shadows<'a> {
 
     /// The disc nearest to one of that direction and radius.
     pub fn disc(&self, direction: DVec3, radius: f64) -> Disc {
-        Disc::new(direction, radius.clamp(LEAST_RADIUS, self.greatest_radius(direction)))
+        Disc::new(direction, radius.clamp(DISCS.least, self.greatest_radius(direction)))
     }
 
     /// The greatest radius of a light in a direction: over a floor, the whole disc is above the horizon.
     fn greatest_radius(&self, direction: DVec3) -> f64 {
         let elevation = direction.y.clamp(0.0, 1.0).asin();
         let most = self.greatest_radius;
-        (if self.reference.has_floor { most.min(elevation) } else { most }).max(LEAST_RADIUS)
+        (if self.reference.has_floor { most.min(elevation) } else { most }).max(DISCS.least)
     }
 
     fn moments(&self, discs: Vec<Disc>) -> Moments {
@@ -135,7 +129,7 @@ impl Objective for Shadows<'_> {
     fn bounds(&self, moments: &Moments, gradient: &[f64], fixed: usize) -> Vec<Constraint> {
         let bound = |(light, disc): (usize, &Disc)| {
             let slope = gradient[3 * light + 2];
-            let is_least = disc.radius <= LEAST_RADIUS && slope >= 0.0;
+            let is_least = disc.radius <= DISCS.least && slope >= 0.0;
             let is_greatest = disc.radius >= self.greatest_radius(disc.direction) && slope <= 0.0;
             if is_greatest && !self.is_at_bound(disc) && light >= fixed {
                 // The first tangent points to growing polar angles.

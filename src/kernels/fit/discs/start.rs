@@ -13,19 +13,16 @@ use super::shadows::Shadows;
 use crate::kernels::fit::ambient::Ambient;
 use crate::kernels::fit::objective::Objective;
 use crate::kernels::fit::rig::Rig;
+use crate::kernels::fit::settings::DISCS;
 use crate::kernels::fit::state::State;
 use crate::kernels::image::WorkingMap;
 
 /// States to start from, near a `rig` of lights without a size.
 pub fn starts(shadows: &Shadows<'_>, map: &WorkingMap, rig: &Rig, fixed: usize) -> Vec<State> {
-    /// Fraction of the spread that a disc starts with, because a sun in a bright sky counts more than the sky.
-    const PART: f64 = 0.65;
-    /// Radii of small discs.
-    const SMALL: [f64; 2] = [0.05, 0.3];
-    let spread = spread(map, rig).into_iter().map(|radius| PART * radius).collect();
+    let spread = spread(map, rig).into_iter().map(|radius| DISCS.start * radius).collect();
     let mut starts: Vec<Vec<f64>> = vec![spread];
     if shadows.reference().ambient == Ambient::Sh2 {
-        starts.extend(SMALL.map(|radius| vec![radius; rig.directions.len()]));
+        starts.extend(DISCS.small.map(|radius| vec![radius; rig.directions.len()]));
     }
     let state = |radii: &Vec<f64>| {
         let lights = rig.directions.iter().zip(radii);

@@ -7,12 +7,13 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::chord::mean_distance;
-use super::jet::Jet;
-use super::light_disc::{Disc, on_tangents};
 use super::patches::{Patch, Patches, distances, patches};
-use super::zonal::{Comparison, Kernel};
+use super::zonal::Kernel;
 use crate::kernels::expansion::{Cap, DEGREE, DiscSum, Expansion, Harmonics};
 use crate::kernels::fit::ambient::Ambient;
+use crate::kernels::fit::comparison::Comparison;
+use crate::kernels::fit::jet::Jet;
+use crate::kernels::fit::light_disc::{Disc, on_tangents};
 use crate::kernels::fit::objective::{Reference, distinct_channels};
 use crate::kernels::harmonics::{cosine_lobe, irradiance_of_moments, radiance};
 use crate::kernels::image::{MOST_PARTS, WorkingMap};

@@ -15,26 +15,11 @@ use std::array::from_fn;
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
-use super::jet::Jet;
 use crate::kernels::expansion::{DEGREES, DiscFactors, legendre_derivatives, legendre_values};
+use crate::kernels::fit::comparison::Comparison;
+use crate::kernels::fit::jet::Jet;
+use crate::kernels::fit::settings::DISCS;
 use crate::kernels::sampling::gauss_legendre;
-
-/// Kernel by which lights are compared with the map.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Comparison {
-    /// Irradiance of a white probe without shadows.
-    Probe,
-    /// Irradiance of a white probe with shadows, over all blocking planes.
-    Shadows,
-    /// Weighted mean of both kernels, each divided by its factor of degree 0.
-    Mixed,
-}
-
-/// Weight of the probe in [`Comparison::Mixed`].
-///
-/// The shadow error is several times the probe's error, and errors count squared. With this weight, sizes increase the
-/// probe's error on hardly any of 21 real maps, and the shadow error is close to its minimum.
-const PROBE_SHARE: f64 = 0.973;
 
 /// A kernel.
 #[derive(Clone, Debug)]
@@ -53,11 +38,11 @@ impl Kernel {
         let [probe, shadows] = &*SPECTRA;
         // Divide each kernel by its factor of degree 0, its integral over the sphere.
         let mixed =
-            |k: usize| PROBE_SHARE * probe[k] / probe[0] + (1.0 - PROBE_SHARE) * shadows[k] / shadows[0];
+            |k: usize| DISCS.probe * probe[k] / probe[0] + (1.0 - DISCS.probe) * shadows[k] / shadows[0];
         let (whole, cone) = match comparison {
             Comparison::Probe => (from_fn(|k| probe[k]), 0.0),
             Comparison::Shadows => (from_fn(|k| shadows[k]), 1.0 / 3.0),
-            Comparison::Mixed => (from_fn(mixed), (1.0 - PROBE_SHARE) / (3.0 * shadows[0])),
+            Comparison::Mixed => (from_fn(mixed), (1.0 - DISCS.probe) / (3.0 * shadows[0])),
         };
         Self { whole, smooth: from_fn(|k| whole[k] + cone * chord_factor(k)), cone }
     }

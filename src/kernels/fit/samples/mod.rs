@@ -52,10 +52,6 @@ impl Objective for Probe {
 }
 
 impl PointObjective for Probe {
-    fn base(&self) -> &dyn Objective {
-        self
-    }
-
     fn exchange(&self, before: &Moments, kept: &[usize], new: &[DVec3]) -> Moments {
         visible::exchange(self, before, kept, new)
     }

@@ -9,14 +9,10 @@ use pulp::{Simd, WithSimd};
 use super::closed_form::{Sides, Sphere};
 use super::kernel::{Block, SQUARE};
 use super::lights::values;
-use crate::kernels::fit::objective::{Directions, Moments, Objective, PointObjective};
+use crate::kernels::fit::objective::{Directions, Moments, PointObjective};
 use crate::kernels::lanes::LANES;
 
 impl PointObjective for Sphere {
-    fn base(&self) -> &dyn Objective {
-        self
-    }
-
     fn exchange(&self, before: &Moments, kept: &[usize], new: &[DVec3]) -> Moments {
         self.moments_of(kept.iter().map(|&j| before.directions[j]).chain(new.iter().copied()).collect())
     }
