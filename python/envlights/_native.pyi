@@ -19,7 +19,8 @@ __all__ = [
     "RadianceFile",
     "ReducedMap", "RowReducer", "TreeDetection", "TriangleTree",
     "UnusableSamplesError", "apply_matrix",
-    "are_clipped", "blur", "bounding_volume_hierarchy", "bresenham_line", "clipped_depth",
+    "are_clipped", "assignment", "blur", "bounding_volume_hierarchy", "bresenham_line",
+    "clipped_depth",
     "clipped_light_shares", "clipped_share", "code_histogram_8", "code_histogram_16",
     "continue_reduced", "cut_cards",
     "decode_8", "decode_16", "detect_tree", "direction_to_uv", "disc_map", "draw_cards",
@@ -179,6 +180,7 @@ def apply_matrix(image: _Image, matrix: list[list[float]]) -> tuple[_Image, int]
 def are_clipped(
     radiance: _Image, pixels: _Indices, reach: int, sphere: bool, white: float | None
 ) -> NDArray[np.bool_]: ...
+def assignment(costs: _Reals) -> _Indices: ...
 def blur(image: _Image, sigma: float, wrap: bool) -> _Image: ...
 def bounding_volume_hierarchy(
     vertices: NDArray[np.uint16], triangles: NDArray[np.uint32]
