@@ -18,8 +18,8 @@ use std::f64::consts::PI;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::interface::{NO_PIXEL, SphereProjection, pixel_by_pixel};
-use super::places::gauss_legendre;
+use super::interface::{NO_PIXEL, SphereProjection};
+use super::places::{gauss_legendre, pixel_by_pixel};
 use crate::interrupt;
 
 /// Radius in the picture as a function of the angle theta from the axis.

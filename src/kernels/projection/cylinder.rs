@@ -6,7 +6,8 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DVec2, DVec3};
 
-use super::interface::{SphereProjection, pixel_by_pixel};
+use super::interface::SphereProjection;
+use super::places::pixel_by_pixel;
 
 /// Panorama on a cylinder; its centre looks along +z.
 pub struct Cylinder {

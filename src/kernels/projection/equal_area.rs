@@ -7,8 +7,9 @@ use std::f64::consts::{FRAC_PI_4, PI};
 
 use glam::{DVec2, DVec3};
 
-use super::interface::{SphereProjection, pixel_by_pixel};
+use super::interface::SphereProjection;
 use super::octahedral::{beyond_fold, pixel_of_square};
+use super::places::pixel_by_pixel;
 
 /// Square of pixels of equal solid angle.
 pub struct EqualArea {

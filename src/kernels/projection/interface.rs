@@ -87,24 +87,6 @@ pub trait SphereProjection: Send + Sync {
     fn moment(&self, pixel: usize) -> DVec3;
 }
 
-/// Methods of layouts whose pixels have no closed form; a trait object cannot have them by default.
-macro_rules! pixel_by_pixel {
-    () => {
-        fn pixels(&self, directions: &super::directions::DirectionArrays, pixels: &mut [u32]) {
-            super::interface::search(self, directions, pixels);
-        }
-
-        fn places(&self, side: usize, turn: glam::DMat3) -> Box<dyn super::directions::Places + '_> {
-            Box::new(super::places::EvenPlaces { projection: self, side, turn })
-        }
-
-        fn moment(&self, pixel: usize) -> DVec3 {
-            super::places::moment(self, pixel)
-        }
-    };
-}
-pub(super) use pixel_by_pixel;
-
 /// Search for the pixels of directions, with the vectors of the processor.
 pub fn search<P: SphereProjection>(projection: &P, directions: &DirectionArrays, pixels: &mut [u32]) {
     Arch::new().dispatch(PixelSearch { projection, directions, pixels });

@@ -5,7 +5,8 @@
 
 use glam::{DVec2, DVec3};
 
-use super::interface::{SphereProjection, pixel_by_pixel};
+use super::interface::SphereProjection;
+use super::places::pixel_by_pixel;
 
 /// Square of an even number of pixels.
 pub struct Octahedral {

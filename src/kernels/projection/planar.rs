@@ -4,7 +4,8 @@
 
 use glam::{DVec2, DVec3};
 
-use super::interface::{SphereProjection, pixel_by_pixel};
+use super::interface::SphereProjection;
+use super::places::pixel_by_pixel;
 use super::plane_angles::{plane_angles, plane_density};
 
 /// Photograph of a camera without distortion.
