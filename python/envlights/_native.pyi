@@ -17,7 +17,7 @@ __all__ = [
     "BASIS_SHARE", "BASIS_TILE", "GLOSS_DEGREE", "HARMONIC_FACTORS", "LEAST_WHITE", "LUMINANCE",
     "ClippedDetection", "EnvLightsError", "FitAnswer", "MapCards", "MapSplit", "PngFile",
     "RadianceFile", "ReducedMap", "RowReducer", "TreeDetection", "TriangleTree",
-    "UnusableSamplesError", "apply_matrix", "are_clipped", "area_means", "blur",
+    "UnusableSamplesError", "apply_matrix", "are_clipped", "area_means", "assignment", "blur",
     "bounding_volume_hierarchy", "bresenham_line", "clipped_depth", "clipped_light_shares",
     "clipped_fraction", "code_histogram_8", "code_histogram_16", "continue_reduced", "cut_cards",
     "decode_8", "decode_16", "detect_tree", "direction_to_uv", "disc_map", "draw_cards",
@@ -177,6 +177,7 @@ def are_clipped(
     radiance: _Image, pixels: _Indices, reach: int, sphere: bool, clip_level: float | None
 ) -> NDArray[np.bool_]: ...
 def area_means(image: _Image | _Reals, rows: int, columns: int) -> _Reals: ...
+def assignment(costs: _Reals) -> _Indices: ...
 def blur(image: _Image, sigma: float, wrap: bool) -> _Image: ...
 def bounding_volume_hierarchy(
     vertices: NDArray[np.uint16], triangles: NDArray[np.uint32]

@@ -113,7 +113,7 @@ mod _native {
     #[pymodule_export]
     use super::transfer::{transfer_columns, transfer_frames, transfer_gram};
     #[pymodule_export]
-    use super::transport::transport_plan;
+    use super::transport::{assignment, transport_plan};
 
     /// Import `numpy` now: the first array would import it inside a kernel, where Ctrl-C could interrupt it.
     #[pymodule_init]

@@ -24,3 +24,13 @@ pub fn transport_plan<'py>(
     let plan = by_size(py, pairs, || transport::transport_plan(from, from_weights, to, to_weights))?;
     Ok((plan.mean_angle, plan.pairs.into_pyarray(py), plan.shares.into_pyarray(py)))
 }
+
+/// Column of each row in the assignment with the least sum of costs, for a square table.
+#[pyfunction]
+pub fn assignment<'py>(
+    py: Python<'py>,
+    costs: PyReadonlyArray2<'py, f64>,
+) -> PyResult<Bound<'py, PyArray1<i64>>> {
+    let costs = costs.as_array();
+    Ok(by_size(py, costs.len(), || transport::assignment(costs))?.into_pyarray(py))
+}

@@ -154,16 +154,6 @@ mod tests {
         assert!(off(1e-3) < 0.01 && off(1e-4) < 3e-4, "{} {}", off(1e-3), off(1e-4));
     }
 
-    /// The spectrum is a polynomial of second degree in the base, whose last coefficient is that of the base alone.
-    #[test]
-    fn a_white_base_has_the_spectrum_of_the_probe() {
-        let [none, half, whole] = [0.0, 0.5, 1.0].map(|base| spectrum(&GlossySurface::plastic(0.4, base), 4));
-        for (l, factor) in [(0, 1.0), (1, 2.0 / 3.0), (2, 0.25), (3, 0.0), (4, 1.0 / 24.0)] {
-            let white = 2.0 * (whole[l] - 2.0 * half[l] + none[l]);
-            assert!((white - factor * factor).abs() < 2e-4, "{l}: {white}");
-        }
-    }
-
     /// Walter's lobe at roughness 0.2, 0.33 and 0.5: smooth surfaces keep fine patterns, and more of the light.
     #[test]
     fn rougher_metal_passes_less_of_every_degree() {

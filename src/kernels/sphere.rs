@@ -344,21 +344,6 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn centre_looks_along_z_and_left_quarter_along_x() {
-        assert!((direction(PI / 2.0, PI) - DVec3::Z).length() < 1e-15);
-        assert!((direction(PI / 2.0, PI / 2.0) - DVec3::X).length() < 1e-15);
-        assert!((direction(0.0, 1.0) - DVec3::Y).length() < 1e-15);
-    }
-
-    #[test]
-    fn pixels_cover_the_sphere_once() {
-        for registration in [Registration::CellCentred, Registration::BorderSampled] {
-            let total: f64 = pixel_solid_angles(512, 1024, registration).unwrap().sum();
-            assert_relative_eq!(total, 4.0 * PI, max_relative = 1e-13);
-        }
-    }
-
-    #[test]
     fn border_samples_lie_on_seam_and_poles() {
         let directions = pixel_directions(5, 9, Registration::BorderSampled).unwrap();
         assert_relative_eq!(directions[[0, 3, 1]], 1.0);
@@ -367,14 +352,6 @@ mod tests {
     }
 
     proptest! {
-        #[test]
-        fn angles_invert_direction(theta in 0.0..PI, phi in 0.0..TAU) {
-            let d = direction(theta, phi);
-            let (theta_again, phi_again) = angles(d);
-            prop_assert!((direction(theta_again, phi_again) - d).length() < 1e-14);
-            prop_assert!((theta - theta_again).abs() < 1e-12, "{theta} {theta_again}");
-        }
-
         #[test]
         fn exponential_map_turns_by_the_length_of_its_step(
             theta in 0.0..PI, phi in 0.0..TAU, a in -1.0..1.0_f64, b in -1.0..1.0_f64,

@@ -41,7 +41,9 @@ def test_intervals_agree_with_brute_force_under_a_sun():
     assert relative_difference(received, brute_force(radiance)) < 1e-5
 
 
-@pytest.mark.parametrize(("height", "bound"), [(64, 1e-5), (1024, 1e-7)])
+@pytest.mark.parametrize(
+    ("height", "bound"), [(64, 1e-5), (256, 1e-6), (512, 3e-7), (1024, 1e-7), (2048, 1e-6)]
+)
 @pytest.mark.parametrize("registration", ["cell-centred", "border-sampled"])
 def test_a_constant_sky_gives_pi(height, bound, registration):
     sky = np.full((height, 2 * height, 3), 0.25, np.float32)

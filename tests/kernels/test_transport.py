@@ -96,6 +96,40 @@ def test_256_equal_masses_get_the_best_assignment(kind):
     assert transport_plan(one, weights, other, weights)[0] == pytest.approx(best, abs=1e-10)
 
 
+def mean_angle(one, other):
+    return transport_plan(*one, *other)[0]
+
+
+@pytest.mark.parametrize("seed", range(100))
+def test_the_mean_angle_is_a_metric(seed):
+    """Between degenerate sets too: of coincident lights, equal weights and weights of 0."""
+    rng = np.random.default_rng(seed)
+    a, b, c = (SETS[k](rng, rng.integers(1, 12)) for k in rng.integers(len(SETS), size=3))
+    assert mean_angle(a, a) < 1e-12
+    assert mean_angle(a, b) == pytest.approx(mean_angle(b, a), abs=1e-11)
+    assert mean_angle(a, c) <= mean_angle(a, b) + mean_angle(b, c) + 1e-11
+
+
+def test_lights_without_difference_do_not_cycle():
+    """Each assignment is an optimum of 100 equal lights in one direction."""
+    up, side, weights = np.tile([0.0, 1, 0], (100, 1)), np.tile([1.0, 0, 0], (100, 1)), np.ones(100)
+    assert len(transport_plan(up, weights, up, weights)[1]) == 100
+    assert mean_angle((up, weights), (side, 7 * weights)) == pytest.approx(np.pi / 2, abs=1e-12)
+
+
+def test_extreme_weights_neither_overflow_nor_vanish():
+    ends = np.array([[0.0, 0, 1], [1, 0, 0]])
+    for scale in (1e308, 1e-320):
+        angle = mean_angle((ends, [scale, scale]), (ends[1:], [1.0]))
+        assert angle == pytest.approx(np.pi / 4, abs=1e-12)
+    assert transport_plan(ends, [1e300, 1e-300], ends, [1.0, 0.0])[1].tolist() == [[0, 0]]
+
+
+def test_equal_weights_in_another_order_leave_no_pairs_of_rounding():
+    pairs = transport_plan(np.eye(3), np.full(3, 1.0), np.eye(3)[::-1], np.full(3, 0.1))[1]
+    assert pairs.tolist() == [[0, 2], [1, 1], [2, 0]]
+
+
 @pytest.mark.parametrize(
     ("name", "value", "message"),
     [

@@ -52,8 +52,8 @@ def transport_plan(
     With the shares :math:`p_{ij}` and the angles :math:`\alpha_{ij}`, it is the least
     :math:`\sum_{ij} p_{ij} \alpha_{ij}` under :math:`\sum_j p_{ij} = a_i`,
     :math:`\sum_i p_{ij} = b_j` and :math:`p_{ij} \ge 0` (Peyré and Cuturi 2019, "Computational
-    Optimal Transport", equation 2.11), solved by the network simplex (Ahuja, Magnanti and Orlin
-    1993, "Network Flows", chapter 11).
+    Optimal Transport", equation 2.11), solved by the simplex method (Dantzig 1951,
+    "Application of the simplex method to a transportation problem").
 
     Examples
     --------

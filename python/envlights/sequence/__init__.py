@@ -4,7 +4,7 @@
 |---------------------------------------------------------------|--------------------|
 | files, videos and arrays as frames                            | `frames.py`, `video.py` |
 | fits that continue the last frame, and full searches          | `continuation.py`  |
-| identities of the lights                                      | `identity.py`, `assignment.py` |
+| identities of the lights                                      | `identity.py`      |
 | steps of the light                                            | `steps.py`         |
 | window, and mean of the rigs in it                            | `steadiness.py`, `window.py` |
 | rig of a frame                                                | `frame_rig.py`     |

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from envlights import _native
 from envlights.rigs.lights import Lights
-from envlights.sequence.assignment import assignment
 
 #: Degrees, and factor of flux, that cost as much as one light without a partner. Two lights are the
 #: same if they cost less than two lights without one: 10 degrees at equal flux.
@@ -93,8 +93,8 @@ class Identities:
         np.fill_diagonal(costs[:known, rows:], 1.0)
         np.fill_diagonal(costs[known:, :rows], 1.0)
         costs[known:, rows:] = 0.0
-        # An infinite cost has no finite difference from another one.
-        columns = assignment(np.minimum(costs, 1e9))
+        # Two lights alone cost 2, so no pair of more is in the assignment.
+        columns = _native.assignment(np.minimum(costs, 3.0))
         return {int(columns[i]): self._lights[i] for i in range(known) if columns[i] < rows}
 
     def _costs(self, lights: Lights) -> NDArray[np.float64]:

@@ -2,20 +2,16 @@
 //!
 //! | step                                          | file             |
 //! |-----------------------------------------------|------------------|
-//! | boxes on the grid of the model                | `grid_box.rs`    |
-//! | split of a set of triangles by surface area   | `surface_area.rs`|
 //! | nodes in depth-first order, with skip links   | `nodes.rs`       |
+//! | the nodes as texels of a shader               | `texels.rs`      |
 //! | nearest triangle of each of many rays         | `nearest_hit.rs` |
-//!
-//! Vertices are whole steps of a grid, so boxes and costs are exact integers: the same tree for any number of threads.
 
-mod grid_box;
 mod nearest_hit;
 mod nodes;
-mod surface_area;
+mod shader_nodes;
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests;
 
 pub use nearest_hit::{TriangleHit, TriangleTree};
-pub use nodes::{Hierarchy, bounding_volume_hierarchy};
+pub use shader_nodes::{Hierarchy, bounding_volume_hierarchy};

@@ -1,18 +1,16 @@
 //! Nearest triangle that each of many rays hits.
-//!
-//! The tree is that of vertices rounded to a grid; its boxes are enlarged by half a step, and the triangles are exact.
 
 use glam::{DVec2, DVec3};
-use ndarray::{Array2, ArrayView2};
+use ndarray::ArrayView2;
 use rayon::prelude::*;
 
-use super::nodes::{COUNT_SHIFT, LEAF, bounding_volume_hierarchy};
+use super::nodes::{AxisBox, BoxNode, box_nodes};
 use crate::error::Result;
 use crate::interrupt;
 use crate::kernels::sphere::{check_lengths, vectors};
 
-/// Enlargement of boxes in steps of the grid: half a step, and more than the rounding of numbers.
-const MARGIN: f64 = 0.51;
+/// Enlargement of boxes relative to the scene, far above the rounding of rays.
+const MARGIN: f64 = 1e-6;
 /// Rays of a task.
 const RAYS: usize = 1024;
 
@@ -23,14 +21,6 @@ struct Triangle {
     edges: [DVec3; 2],
     /// Row in the array that was given.
     row: u32,
-}
-
-/// Node of a tree in the units of the scene.
-#[derive(Clone, Copy, Debug)]
-struct BoxNode {
-    lower: DVec3,
-    upper: DVec3,
-    link: u32,
 }
 
 /// Point at which a ray hits a triangle.
@@ -64,33 +54,18 @@ impl TriangleTree {
         let corners = vectors("corners", corners)?;
         let count = corners.len() / 3;
         check_lengths("three corners of a triangle", 3 * count, [("corners", corners.len())])?;
-        let lower = corners.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-        let upper = corners.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
-        let extent = (upper - lower).max_element();
-        let step = if extent > 0.0 { extent / f64::from(u16::MAX) } else { 1.0 };
-        let on_grid: Vec<[u16; 3]> = corners
-            .iter()
-            .map(|&corner| ((corner - lower) / step).to_array().map(|x| x.round() as u16))
-            .collect();
-        let rows: Vec<_> = (0..count as u32).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
-        let tree = bounding_volume_hierarchy(Array2::from(on_grid).view(), Array2::from(rows).view())?;
-        let in_scene = |[x, y, z]: [u32; 3], margin: f64| {
-            lower + step * (DVec3::new(f64::from(x), f64::from(y), f64::from(z)) + margin)
-        };
-        let (low, high) = (|pair: u32| pair & 0xffff, |pair: u32| pair >> 16);
-        let node = |&[a, b, c, link]: &[u32; 4]| BoxNode {
-            lower: in_scene([low(a), high(a), low(b)], -MARGIN),
-            upper: in_scene([high(b), low(c), high(c)], MARGIN),
-            link,
-        };
+        let scene = AxisBox::around(corners.iter().copied());
+        let margin = MARGIN * (scene.upper - scene.lower).max_element();
+        let boxes = corners.chunks_exact(3).map(|corners| {
+            let AxisBox { lower, upper } = AxisBox::around(corners.iter().copied());
+            AxisBox { lower: lower - margin, upper: upper + margin }
+        });
+        let (nodes, order) = box_nodes(boxes)?;
         let triangle = |&row: &u32| {
             let [a, b, c] = [0, 1, 2].map(|k| corners[3 * row as usize + k]);
             Triangle { corner: a, edges: [b - a, c - a], row }
         };
-        Ok(Self {
-            nodes: tree.nodes.iter().map(node).collect(),
-            triangles: tree.order.iter().map(triangle).collect(),
-        })
+        Ok(Self { nodes, triangles: order.iter().map(triangle).collect() })
     }
 
     /// Nearest hit of each ray, in front of its origin.
@@ -121,18 +96,14 @@ impl TriangleTree {
         // Divide by no zero: the product with a zero distance would not be a number.
         let inverse = DVec3::from(direction.to_array().map(|x| if x == 0.0 { 1e300 } else { 1.0 / x }));
         let (mut best, mut node) = (None::<TriangleHit>, 0);
-        while let Some(&BoxNode { lower, upper, link }) = self.nodes.get(node) {
+        while let Some(next) = self.nodes.get(node) {
+            let AxisBox { lower, upper } = next.bounds;
             let (near, far) = ((lower - origin) * inverse, (upper - origin) * inverse);
             let (entry, exit) = (near.min(far).max_element(), near.max(far).min_element());
             let meets = entry <= exit && exit >= 0.0 && best.is_none_or(|hit| entry <= hit.length);
-            let is_leaf = link & LEAF != 0;
-            node = if meets || is_leaf { node + 1 } else { link as usize };
-            if !(meets && is_leaf) {
-                continue;
-            }
-            let first = (link & ((1 << COUNT_SHIFT) - 1)) as usize;
-            let count = (link >> COUNT_SHIFT & 15) as usize + 1;
-            for triangle in &self.triangles[first..first + count] {
+            let leaf = next.leaf();
+            node = if meets || leaf.is_some() { node + 1 } else { next.link as usize };
+            for triangle in &self.triangles[leaf.filter(|_| meets).unwrap_or_default()] {
                 let Some(hit) = triangle.hit(origin, direction) else { continue };
                 let is_nearer =
                     |old: TriangleHit| hit.length.total_cmp(&old.length).then(hit.row.cmp(&old.row)).is_lt();

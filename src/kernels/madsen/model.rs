@@ -31,21 +31,3 @@ pub fn model(x: ArrayView1<'_, f64>, normals: ArrayView2<'_, f64>, surface: &Sur
     let ambient = surface.k_a * surface.colour * parameters.ambient;
     Ok(diffuse + aview1(&ambient.to_array()))
 }
-
-#[cfg(test)]
-#[allow(clippy::unwrap_used)]
-mod tests {
-    use super::*;
-    use glam::DVec3;
-    use ndarray::array;
-
-    #[test]
-    fn coefficients_and_colour_scale_what_they_name() {
-        let surface = Surface { k_a: 2.0, k_d: 3.0, colour: DVec3::new(1.0, 0.5, 0.0) };
-        let normals = array![[0.0, 1.0, 0.0], [0.8, 0.6, 0.0], [0.0, -1.0, 0.0]];
-        let zenith = array![0.1, 0.2, 0.3, 1.0, 2.0, 4.0, 0.0, 5.0];
-        let result = model(zenith.view(), normals.view(), &surface).unwrap();
-        let expected = array![[3.2, 3.2, 0.0], [2.0, 2.0, 0.0], [0.2, 0.2, 0.0]];
-        assert!((&result - &expected).iter().all(|d| d.abs() < 1e-14), "{result}");
-    }
-}

@@ -98,32 +98,3 @@ pub fn pack(
     });
     Ok(ambient.iter().copied().chain(lights).collect())
 }
-
-#[cfg(test)]
-#[allow(clippy::unwrap_used)]
-mod tests {
-    use super::*;
-    use ndarray::array;
-
-    #[test]
-    fn lights_come_back_from_the_vector() {
-        let ambient = array![0.1, 0.2, 0.3];
-        let directions = array![[0.0, 1.0, 0.0], [0.6, 0.0, -0.8], [0.0, -1.0, 0.0]];
-        let irradiance = array![[1.0, 2.0, 3.0], [-4.0, 5.0, 6.0], [0.0, 0.0, 1.0]];
-        let x = pack(ambient.view(), directions.view(), irradiance.view()).unwrap();
-        assert_eq!(x.len(), 3 + 5 * 3);
-        let apart = Parameters::unpack(x.view()).unwrap();
-        assert_eq!(apart.ambient, DVec3::new(0.1, 0.2, 0.3));
-        assert_eq!(apart.irradiance(), irradiance);
-        let difference = apart.directions() - &directions;
-        assert!(difference.iter().all(|d| d.abs() < 1e-15), "{difference}");
-    }
-
-    #[test]
-    fn a_vector_of_another_length_is_refused() {
-        for seen in [0, 2, 4, 7, 9] {
-            let x = Array1::zeros(seen);
-            assert_eq!(Parameters::unpack(x.view()), Err(Error::NotParameters { seen }));
-        }
-    }
-}

@@ -64,20 +64,3 @@ pub fn residual(
     }
     Ok(residual.into_iter().collect())
 }
-
-#[cfg(test)]
-#[allow(clippy::unwrap_used)]
-mod tests {
-    use super::*;
-    use ndarray::array;
-
-    #[test]
-    fn rows_are_normal_by_normal_and_carry_the_root_of_their_weight() {
-        let surface = Surface { k_a: 1.0, k_d: 1.0, colour: DVec3::ONE };
-        let normals = array![[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]];
-        let probe = array![[2.0, 3.0, 4.0], [5.0, 6.0, 7.0]];
-        let measured = ProbeValues::new(normals.view(), probe.view(), array![1.0, 4.0].view()).unwrap();
-        let result = residual(array![1.0, 1.0, 1.0].view(), &measured, &surface).unwrap();
-        assert_eq!(result, array![1.0, 2.0, 3.0, 8.0, 10.0, 12.0]);
-    }
-}

@@ -15,12 +15,11 @@
 
 use std::f64::consts::PI;
 
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::directions::{DirectionArrays, Places};
-use super::interface::{NO_PIXEL, SphereProjection, search};
-use super::places::{EvenPlaces, gauss_legendre, moment};
+use super::interface::{NO_PIXEL, SphereProjection};
+use super::places::{gauss_legendre, pixel_by_pixel};
 use crate::interrupt;
 
 /// Radius in the picture as a function of the angle theta from the axis.
@@ -262,15 +261,5 @@ impl SphereProjection for AzimuthalCircle {
         })
     }
 
-    fn pixels(&self, directions: &DirectionArrays, pixels: &mut [u32]) {
-        search(self, directions, pixels);
-    }
-
-    fn places(&self, side: usize, turn: DMat3) -> Box<dyn Places + '_> {
-        Box::new(EvenPlaces { projection: self, side, turn })
-    }
-
-    fn moment(&self, pixel: usize) -> DVec3 {
-        moment(self, pixel)
-    }
+    pixel_by_pixel!();
 }

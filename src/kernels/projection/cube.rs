@@ -12,11 +12,10 @@
 
 #![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
 
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DVec2, DVec3};
 
-use super::directions::{DirectionArrays, Places};
-use super::interface::{SphereProjection, search};
-use super::places::{EvenPlaces, moment};
+use super::interface::SphereProjection;
+use super::places::pixel_by_pixel;
 use super::plane_angles::{plane_angles, plane_density};
 
 /// Forward, right and up of each face: front, right, back, left, up, down.
@@ -168,15 +167,5 @@ impl SphereProjection for Cube {
         (face as u32 * self.side as u32 + y) * self.side as u32 + x
     }
 
-    fn pixels(&self, directions: &DirectionArrays, pixels: &mut [u32]) {
-        search(self, directions, pixels);
-    }
-
-    fn places(&self, side: usize, turn: DMat3) -> Box<dyn Places + '_> {
-        Box::new(EvenPlaces { projection: self, side, turn })
-    }
-
-    fn moment(&self, pixel: usize) -> DVec3 {
-        moment(self, pixel)
-    }
+    pixel_by_pixel!();
 }

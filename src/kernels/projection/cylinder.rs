@@ -4,11 +4,10 @@
 
 use std::f64::consts::{PI, TAU};
 
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DVec2, DVec3};
 
-use super::directions::{DirectionArrays, Places};
-use super::interface::{SphereProjection, search};
-use super::places::{EvenPlaces, moment};
+use super::interface::SphereProjection;
+use super::places::pixel_by_pixel;
 
 /// Panorama on a cylinder; its centre looks along +z.
 pub struct Cylinder {
@@ -77,15 +76,5 @@ impl SphereProjection for Cylinder {
         (is_ring && (0..height).contains(&row)).then_some((row * width + column.rem_euclid(width)) as usize)
     }
 
-    fn pixels(&self, directions: &DirectionArrays, pixels: &mut [u32]) {
-        search(self, directions, pixels);
-    }
-
-    fn places(&self, side: usize, turn: DMat3) -> Box<dyn Places + '_> {
-        Box::new(EvenPlaces { projection: self, side, turn })
-    }
-
-    fn moment(&self, pixel: usize) -> DVec3 {
-        moment(self, pixel)
-    }
+    pixel_by_pixel!();
 }

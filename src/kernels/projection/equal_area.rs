@@ -5,12 +5,11 @@
 
 use std::f64::consts::{FRAC_PI_4, PI};
 
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DVec2, DVec3};
 
-use super::directions::{DirectionArrays, Places};
-use super::interface::{SphereProjection, search};
+use super::interface::SphereProjection;
 use super::octahedral::{beyond_fold, pixel_of_square};
-use super::places::{EvenPlaces, moment};
+use super::places::pixel_by_pixel;
 
 /// Square of pixels of equal solid angle.
 pub struct EqualArea {
@@ -74,15 +73,5 @@ impl SphereProjection for EqualArea {
         pixel_of_square(self.side, self.place(direction / direction.length()))
     }
 
-    fn pixels(&self, directions: &DirectionArrays, pixels: &mut [u32]) {
-        search(self, directions, pixels);
-    }
-
-    fn places(&self, side: usize, turn: DMat3) -> Box<dyn Places + '_> {
-        Box::new(EvenPlaces { projection: self, side, turn })
-    }
-
-    fn moment(&self, pixel: usize) -> DVec3 {
-        moment(self, pixel)
-    }
+    pixel_by_pixel!();
 }

@@ -3,11 +3,10 @@
 
 #![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
 
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DVec2, DVec3};
 
-use super::directions::{DirectionArrays, Places};
-use super::interface::{SphereProjection, search};
-use super::places::{EvenPlaces, moment};
+use super::interface::SphereProjection;
+use super::places::pixel_by_pixel;
 
 /// Square of an even number of pixels.
 pub struct Octahedral {
@@ -112,17 +111,7 @@ impl SphereProjection for Octahedral {
         pixel_of_square(self.side, self.place(DVec3::from_array(direction)))
     }
 
-    fn pixels(&self, directions: &DirectionArrays, pixels: &mut [u32]) {
-        search(self, directions, pixels);
-    }
-
-    fn places(&self, side: usize, turn: DMat3) -> Box<dyn Places + '_> {
-        Box::new(EvenPlaces { projection: self, side, turn })
-    }
-
-    fn moment(&self, pixel: usize) -> DVec3 {
-        moment(self, pixel)
-    }
+    pixel_by_pixel!();
 }
 
 /// Number of the pixel around a place of a square.

@@ -99,3 +99,21 @@ pub(super) fn gauss_legendre(side: usize) -> Vec<(f64, f64)> {
         .flat_map(|i| POINTS.map(|(at, weight)| ((i as f64 + at) * scale, weight * scale)))
         .collect()
 }
+
+/// Methods of layouts whose pixels have no closed form; a trait object cannot have them by default.
+macro_rules! pixel_by_pixel {
+    () => {
+        fn pixels(&self, directions: &super::directions::DirectionArrays, pixels: &mut [u32]) {
+            super::interface::search(self, directions, pixels);
+        }
+
+        fn places(&self, side: usize, turn: glam::DMat3) -> Box<dyn super::directions::Places + '_> {
+            Box::new(super::places::EvenPlaces { projection: self, side, turn })
+        }
+
+        fn moment(&self, pixel: usize) -> DVec3 {
+            super::places::moment(self, pixel)
+        }
+    };
+}
+pub(super) use pixel_by_pixel;

@@ -1,9 +1,9 @@
-//! The mean angle and the plan of a transport between two sets of directions.
+//! The plan of a transport between two sets of directions, and the assignment as a transport of single units.
 
 use glam::DVec3;
 use ndarray::{Array2, ArrayView1, ArrayView2, Axis};
 
-use super::network_simplex::cheapest_flows;
+use super::spanning_tree::cheapest_flows;
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::kernels::sphere::{check_lengths, check_memory, check_rows, unit_vectors};
@@ -44,12 +44,26 @@ pub fn transport_plan(
     let sink = MassSet::new(["to_directions", "to_weights"], to, to_weights)?;
     let angles = angles_between(&source.directions, &sink.directions)?;
     let mut flows = cheapest_flows(angles.view(), &source.units, &sink.units);
-    flows.retain(|flow| flow.units > ROUNDING);
-    flows.sort_unstable_by_key(|flow| (flow.source, flow.sink));
-    let pairs = flows.iter().map(|flow| [source.rows[flow.source], sink.rows[flow.sink]]);
-    let shares: Vec<f64> = flows.iter().map(|flow| flow.units as f64 / WHOLE as f64).collect();
-    let moved = flows.iter().zip(&shares).map(|(flow, share)| angles[[flow.source, flow.sink]] * share);
+    flows.retain(|&(_, units)| units > ROUNDING);
+    let pairs = flows.iter().map(|&((i, j), _)| [source.rows[i], sink.rows[j]]);
+    let shares: Vec<f64> = flows.iter().map(|&(_, units)| units as f64 / WHOLE as f64).collect();
+    let moved = flows.iter().zip(&shares).map(|(&(arc, _), share)| angles[arc] * share);
     Ok(TransportPlan { mean_angle: moved.sum(), pairs: Array2::from(pairs.collect::<Vec<_>>()), shares })
+}
+
+/// Column of each row in an assignment with the least sum of costs, for a square table.
+///
+/// # Errors
+///
+/// [`Error::WrongColumns`] if there are not as many columns as rows; [`Error::NotFinite`].
+pub fn assignment(costs: ArrayView2<'_, f64>) -> Result<Vec<i64>> {
+    let size = costs.nrows();
+    check_rows("costs", costs, size)?;
+    if size == 0 {
+        return Ok(vec![]);
+    }
+    let flows = cheapest_flows(costs, &vec![1; size], &vec![1; size]);
+    Ok(flows.iter().map(|&((_, column), _)| column as i64).collect())
 }
 
 /// Directions with mass.

@@ -1,191 +1,199 @@
-//! Spanning tree of the network simplex, of sources, sinks and a root.
+//! The transportation problem by the simplex method on a spanning tree (Dantzig 1951).
 //!
-//! Arcs lead from sources to sinks. Each node stores the arc to its parent, so the arc of a source leads up, and that
-//! of a sink leads down. Arcs between the root and all others exist for the start; they cost more than any detour.
+//! Each pivot moves flow around the cycle that an arc of negative reduced cost closes in the tree of all arcs with
+//! flow. Perturbed supplies rule out ties: each pivot moves flow and empties one arc, so the method cannot cycle.
 
-use ndarray::ArrayView2;
+use ndarray::{Array2, ArrayView2};
+use rustc_hash::FxHashMap;
 
-/// Cost of an arc at the root: two of them cost more than an arc between a source and a sink, at most pi.
-const ROOT_COST: f64 = 4.0;
+use crate::interrupt;
 
-/// Parent of the root.
-const NO_NODE: usize = usize::MAX;
+/// Reduced cost below which an arc enters the tree, for costs up to 1; the mean cost gets that close to the optimum.
+/// It exceeds the rounding of potentials, so that no arc enters without a gain.
+const TOLERANCE: f64 = 1e-12;
 
-/// Arc between a node and its parent.
-#[derive(Clone, Copy)]
-struct ParentArc {
-    parent: usize,
-    cost: f64,
-    flow: i64,
+/// Reduced cost up to which an arc belongs to an optimum. Ties differ by rounding, far less than this.
+const SLACK: f64 = 10.0 * TOLERANCE;
+
+/// Source and sink.
+type Arc = (usize, usize);
+
+/// Flows above 0 of least total cost from `supplies` to `demands`, which are above 0 and have the same sum.
+///
+/// Of several optima, it is one with the least sum of squared costs: if all lights of a great circle move along it,
+/// each of them moves, not one past all others. At most one less than there are nodes; in the order of arcs.
+pub(super) fn cheapest_flows(
+    costs: ArrayView2<'_, f64>,
+    supplies: &[i64],
+    demands: &[i64],
+) -> Vec<(Arc, i64)> {
+    let mut tree = SpanningTree::greedy(costs, supplies, demands);
+    let scale = costs.iter().fold(1.0_f64, |scale, cost| scale.max(cost.abs()));
+    tree.descend(costs, scale * TOLERANCE);
+    // Optima use no other arcs, by complementary slackness.
+    let squares = Array2::from_shape_fn(costs.dim(), |arc| {
+        let is_optimal = costs[arc] - tree.dual_cost(arc) <= scale * SLACK;
+        if is_optimal { costs[arc] * costs[arc] } else { f64::INFINITY }
+    });
+    tree.descend(squares.view(), scale * scale * TOLERANCE);
+    tree.flows()
 }
 
-/// Mass that moves along one arc.
-#[derive(Debug, PartialEq)]
-pub(super) struct ArcFlow {
-    /// Row of the costs.
-    pub source: usize,
-    /// Column of the costs.
-    pub sink: usize,
-    /// Units of mass, above 0.
-    pub units: i64,
-}
-
-/// Strongly feasible spanning tree: each arc without flow leads towards the root.
-pub(super) struct SpanningTree {
-    /// Number of sources, which are the first nodes; sinks follow, and the root is last.
+/// Tree of sources, the first nodes, and sinks.
+struct SpanningTree {
     sources: usize,
-    arcs: Vec<ParentArc>,
-    children: Vec<Vec<usize>>,
-    depth: Vec<usize>,
-    potential: Vec<f64>,
+    /// Flow on each arc in units of one over [`Self::divisor`].
+    flows: FxHashMap<Arc, i128>,
+    neighbours: Vec<Vec<usize>>,
+    /// Next node on the way to node 0.
+    parents: Vec<usize>,
+    depths: Vec<usize>,
+    /// Dual variables: the cost of an arc of the tree is the sum of those of its ends.
+    potentials: Vec<f64>,
 }
 
 impl SpanningTree {
-    /// Tree in which all mass passes through the root.
-    pub fn star(supplies: &[i64], demands: &[i64]) -> Self {
-        let nodes = supplies.len() + demands.len();
-        let arc = |&flow: &i64| ParentArc { parent: nodes, cost: ROOT_COST, flow };
-        let root = ParentArc { parent: NO_NODE, cost: 0.0, flow: 0 };
-        let mut children = vec![Vec::new(); nodes];
-        children.push((0..nodes).collect());
-        let mut potential = vec![-ROOT_COST; supplies.len()];
-        potential.resize(nodes, ROOT_COST);
-        potential.push(0.0);
-        let mut depth = vec![1; nodes];
-        depth.push(0);
-        let arcs = supplies.iter().chain(demands).map(arc).chain([root]).collect();
-        Self { sources: supplies.len(), arcs, children, depth, potential }
-    }
-
-    /// Potentials of the sources and of the sinks; an arc of the tree costs their difference.
-    pub fn potentials(&self) -> (&[f64], &[f64]) {
-        self.potential[..self.root()].split_at(self.sources)
-    }
-
-    /// Flows between sources and sinks that are above 0.
-    pub fn flows(&self) -> Vec<ArcFlow> {
-        let flow = |node: usize| {
-            let ([source, sink], units) = (self.ends(node)?, self.arcs[node].flow);
-            (units > 0).then_some(ArcFlow { source, sink, units })
+    /// Tree of the flows from each source to the nearest sinks that the sources before it left over.
+    ///
+    /// Each source supplies one such unit more, and the last sink takes them, so that only all sources and all sinks
+    /// balance: no arc of a tree is without flow.
+    fn greedy(costs: ArrayView2<'_, f64>, supplies: &[i64], demands: &[i64]) -> Self {
+        let (sources, nodes) = (supplies.len(), supplies.len() + demands.len());
+        let mut tree = Self {
+            sources,
+            flows: FxHashMap::default(),
+            neighbours: vec![vec![]; nodes],
+            parents: vec![0; nodes],
+            depths: vec![0; nodes],
+            potentials: vec![0.0; nodes],
         };
-        (0..self.root()).filter_map(flow).collect()
-    }
-
-    /// Add the arc from `source` to `sink`, with as much flow as the cycle admits, and remove the arc that blocks it.
-    pub fn pivot(&mut self, source: usize, sink: usize, cost: f64) {
-        let sink = self.sources + sink;
-        let apex = self.common_ancestor(source, sink);
-        let (flow, last) = self.blocking_arc(source, sink, apex);
-        for (end, is_up) in [(source, true), (sink, false)] {
-            let mut node = end;
-            while node != apex {
-                // An arc against the cycle loses flow.
-                let change = if self.is_source(node) == is_up { -flow } else { flow };
-                self.arcs[node].flow += change;
-                node = self.arcs[node].parent;
+        let divided = |&units: &i64| i128::from(units) * tree.divisor();
+        let mut supplies: Vec<_> = supplies.iter().map(|units| divided(units) + 1).collect();
+        let mut demands: Vec<_> = demands.iter().map(divided).collect();
+        *demands.last_mut().expect("there is a sink") += sources as i128;
+        for (source, supply) in supplies.iter_mut().enumerate() {
+            interrupt::check();
+            while *supply > 0 {
+                let open = (0..demands.len()).filter(|&sink| demands[sink] > 0);
+                let cost = |sink: usize| costs[[source, sink]];
+                let nearest = open.min_by(|&one, &other| cost(one).total_cmp(&cost(other)));
+                let sink = nearest.expect("supplies and demands have the same sum");
+                let flow = demands[sink].min(*supply);
+                (*supply, demands[sink]) = (*supply - flow, demands[sink] - flow);
+                tree.insert((source, sink), flow);
             }
         }
-        let (inner, outer) = if self.is_below(source, last) { (source, sink) } else { (sink, source) };
-        self.hang(inner, last, ParentArc { parent: outer, cost, flow });
+        tree
     }
 
-    /// Give the arcs between sources and sinks other costs, which are finite in the tree.
-    ///
-    /// Without flow at the root, none gets there: arcs from sources to it have no flow to give back.
-    pub fn replace_costs(&mut self, costs: ArrayView2<'_, f64>) {
-        for node in 0..self.root() {
-            if let Some([source, sink]) = self.ends(node) {
-                self.arcs[node].cost = costs[[source, sink]];
+    /// More than twice the perturbation of any flow.
+    fn divisor(&self) -> i128 {
+        2 * self.sources as i128 + 2
+    }
+
+    /// Flows above 0 without perturbation.
+    fn flows(&self) -> Vec<(Arc, i64)> {
+        let whole = |flow: i128| ((flow + self.divisor() / 2) / self.divisor()) as i64;
+        let mut flows: Vec<_> = self.flows.iter().map(|(&arc, &flow)| (arc, whole(flow))).collect();
+        flows.retain(|&(_, units)| units > 0);
+        flows.sort_unstable();
+        flows
+    }
+
+    /// Pivot until no arc has a reduced cost below `-tolerance`.
+    fn descend(&mut self, costs: ArrayView2<'_, f64>, tolerance: f64) {
+        self.potentials[0] = 0.0;
+        self.neighbours[0].clone().into_iter().for_each(|node| self.hang(node, 0, costs));
+        let mut row = 0;
+        while let Some(arc) = self.entering_arc(costs, tolerance, &mut row) {
+            interrupt::check();
+            self.pivot(arc, costs);
+        }
+    }
+
+    /// Arc of the most negative reduced cost in the next row that has one, from `row` on; `None` at the optimum.
+    fn entering_arc(&self, costs: ArrayView2<'_, f64>, tolerance: f64, row: &mut usize) -> Option<Arc> {
+        let (sources, sinks) = self.potentials.split_at(self.sources);
+        for _ in 0..self.sources {
+            let source = *row;
+            *row = (source + 1) % self.sources;
+            let (mut least, mut entering) = (sources[source] - tolerance, None);
+            for (sink, (cost, potential)) in costs.row(source).iter().zip(sinks).enumerate() {
+                if cost - potential < least {
+                    (least, entering) = (cost - potential, Some((source, sink)));
+                }
+            }
+            if entering.is_some() {
+                return entering;
             }
         }
-        for node in self.children[self.root()].clone() {
-            self.update(node);
-        }
+        None
     }
 
-    /// Source and sink, each by its own number, of the arc to the parent; `None` for an arc at the root.
-    fn ends(&self, node: usize) -> Option<[usize; 2]> {
-        let parent = self.arcs[node].parent;
-        let (source, sink) = if self.is_source(node) { (node, parent) } else { (parent, node) };
-        (parent < self.root()).then(|| [source, sink - self.sources])
-    }
-
-    fn root(&self) -> usize {
-        self.arcs.len() - 1
-    }
-
-    fn is_source(&self, node: usize) -> bool {
-        node < self.sources
-    }
-
-    /// Deepest node above both.
-    fn common_ancestor(&self, mut one: usize, mut other: usize) -> usize {
-        while one != other {
-            if self.depth[one] < self.depth[other] {
-                other = self.arcs[other].parent;
-            } else {
-                one = self.arcs[one].parent;
+    /// Add an arc, with as much flow as its cycle admits, and remove the arc that this empties.
+    fn pivot(&mut self, arc: Arc, costs: ArrayView2<'_, f64>) {
+        let (source, sink) = (arc.0, self.sources + arc.1);
+        let paths = self.paths_to_common_ancestor(source, sink);
+        // Arcs lose and gain flow in turn.
+        let losing = paths.iter().flat_map(|path| path.iter().step_by(2));
+        let emptied = *losing.min_by_key(|arc| self.flows[arc]).expect("an arc at one of the ends");
+        let flow = self.flows[&emptied];
+        for path in &paths {
+            for (step, arc) in path.iter().enumerate() {
+                *self.flows.entry(*arc).or_default() += if step % 2 == 0 { -flow } else { flow };
             }
         }
-        one
+        self.remove(emptied);
+        self.insert(arc, flow);
+        let is_source_cut_off = paths[0].contains(&emptied);
+        let (inner, outer) = if is_source_cut_off { (source, sink) } else { (sink, source) };
+        self.hang(inner, outer, costs);
     }
 
-    /// True if `node` is `ancestor` or below it.
-    fn is_below(&self, mut node: usize, ancestor: usize) -> bool {
-        while self.depth[node] > self.depth[ancestor] {
-            node = self.arcs[node].parent;
+    /// Arcs from each of two nodes up to their first common ancestor.
+    fn paths_to_common_ancestor(&self, one: usize, other: usize) -> [Vec<Arc>; 2] {
+        let (mut ends, mut paths) = ([one, other], [vec![], vec![]]);
+        while ends[0] != ends[1] {
+            let deeper = usize::from(self.depths[ends[0]] < self.depths[ends[1]]);
+            let parent = self.parents[ends[deeper]];
+            paths[deeper].push(self.arc(ends[deeper], parent));
+            ends[deeper] = parent;
         }
-        node == ancestor
+        paths
     }
 
-    /// Largest flow around the cycle, and the lower node of the last arc that blocks it.
-    ///
-    /// The cycle is traversed from the apex in the direction of its flow. Removal of the last blocking arc keeps the
-    /// tree strongly feasible.
-    fn blocking_arc(&self, source: usize, sink: usize, apex: usize) -> (i64, usize) {
-        let (mut least, mut last) = (i64::MAX, NO_NODE);
-        let mut node = source;
-        while node != apex {
-            if self.is_source(node) && self.arcs[node].flow < least {
-                (least, last) = (self.arcs[node].flow, node);
-            }
-            node = self.arcs[node].parent;
+    /// Set parent, depth and potential of a node and of all that it connects to the tree.
+    fn hang(&mut self, node: usize, parent: usize, costs: ArrayView2<'_, f64>) {
+        let mut stack = vec![(node, parent)];
+        while let Some((node, parent)) = stack.pop() {
+            self.parents[node] = parent;
+            self.depths[node] = self.depths[parent] + 1;
+            self.potentials[node] = costs[self.arc(node, parent)] - self.potentials[parent];
+            stack.extend(
+                self.neighbours[node].iter().filter(|&&next| next != parent).map(|&next| (next, node)),
+            );
         }
-        node = sink;
-        while node != apex {
-            if !self.is_source(node) && self.arcs[node].flow <= least {
-                (least, last) = (self.arcs[node].flow, node);
-            }
-            node = self.arcs[node].parent;
-        }
-        (least, last)
     }
 
-    /// Cut off the subtree below `top`, turn it so that `inner` is its top, and attach it by `arc`.
-    fn hang(&mut self, inner: usize, top: usize, arc: ParentArc) {
-        let (mut node, mut arc) = (inner, arc);
-        loop {
-            let before = std::mem::replace(&mut self.arcs[node], arc);
-            self.children[before.parent].retain(|&child| child != node);
-            self.children[arc.parent].push(node);
-            if node == top {
-                break;
-            }
-            arc = ParentArc { parent: node, ..before };
-            node = before.parent;
-        }
-        self.update(inner);
+    fn insert(&mut self, arc: Arc, flow: i128) {
+        self.flows.insert(arc, flow);
+        self.neighbours[arc.0].push(self.sources + arc.1);
+        self.neighbours[self.sources + arc.1].push(arc.0);
     }
 
-    /// Compute depth and potential of `top` and all nodes below it.
-    fn update(&mut self, top: usize) {
-        let mut stack = vec![top];
-        while let Some(node) = stack.pop() {
-            let ParentArc { parent, cost, .. } = self.arcs[node];
-            self.depth[node] = self.depth[parent] + 1;
-            let step = if self.is_source(node) { -cost } else { cost };
-            self.potential[node] = self.potential[parent] + step;
-            stack.extend(&self.children[node]);
-        }
+    fn remove(&mut self, arc: Arc) {
+        self.flows.remove(&arc);
+        self.neighbours[arc.0].retain(|&node| node != self.sources + arc.1);
+        self.neighbours[self.sources + arc.1].retain(|&node| node != arc.0);
+    }
+
+    /// Arc between two nodes.
+    fn arc(&self, one: usize, other: usize) -> Arc {
+        (one.min(other), one.max(other) - self.sources)
+    }
+
+    /// Sum of the potentials at the ends of an arc.
+    fn dual_cost(&self, arc: Arc) -> f64 {
+        self.potentials[arc.0] + self.potentials[self.sources + arc.1]
     }
 }

@@ -117,25 +117,10 @@ pub(super) fn is_bright(image: &Image<'_>, start: Pixel, end: Pixel, rule: &Line
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use proptest::prelude::*;
 
     #[test]
     fn a_line_too_long_to_list_is_refused() {
         let far = [i64::MAX, i64::MIN];
         assert_eq!(line([0, 0], far), Err(Error::LongLine { start: [0, 0], end: far, limit: LONGEST }));
-    }
-
-    proptest! {
-        /// A line joins its two ends without a jump.
-        #[test]
-        fn a_line_is_connected(start in [-99_i64..99, -99_i64..99], end in [-99_i64..99, -99_i64..99]) {
-            let pixels = line(start, end).unwrap();
-            prop_assert_eq!(pixels[0], start);
-            prop_assert_eq!(pixels[pixels.len() - 1], end);
-            for pair in pixels.windows(2) {
-                let step = [pair[0][0].abs_diff(pair[1][0]), pair[0][1].abs_diff(pair[1][1])];
-                prop_assert_eq!(step[0].max(step[1]), 1, "{:?}", pixels);
-            }
-        }
     }
 }
