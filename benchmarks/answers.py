@@ -85,8 +85,8 @@ def probe_fits(env):
 
 def detections(env):
     """Lights of both methods."""
-    for method in ("tree", "article"):
-        yield f"detect {method}", detected_row(el.detect(env, method=method))
+    for name, detect in (("tree", el.detect), ("article", el.papers.loghin.detect)):
+        yield f"detect {name}", detected_row(detect(env))
 
 
 def detected_row(lights):

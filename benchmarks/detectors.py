@@ -18,9 +18,9 @@ from envlights.kernels.image import LUMINANCE
 _CUTS = 5
 
 
-def ours(**options):
+def ours(detect=el.detect, **options):
     def detector(radiance):
-        lights = el.detect(radiance, **options)
+        lights = detect(radiance, **options)
         return lights.direction, lights.flux
 
     return detector
@@ -151,10 +151,10 @@ def _logarithm(luminance):
 
 
 DETECTORS = {
-    "tree": ours(method="tree"),
-    "article": ours(method="article"),
+    "tree": ours(),
+    "article": ours(el.papers.loghin.detect),
     "article improved": ours(
-        method="article", relative=True, move_to_maximum=True, sphere=True, reduction="area"
+        el.papers.loghin.detect, relative=True, move_to_maximum=True, sphere=True, reduction="area"
     ),
     "threshold + components": components(twice_the_90_percent_quantile),
     "threshold + OpenCV": components(twice_the_90_percent_quantile, by_opencv),

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+import envlights as el
 from envlights import io, kernels, synthetic
 from envlights.synthetic.room import Room
 
@@ -123,3 +124,7 @@ def limited_memory(size):
 def cuts(size, step=29):
     """Sizes at which a file of `size` bytes is cut: the start, the middle, and close to the end."""
     return sorted({0, 1, size // 2, *range(max(size - 600, 2), size, step), size - 1})
+
+
+#: Detectors by the name of their method.
+DETECTORS = {"tree": el.detect, "loghin": el.papers.loghin.detect}

@@ -43,10 +43,10 @@ EV100 = np.log2(8**2 * 125 * 100 / 200)
 
 
 @given(st.integers(0, 99), st.floats(0.01, 2e5), st.sampled_from(FACINGS))
-def test_the_surface_receives_the_lux_that_were_measured(seed, lux, facing):
-    env = random_map(seed).calibrated(lux=lux, normal=facing)
+def test_the_surface_receives_the_lux_that_were_measured(seed, lux, normal):
+    env = random_map(seed).calibrated(lux=lux, normal=normal)
     assert env.units == "cd/m2"
-    np.testing.assert_allclose(env.probe(facing) @ LUMINANCE, lux, rtol=1e-5)
+    np.testing.assert_allclose(env.probe(normal) @ LUMINANCE, lux, rtol=1e-5)
 
 
 def test_a_uniform_sky_of_pi_lux_has_one_candela():
@@ -91,13 +91,13 @@ def test_a_value_of_one_is_the_saturation_of_the_exposure():
 
 
 @pytest.mark.parametrize(
-    "facing", [None, [0, 1, 0], [0.6, 0.8, 0], [0, np.sqrt(0.5), np.sqrt(0.5)]]
+    "normal", [None, [0, 1, 0], [0.6, 0.8, 0], [0, np.sqrt(0.5), np.sqrt(0.5)]]
 )
-def test_readings_in_sun_and_shade_hold_both(facing):
+def test_readings_in_sun_and_shade_hold_both(normal):
     """The surface receives the sum, and the second reading without the clipped pixels."""
     world = clipped_map()
-    env = world.calibrated(lux=98000, shaded=15000, normal=facing)
-    towards = [0, 1, 0] if facing is None else facing
+    env = world.calibrated(lux=98000, shaded=15000, normal=normal)
+    towards = [0, 1, 0] if normal is None else normal
     is_sun = (world.radiance >= 1).all(axis=2)
     shade = el.EnvMap(np.where(is_sun[..., None], 0, env.radiance))
     np.testing.assert_allclose(env.probe(towards) @ LUMINANCE, 98000, rtol=1e-5)
@@ -120,11 +120,11 @@ def test_readings_that_contradict_the_map_are_refused_with_the_figures():
         ({"lux": 1, "nits": 1, "at": (0, 0)}, "one scale; got lux and nits"),
         ({"nits": 1}, "nits needs the measured place"),
         ({"at": (0, 0)}, "at belongs to nits"),
-        ({"facing": (0, 1, 0), "ev100": 3}, "facing belongs to lux"),
+        ({"normal": (0, 1, 0), "ev100": 3}, "normal belongs to lux"),
         ({"shaded": 3}, "shaded belongs to lux"),
         ({"lux": 0}, "lux must be above 0"),
         ({"lux": -1}, "lux must be a finite number"),
-        ({"lux": 1, "facing": (0, 2, 0)}, "length"),
+        ({"lux": 1, "normal": (0, 2, 0)}, "length"),
         ({"lux": 1, "shaded": 2}, "shaded must be below lux.*2 lux in the shade and 1 in the sun"),
         ({"lux": 2, "shaded": 1}, "no pixel is clipped"),
         ({"nits": 1, "at": (16, 0)}, "16 rows and 32 columns; got \\(16, 0"),
@@ -225,7 +225,7 @@ DERIVED = {
     "to": lambda env: env.to("cube"),
     "view": lambda env: env.view([0, 0, 1]),
     "detect": lambda env: el.detect(env),
-    "article": lambda env: el.detect(env, "article", threshold=1e4),
+    "loghin": lambda env: el.papers.loghin.detect(env, threshold=1e4),
     "one light": lambda env: el.detect(env)[:1],
     "discs": lambda env: el.detect(env).discs(),
     "lights of split": lambda env: el.split(env).lights,

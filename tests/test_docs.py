@@ -132,7 +132,7 @@ def test_every_public_name_is_in_the_reference(package, name):
     value, full = getattr(owner, name), f"{owner.__name__}.{name}"
     if isinstance(value, ModuleType):
         entry = rf"^.. (auto)?module:: {full}$"
-    elif package and value is getattr(el, name, None):
+    elif package and name in el.__all__ and value is getattr(el, name):
         entry = rf"`envlights\.{name}`"
     else:
         entry = rf"^   ~{full}$|^.. py:data:: {full}$"

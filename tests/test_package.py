@@ -14,10 +14,8 @@ from tests import release_notes
 FOLDER = Path(el.__file__).parent
 MODULES = sorted(FOLDER.rglob("*.py"))
 SUBPACKAGES = (
-    "cli",
-    "detection",
+    "comparison",
     "export",
-    "fitting",
     "io",
     "kernels",
     "plot",

@@ -46,9 +46,9 @@ def test_a_notebook_without_widgets_gets_a_bar_and_no_warning():
     code = """if True:
         import ipykernel.zmqshell
         import tqdm.notebook
-        from envlights import _progress
+        from envlights._common import progress
         tqdm.notebook.IProgress = None
-        list(_progress.progress_bar(range(3), "counting", "item", True))
+        list(progress.progress_bar(range(3), "counting", "item", True))
     """
     told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert "counting: 100%" in told.stderr

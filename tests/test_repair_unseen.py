@@ -72,7 +72,7 @@ def test_half_a_sky_needs_a_choice():
         partial(HALF).repaired()
     env = el.EnvMap(picture(sun_deg=0) * 0.5 * HALF[..., None], coverage=HALF, clip_level=1.0)
     assert env.repaired().notes[-1] == "nothing was added: no pixel is clipped"
-    with pytest.raises(el.EnvLightsError, match="unseen must be"):
+    with pytest.raises(el.EnvLightsError, match="fill must be"):
         env.repaired(fill="white")
 
 

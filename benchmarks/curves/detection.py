@@ -37,7 +37,7 @@ CLIPPED = 0.01
 METHODS = {
     "tree": [(columns, ours(working_width=columns)) for columns in COLUMNS],
     "article": [
-        (columns, ours(method="article", working_width=columns)) for columns in (256, 1024)
+        (columns, ours(el.papers.loghin.detect, working_width=columns)) for columns in (256, 1024)
     ],
     **{name: [(None, DETECTORS[name])] for name in PEERS},
 }

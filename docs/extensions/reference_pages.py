@@ -25,22 +25,30 @@ class Page(NamedTuple):
 #: Names of `envlights` by the module that defines them; the last page takes what is left.
 PAGES = (
     Page(
-        "maps", "Maps", "Open, calibrate and convert environment maps.", ("envmap", "io", "repair")
+        "maps",
+        "Maps",
+        "Open, calibrate and convert environment maps.",
+        ("environment", "_common.errors"),
     ),
     Page(
         "fit",
         "Fit",
         "Fit lights to a map, and read what the fit says about its errors.",
-        ("fitting", "rig", "lights", "report", "excess"),
+        ("fitting", "rigs"),
     ),
-    Page("detect", "Detect and split", "Find lights, and take them out of a map.", ("detection",)),
+    Page(
+        "detect",
+        "Detect and split",
+        "Find lights, and take them out of a map.",
+        ("detection", "splitting", "papers", "cards"),
+    ),
     Page("sequence", "Sequences", "Fit rigs to a sequence of maps.", ("sequence",)),
     Page("sun", "Sun", "Find the sun of an 8-bit panorama.", ("sun",)),
     Page(
         "scene",
         "Objects in a map",
         "Show, shade and bake things that stand in a map.",
-        ("viewer", "scene", "occluders"),
+        ("viewer", "scene"),
     ),
     Page("compare", "Compare", "Compare maps, rigs and images.", ("comparison",)),
     Page("transfer", "Transfer", "Predict indirect light from direct light.", ("transfer",)),
@@ -53,8 +61,9 @@ INTRODUCTION = """Every public name has a page with its shapes, units, errors an
 """
 #: Packages with names of their own.
 PACKAGES = (
-    *("plot", "export", "kernels", "synthetic", "io"),
-    *("scene", "comparison", "transfer", "sequence"),
+    *("rigs", "detection", "splitting", "cards", "sun", "fitting", "papers", "batches"),
+    *("scene", "viewer", "comparison", "sequence", "transfer"),
+    *("plot", "export", "io", "synthetic", "kernels"),
 )
 #: Pages of the guide on a package.
 GUIDES = {
@@ -73,7 +82,7 @@ def page_of(name: str) -> Page:
 
 def is_again(package: str, name: str) -> bool:
     """True for a name of a package that `envlights` has as well."""
-    return getattr(el, name, None) is getattr(getattr(el, package), name)
+    return name in el.__all__ and getattr(el, name) is getattr(getattr(el, package), name)
 
 
 def names_of(package: str) -> Iterator[str]:

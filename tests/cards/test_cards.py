@@ -170,5 +170,5 @@ def test_a_table_counts_the_cards_that_it_does_not_show(number, rest):
         np.repeat(card.irradiance, number, axis=0),
         list(card.textures) * number,
     )
-    assert cards.table().remainder == rest
+    assert cards.table().rest == rest
     assert len(cards.table().rows) == 12

@@ -14,7 +14,7 @@ from matplotlib.image import imsave
 import envlights as el
 from envlights import cli, io
 from envlights.cli import main
-from tests.helpers import relative_errors
+from tests.helpers import DETECTORS, relative_errors
 
 
 def run(*arguments):
@@ -111,12 +111,12 @@ def test_demo_writes_map_rig_and_picture(tmp_path):
     assert el.Rig.load(tmp_path / "hall.json").error < 0.01
 
 
-@pytest.mark.parametrize("method", ["tree", "article"])
+@pytest.mark.parametrize("method", ["tree", "loghin"])
 def test_detect_prints_and_writes_what_the_function_finds(hall, tmp_path, method):
     outputs = ("-o", tmp_path / "lights.json", "-o", tmp_path / "lights.png")
     result = run("detect", hall, "-n", 2, "--method", method, *outputs)
     assert result.exit_code == 0, result.output
-    lights = el.detect(el.EnvMap.open(hall), method, max_lights=2)
+    lights = DETECTORS[method](el.EnvMap.open(hall), max_lights=2)
     assert result.stdout.startswith(str(lights).split("\n\n")[0])
     assert json.loads((tmp_path / "lights.json").read_text()) == lights.to_dict()
     assert (tmp_path / "lights.png").read_bytes().startswith(b"\x89PNG")
@@ -252,7 +252,15 @@ def test_the_help_lists_every_subcommand_and_imports_none():
     context = click.Context(main)
     names = {path.stem for path in Path(cli.__file__).parent.iterdir()}
     listed = {name.replace("_", "-") for name in names if name[0] != "_"}
-    listed -= {"examples", "map-input", "fit-input", "detection-input", "sun-input", "outputs"}
+    listed -= {
+        "demonstration",
+        "examples",
+        "map-input",
+        "fit-input",
+        "detection-input",
+        "sun-input",
+        "outputs",
+    }
     listed -= {"numbers", "settings", "quiet", "refusal-words", "standard-streams"}
     assert set(main.list_commands(context)) == listed
     for name in main.list_commands(context):
@@ -339,13 +347,13 @@ def test_detect_names_the_subcommand_of_photographs(street):
 
 
 def test_detect_takes_a_sampling_of_the_article(hall):
-    result = run("detect", hall, "--method", "article", "--sampling", "halton", "--json")
+    result = run("detect", hall, "--method", "loghin", "--sampling", "halton", "--json")
     assert result.exit_code == 0, result.output
     wanted = el.papers.loghin.detect(hall, sampling="halton")
     assert json.loads(result.stdout) == json.loads(json.dumps(wanted.to_dict()))
     refused = run("detect", hall, "--sampling", "halton")
     assert refused.exit_code == 2
-    assert "--sampling is an option of --method article" in refused.stderr
+    assert "--sampling is an option of --method loghin" in refused.stderr
 
 
 def test_fit_reaches_an_error_on_metal(tmp_path):

@@ -96,7 +96,7 @@ def test_radiance_above_a_limit_is_split_off(hall, tmp_path):
     parts = el.limit(SCENE, 3)
     assert el.EnvMap.open(rest).radiance.max() == 3
     np.testing.assert_allclose(el.Lights.load(lights).irradiance, parts.lights.irradiance)
-    for wrong in (["-n", "1"], ["--share", "0.5"], ["-o", str(tmp_path / "parts.png")]):
+    for wrong in (["-n", "1"], ["--fraction", "0.5"], ["-o", str(tmp_path / "parts.png")]):
         refused = CliRunner().invoke(main, [*split, *wrong])
         assert refused.exit_code == 2
         assert "--limit" in refused.output

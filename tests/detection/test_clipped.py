@@ -8,7 +8,7 @@ from envlights import kernels
 from envlights._common.srgb import encode_srgb
 from envlights.fitting import wording
 from envlights.synthetic import Disc, Rectangle, evaluate, scene, suite
-from tests.helpers import angle_deg, printed_by_threads
+from tests.helpers import DETECTORS, angle_deg, printed_by_threads
 
 
 def eight_bits(radiance):
@@ -238,7 +238,7 @@ def test_a_white_that_none_can_be_is_refused(white, seen):
         lambda: el.EnvMap(radiance, clip_level=white),
         lambda: el.detect(radiance, clip_level=white),
     ):
-        with pytest.raises(el.EnvLightsError, match=f"white must be .*{seen}"):
+        with pytest.raises(el.EnvLightsError, match=f"clip_level must be .*{seen}"):
             refused()
 
 
@@ -254,7 +254,7 @@ def test_samples_that_are_no_radiance_are_cleaned_before_detection():
 def test_any_number_of_threads_gives_the_same_bits():
     code = """
 import hashlib, numpy as np, envlights as el
-from envlights._srgb import encode_srgb
+from envlights._common.srgb import encode_srgb
 world = el.synthetic.hard(8, 256)
 lights = el.detect(np.round(255 * encode_srgb(world.radiance)).astype(np.uint8))
 arrays = lights.direction, lights.flux, lights.weight, lights.direction_uncertainty
@@ -270,17 +270,17 @@ def test_the_brightest_pixel_of_an_evenly_lit_window_is_not_clipped():
     window = Rectangle((1, 0.2, 0.3), 20, 14, (9, 9, 9))
     radiance = scene(256, background=[0.1] * 3, shapes=[window]).radiance
     radiance = radiance * np.random.default_rng(1).normal(1, 0.002, radiance.shape[:2])[..., None]
-    for method in ("tree", "article"):
-        assert not el.detect(radiance, method).is_clipped.any(), method
+    for method in DETECTORS:
+        assert not DETECTORS[method](radiance).is_clipped.any(), method
     assert el.EnvMap(radiance).clipped_fraction == 0
 
 
 @pytest.mark.parametrize("ceiling", [1.0, 4096, 32000, 65025, 65504])
 def test_a_flat_top_at_a_ceiling_is_clipped(ceiling):
     radiance = np.minimum(ceiling * glow(256, np.array([0, 0.6, 0.8]), 6.0, 1e-3), ceiling)
-    for method in ("tree", "article"):
-        options = {"relative": True} if method == "article" else {}
-        assert el.detect(radiance, method, **options).is_clipped[0], method
+    for method in DETECTORS:
+        options = {"relative": True} if method == "loghin" else {}
+        assert DETECTORS[method](radiance, **options).is_clipped[0], method
     share = (1 - np.cos(np.deg2rad(6.0))) / 2
     np.testing.assert_allclose(el.EnvMap(radiance).clipped_fraction, share, rtol=0.05)
 
@@ -319,6 +319,6 @@ def test_what_a_rig_rests_on_is_a_sentence():
 
 def test_the_article_says_where_its_threshold_lies_in_a_file():
     picture = eight_bits(glow(64, np.array([0, 0.6, 0.8]), 5.0))
-    report = el.detect(picture, "article").report
+    report = el.papers.loghin.detect(picture).report
     assert "80 % of the clip level, code 231 of 255" in report.reason
-    assert "code" not in el.detect(picture.astype(np.float32), "article").report.reason
+    assert "code" not in el.papers.loghin.detect(picture.astype(np.float32)).report.reason

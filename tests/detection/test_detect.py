@@ -1,9 +1,6 @@
 """Detection by the component tree."""
 
-import inspect
 import json
-import re
-import typing
 
 import numpy as np
 import pytest
@@ -316,7 +313,6 @@ def test_white_noise_is_answered():
         ({"gap_deg": -1}, "gap_deg"),
         ({"extent": 2}, "extent"),
         ({"working_width": 3}, "working_width"),
-        ({"method": "x"}, "method must be 'tree' or 'article'"),
     ],
 )
 def test_bad_options_are_refused_by_name(options, message):
@@ -339,26 +335,3 @@ def test_a_fit_that_starts_at_the_lamps_stays_with_them():
     assert angle_deg(rig.lights.direction, world.lights.direction).max() < 0.5
     assert rig.error < 0.01
     assert "start" in rig.report.seconds
-
-
-def test_the_signature_names_the_options_of_both_methods_with_their_defaults():
-    shown = inspect.signature(el.detect).parameters
-    assert list(shown)[:2] == ["env", "method"]
-    tree, article = (
-        inspect.signature(each).parameters for each in (el.detect, el.papers.loghin.detect)
-    )
-    # The default of `threshold` is that of the tree, which is the default method.
-    for name, option in {**article, **tree}.items():
-        assert shown[name].default == option.default
-    assert not any(each.kind is each.VAR_KEYWORD for each in shown.values())
-    assert set(re.findall(r"\w+", inspect.getdoc(el.detect))) >= set(shown)
-
-
-def test_type_checkers_see_the_options_that_each_method_has():
-    if not hasattr(typing, "get_overloads"):
-        pytest.skip("Python 3.10 does not keep overloads")
-    tree, article, _ = typing.get_overloads(el.detect)
-    for overload, method in ((tree, el.detect), (article, el.papers.loghin.detect)):
-        names = list(inspect.signature(overload).parameters)
-        assert names[:2] == ["env", "method"]
-        assert sorted(names[2:]) == sorted(list(inspect.signature(method).parameters)[1:])

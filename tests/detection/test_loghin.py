@@ -94,13 +94,15 @@ def test_a_flat_top_at_the_maximum_is_clipped(reduction, sphere):
     """Both detectors agree, in the map's own pixels."""
     lamps = [Disc((1, 0.1, 0.1), 8.0, (9, 9, 9)), Disc((-1, 0.1, 0.1), 8.0, (0.9, 0.9, 0.9))]
     radiance = scene(512, background=[0.1] * 3, shapes=lamps).radiance
-    options = {"method": "article", "reduction": reduction, "sphere": sphere, "working_width": 256}
-    clipped = el.detect(np.minimum(radiance, 1), **options)
+    options = {"reduction": reduction, "sphere": sphere, "working_width": 256}
+    clipped = el.papers.loghin.detect(np.minimum(radiance, 1), **options)
     assert clipped.is_clipped.tolist() == [True, False]
     assert clipped.direction[0] @ [1, 0, 0] > 0.9
     sun = radiance.copy()
     sun[300, 300] = 99.0
-    assert not el.detect(sun, **options).is_clipped.any(), "the map is brighter elsewhere"
+    assert not el.papers.loghin.detect(sun, **options).is_clipped.any(), (
+        "the map is brighter elsewhere"
+    )
 
 
 @pytest.mark.parametrize(("code", "lights"), [(231, 0), (232, 1)])
@@ -140,9 +142,9 @@ def test_the_irradiance_of_a_lamp_is_the_sum_over_its_samples(radius, options):
 def test_relative_levels_follow_the_exposure(exponent):
     """A power of 2, so that nothing is rounded."""
     radiance = el.synthetic.hall(128).radiance
-    options = {"method": "article", "relative": True}
-    plain = el.detect(radiance, **options)
-    scaled = el.detect(np.float32(2.0**exponent) * radiance, **options)
+    options = {"relative": True}
+    plain = el.papers.loghin.detect(radiance, **options)
+    scaled = el.papers.loghin.detect(np.float32(2.0**exponent) * radiance, **options)
     assert len(plain) > 0
     np.testing.assert_array_equal(scaled.direction, plain.direction)
     np.testing.assert_array_equal(scaled.flux, 2.0**exponent * plain.flux)
@@ -165,8 +167,8 @@ def test_any_number_of_threads_gives_the_same_bits():
     code = (
         "import numpy as np, envlights as el;"
         "radiance = 2 * np.random.default_rng(0).random((256, 512, 3), dtype=np.float32);"
-        "options = dict(method='article', blur_px=1.0, sphere=True, working_width=300);"
-        "found = el.detect(radiance, **options);"
+        "options = dict(blur_px=1.0, sphere=True, working_width=300);"
+        "found = el.papers.loghin.detect(radiance, **options);"
         "print(found.direction.tobytes().hex(), found.members.light.tolist())"
     )
     assert len(printed_by_threads(code)) == 1
@@ -225,9 +227,8 @@ def test_worst_cases_are_answered(radiance, count, options):
         (lambda: kernels.suppress([[np.nan, 0]], 1), "points must be finite"),
         (lambda: kernels.suppress([[1, 2, 3, 4]], 1), r"\(n, 2\)"),
         (lambda: kernels.luminance(np.ones((4, 8))), "3 axes"),
-        (lambda: el.detect(np.ones((4, 8, 3)), method="x"), "'tree' or 'article'"),
-        (lambda: el.detect(np.ones((4, 8, 3)), method="article", reduction="x"), "'bilinear'"),
-        (lambda: el.detect(np.ones((4, 8, 3)), method="article", threshold=-1), "threshold"),
+        (lambda: el.papers.loghin.detect(np.ones((4, 8, 3)), reduction="x"), "'bilinear'"),
+        (lambda: el.papers.loghin.detect(np.ones((4, 8, 3)), threshold=-1), "threshold"),
     ],
 )
 def test_bad_input_is_refused_by_name(call, message):

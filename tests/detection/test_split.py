@@ -91,7 +91,7 @@ def test_lights_that_are_apart_are_removed_as_if_alone():
             if np.allclose(taken.lights.direction[0], light.direction, atol=1e-6)
         ]
         np.testing.assert_allclose(light.irradiance, same.irradiance, rtol=1e-6)
-    np.testing.assert_array_equal(together.remainder.radiance, alone[0].rest.radiance)
+    np.testing.assert_array_equal(together.remainder.radiance, alone[0].remainder.radiance)
 
 
 def test_a_split_map_is_a_fixed_point():

@@ -76,7 +76,7 @@ LAYOUTS = [
     ),
     (
         (64, 64),
-        {"projection": "fisheye", "mapping": "orthographic", "fov": 180, "towards": (0, 1, 0)},
+        {"projection": "fisheye", "mapping": "orthographic", "fov": 180, "forward": (0, 1, 0)},
         {"axes": ((0.0, 1.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 0.0, -1.0))},
     ),
     (
@@ -131,7 +131,7 @@ REFUSALS = [
     (noise(64, 64), {"projection": "mirror-ball", "circle": (1, 2)}, "circle must be centre x"),
     (noise(64, 64), {"projection": "planar", "fov": 0}, "fov must be above 0 degrees"),
     (noise(64, 64), {"projection": "planar", "fov": 180}, "fov must be a finite"),
-    (noise(64, 64), {"projection": "planar", "fov": 9, "towards": (0, 0, 0)}, "not all 0"),
+    (noise(64, 64), {"projection": "planar", "fov": 9, "forward": (0, 0, 0)}, "not all 0"),
     (noise(48, 64), {"eye": "left"}, r"one above the other \(1:1\) or left and right \(4:1\)"),
     (noise(8, 48), {"faces": "horizontal-cross"}, "does not fit the shape .*'opengl'"),
 ]

@@ -47,7 +47,7 @@ class Problem(madsen.Problem):
         low = np.concatenate([np.zeros(3), np.tile([0, 0, 0, -np.inf, -np.inf], self.lights)])
         return low[self.fixed :], np.inf
 
-    def share(self, x):
+    def fraction(self, x):
         """The cost of `x`: the sum of squared residuals over that of the probe."""
         whole = np.sum((self.root * self.irradiance) ** 2)
         return float(np.sum(self.residual(x) ** 2) / whole)

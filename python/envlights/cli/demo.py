@@ -1,4 +1,4 @@
-"""`envlights demo`: the functions of `envlights.cli.demonstration`; Matplotlib is imported when it runs."""
+"""`envlights demo`: the functions of `cli.demonstration`; Matplotlib is imported when it runs."""
 
 from __future__ import annotations
 
