@@ -167,7 +167,7 @@ def test_what_nobody_measured_is_not_claimed():
 
 def test_the_table_says_where_each_light_is_and_how_wrong_the_rig_is():
     text = str(a_rig())
-    assert "  90.0°      +0.0°  80.5 %" in text
+    assert "  90.0°      +0.0°    80.5 %" in text
     assert "relative RMS error 25 % over a floor, with shadows 3.1 %" in text
     assert "a floor hides ambient light from below the horizon" in text
     assert "note: alpha was ignored" in text
@@ -267,7 +267,7 @@ def test_files_with_impossible_numbers_are_refused(tmp_path, change):
     path.write_text(json.dumps({**a_rig().to_dict(), **change}))
     with pytest.raises(
         el.EnvLightsError,
-        match=r"impossible rig: ((search_|shadow_)?error|steps|seconds|direction_tol|lights)",
+        match=r"impossible rig: ((search_|shadow_)?error|steps|seconds|direction_tol|ambients)",
     ):
         el.Rig.load(path)
 

@@ -110,6 +110,12 @@ def write_atomically(path: str | os.PathLike[str], write: Callable[[Path], objec
         raise FileError(f"cannot write {path}: {error.strerror or error}") from error
 
 
+def write_content(path: str | os.PathLike[str], content: str | bytes) -> None:
+    """Write text or bytes; a failure leaves the old file, or none."""
+    data = content if isinstance(content, bytes) else content.encode("utf-8", "backslashreplace")
+    write_atomically(path, lambda beside: beside.write_bytes(data))
+
+
 @contextlib.contextmanager
 def _file_beside(target: Path) -> Iterator[Path]:
     """Name of a temporary file in the folder of `target`, removed at the end."""

@@ -2,41 +2,33 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
 from collections.abc import Mapping, Sequence
 from importlib import import_module
-from pathlib import Path
 from typing import Any
 
-from envlights._common.files import as_path, write_atomically
+from envlights._common.tables import check_suffix, json_lines, save_table
 from envlights._native import EnvLightsError
 
 #: Suffixes of tables.
 SUFFIXES = (".parquet", ".jsonl")
 
 
-def save_table(
+def save_rows(
     path: str | os.PathLike[str], rows: Sequence[dict[str, Any]], columns: Mapping[str, str]
 ) -> None:
     """Write rows with typed `columns`; further columns get the type of their values."""
     check_table(path)
-    if as_path(path).suffix.lower() == ".jsonl":
-        write_atomically(path, lambda beside: _write_lines(beside, rows))
-        return
-    table = _arrow_table(rows, columns)
-    parquet = import_module("pyarrow.parquet")
-    write_atomically(path, lambda beside: parquet.write_table(table, beside))
+    save_table(
+        path, {".parquet": lambda: _parquet(rows, columns), ".jsonl": lambda: json_lines(rows)}
+    )
 
 
 def check_table(path: str | os.PathLike[str]) -> None:
     """Refuse a table that could not be written, before the work for it is done."""
-    suffix = as_path(path).suffix.lower()
-    if suffix not in SUFFIXES:
-        raise EnvLightsError(
-            f"cannot write {path}: the suffix must be one of {', '.join(SUFFIXES)}"
-        )
-    if suffix == ".parquet":
+    if check_suffix(path, SUFFIXES) == ".parquet":
         _arrow()
 
 
@@ -49,12 +41,7 @@ def _arrow() -> Any:
         ) from None
 
 
-def _write_lines(path: Path, rows: Sequence[dict[str, Any]]) -> None:
-    with path.open("w", encoding="utf-8") as file:
-        file.writelines(json.dumps(row) + "\n" for row in rows)
-
-
-def _arrow_table(rows: Sequence[dict[str, Any]], columns: Mapping[str, str]) -> Any:
+def _parquet(rows: Sequence[dict[str, Any]], columns: Mapping[str, str]) -> bytes:
     arrow = _arrow()
     types = {
         "text": arrow.string(),
@@ -69,7 +56,9 @@ def _arrow_table(rows: Sequence[dict[str, Any]], columns: Mapping[str, str]) -> 
         values = [row.get(name) for row in rows]
         kind = types[columns[name]] if name in columns else None
         arrays[name] = _column(arrow, values, kind)
-    return arrow.table(arrays)
+    data = io.BytesIO()
+    import_module("pyarrow.parquet").write_table(arrow.table(arrays), data)
+    return data.getvalue()
 
 
 def _column(arrow: Any, values: list[Any], kind: Any) -> Any:

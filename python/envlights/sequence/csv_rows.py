@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from envlights._common.tables import csv_text
 from envlights._common.units import statement
 from envlights.sequence.frame_rig import FrameRig
 from envlights.sequence.light_tracks import checked_rigs
@@ -29,12 +30,12 @@ def csv(rigs: Iterable[FrameRig]) -> str:
     8,light,2,0.0,1.0,0.0,3.0,2.0,1.0,0.5
     """
     rigs = checked_rigs(rigs)
-    lines = [_HEAD + statement(rigs[0].units), HEADER]
+    rows = []
     for rig in rigs:
         lights = rig.lights
         table = np.hstack([lights.direction, lights.irradiance, lights.angular_radius[:, None]])
-        for identity, row in zip(rig.ids, table.tolist(), strict=True):
-            lines.append(",".join([str(rig.frame), "light", str(identity), *map(repr, row)]))
-        for row in np.atleast_2d(rig.ambient).tolist():
-            lines.append(",".join([str(rig.frame), "ambient,,,,", *map(repr, row), ""]))
-    return "\n".join(lines) + "\n"
+        numbers = zip(rig.ids, table.tolist(), strict=True)
+        rows += [[rig.frame, "light", identity, *row] for identity, row in numbers]
+        ambient = np.atleast_2d(rig.ambient).tolist()
+        rows += [[rig.frame, "ambient", *[None] * 4, *row, None] for row in ambient]
+    return f"{_HEAD}{statement(rigs[0].units)}\n{HEADER}\n{csv_text(rows)}"

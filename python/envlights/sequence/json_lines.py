@@ -7,6 +7,7 @@ import os
 from collections.abc import Iterable
 from typing import Any
 
+from envlights._common import tables
 from envlights._common.check import texts
 from envlights._common.files import as_path
 from envlights._common.printable import printable_parts
@@ -31,8 +32,7 @@ def json_lines(rigs: Iterable[FrameRig], steadiness: int = 0, fps: float | None 
     '{"format": "envlights rig sequence", "version": 1, "steadiness": 0, "fps": 25.0}'
     """
     header = {**_HEADER, "steadiness": steadiness, "fps": fps}
-    lines = [header, *(rig.to_dict() for rig in checked_rigs(rigs))]
-    return "".join(json.dumps(line, allow_nan=False) + "\n" for line in lines)
+    return tables.json_lines([header, *(rig.to_dict() for rig in checked_rigs(rigs))])
 
 
 def read_json_lines(

@@ -13,6 +13,7 @@ from envlights._common import html
 from envlights._common.check import amount
 from envlights._common.check import count as whole_number
 from envlights._common.result import Result
+from envlights._common.tables import Table
 from envlights._native import EnvLightsError
 from envlights.environment import thumbnails
 from envlights.transfer.compact import CompactBasis
@@ -241,9 +242,14 @@ class Predictor(Result):
     def __str__(self) -> str:
         return str(self.report)
 
-    def _html_parts(self) -> tuple[str, ...]:
-        picture = html.picture(thumbnails.of_signed(self.directions(4)), "first directions")
-        return (picture, *self.report._html_parts())
+    def _table(self) -> Table:
+        return self.report._table()
+
+    def _lines(self) -> list[str]:
+        return [self.report.in_short(), *self.report._lines()]
+
+    def _pictures(self) -> tuple[str, ...]:
+        return (html.picture(thumbnails.of_signed(self.directions(4)), "first directions"),)
 
     def directions(self, most: int) -> NDArray[Any]:
         """First columns of the basis as images, black where all images are.
