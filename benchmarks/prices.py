@@ -25,7 +25,7 @@ from answers import FLOOR, detected_row, pairs_of_lights
 import envlights as el
 from envlights import _native, synthetic
 from envlights.fitting import ambient_terms, map_fit
-from envlights.fitting.options import FitOptions
+from envlights.fitting.request import FitOptions
 from envlights.fitting.reduction import reduction_of
 
 #: Rules of detection, each with the option that switches it off.

@@ -10,7 +10,7 @@ import envlights as el
 from envlights.comparison import rays, spheres
 from envlights.comparison.lighting import lighting_of
 from envlights.comparison.protocol import Camera, Material, Protocol
-from envlights.comparison.tone import tone
+from envlights.comparison.protocol import tone
 from tests.comparison.worlds import even, rooms
 from tests.reference import spheres as reference
 

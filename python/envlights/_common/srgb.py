@@ -46,6 +46,5 @@ def decode_codes(codes: NDArray[Any]) -> NDArray[np.float32]:
 
 @cache
 def _values(bits: int) -> NDArray[np.float32]:
-    """Linear value of each code."""
     codes = np.arange(1 << bits)
     return decode_srgb(codes / codes[-1])

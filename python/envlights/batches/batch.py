@@ -22,12 +22,11 @@ from envlights.batches.executors import (
     threads_of,
     threads_restored,
 )
-from envlights.batches.functions import name_of
 from envlights.batches.journal import Journal
 from envlights.batches.result import Batch
 from envlights.batches.rows import plain
 from envlights.batches.sources import items_of, with_unique_names
-from envlights.batches.work import METHODS, Task, check_options, work_on
+from envlights.batches.work import METHODS, Task, check_options, name_of, work_on
 
 #: Tasks that wait for each worker, so that none is idle while a row is written.
 _AHEAD = 2

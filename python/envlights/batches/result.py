@@ -20,8 +20,8 @@ from envlights._common.tables import MOST_ROWS, frame_of
 from envlights._common.words import counted, percent
 from envlights._native import EnvLightsError
 from envlights.batches import columns
+from envlights.batches.columns import save_rows
 from envlights.batches.journal import JOURNAL
-from envlights.batches.tables import save_rows
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from envlights._common.check import describe
-from envlights._common.plain import plain as plain_values
+from envlights._common.fields import plain as plain_values
 from envlights._common.result import Result
 from envlights._native import EnvLightsError
 from envlights.detection.lights import DetectedLights

@@ -98,7 +98,6 @@ def _stem(path: str) -> str:
 
 
 def _items_of_folder(folder: Path, out: Path | None) -> Iterator[Item]:
-    """Maps in a folder and in the folders below it, sorted by path."""
     found = (path for path in folder.rglob("*") if path.suffix.lower() in MAPS)
     paths = sorted(path for path in found if not _is_below(path, out))
     if not paths:

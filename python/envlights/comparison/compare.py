@@ -27,9 +27,8 @@ from envlights.comparison.lighting import (
     open_lighting,
     rows_of,
 )
-from envlights.comparison.protocol import Protocol, as_protocol
+from envlights.comparison.protocol import Protocol, as_protocol, tone
 from envlights.comparison.spheres import products_of, sphere_errors
-from envlights.comparison.tone import tone
 from envlights.comparison.wording import (
     note_of_black,
     note_of_lights,
@@ -204,7 +203,6 @@ def compare(
 
 
 def _open(name: str, what: Any) -> EnvMap | Rig | Lights:
-    """Map, rig or lights of an argument, or a refusal that names it."""
     try:
         return open_lighting(what)
     except EnvLightsError as refusal:
@@ -223,7 +221,6 @@ def _of_one_size(
 
 
 def _tone(pair: Pair, rules: Protocol) -> tuple[Pair, list[float]]:
-    """Toned lightings, and the factor of each."""
     if rules.gamma is None and rules.median is None:
         return pair, []
     toned = [tone(side.radiance, rules) for side in pair.sides]

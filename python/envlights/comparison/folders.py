@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights._common.errors import FileError, MissingFileError
+from envlights._common.fields import plain
 from envlights._common.files import as_path
-from envlights._common.plain import plain
 from envlights._common.progress import progress_bar
 from envlights._common.result import Result
 from envlights._common.tables import Table, csv_text, frame_of, json_text, save_table
@@ -198,7 +198,6 @@ def compare_folders(
 
 
 def _files(name: str, folder: str | os.PathLike[str]) -> dict[str, list[Path]]:
-    """Files of a folder by name without suffix."""
     path = as_path(folder)
     if not path.is_dir():
         raise MissingFileError(f"{name} must be a folder; got '{folder}', which is none")
@@ -217,7 +216,6 @@ def _files(name: str, folder: str | os.PathLike[str]) -> dict[str, list[Path]]:
 
 
 def _only(files: dict[str, list[Path]], name: str, what: str) -> Path:
-    """Only file of a name, or a refusal."""
     found = files.get(name, [])
     if len(found) != 1:
         count = "no file" if not found else f"{len(found)} files"

@@ -234,7 +234,6 @@ def image_errors(
 
 
 def _image(name: str, image: ArrayLike) -> NDArray[np.float64]:
-    """Finite pixels, or a refusal."""
     array = reals(name, image, np.ndim(np.asarray(image)) if _is_regular(image) else 3)
     if array.ndim not in (2, 3) or array.shape[-1] != 3 or not array.size:
         raise EnvLightsError(
@@ -248,7 +247,6 @@ def _image(name: str, image: ArrayLike) -> NDArray[np.float64]:
 
 
 def _is_regular(image: ArrayLike) -> bool:
-    """True if an image has rows of one length."""
     try:
         np.asarray(image)
     except ValueError:
@@ -257,7 +255,6 @@ def _is_regular(image: ArrayLike) -> bool:
 
 
 def _mask(mask: ArrayLike | None, shape: tuple[int, ...]) -> NDArray[np.bool_]:
-    """Pixels that count, or a refusal."""
     if mask is None:
         return np.ones(shape, bool)
     try:

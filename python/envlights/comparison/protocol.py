@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 import numpy as np
+from numpy.typing import NDArray
 
 from envlights._common.check import amount, check_choice, count, describe, reals
 from envlights._native import EnvLightsError
@@ -215,3 +216,18 @@ _REFUSED = {
 def as_protocol(protocol: object) -> Protocol:
     """Protocol of a name; a `Protocol` is returned as it is."""
     return protocol if isinstance(protocol, Protocol) else Protocol.named(protocol)  # type: ignore[arg-type]
+
+
+def tone(radiance: NDArray[np.float32], protocol: Protocol) -> tuple[NDArray[np.float32], float]:
+    """Toned map, and the factor that follows the exponent.
+
+    The factor brings the median of the samples above 0 to `Protocol.median`, as in the code of
+    StyleLight.
+    """
+    values = np.maximum(radiance, 0).astype(np.float64)
+    if protocol.gamma is not None:
+        values **= 1 / protocol.gamma
+    factor = 1.0
+    if protocol.median is not None and (values > 0).any():
+        factor = protocol.median / float(np.median(values[values > 0]))
+    return (factor * values).astype(np.float32), factor

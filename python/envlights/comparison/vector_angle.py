@@ -67,7 +67,6 @@ def vector_angle(truth: AnyMap, guess: AnyMap) -> float | None:
 
 
 def _irradiance_vector(env: EnvMap) -> NDArray[np.float64] | None:
-    """Unit vector along the irradiance vector of the luminance; None if that is 0."""
     integrals = PixelIntegrals(env.height, env.width, env.is_border_sampled)
     *vector, flux = integrals.of_luminance(env.radiance)
     length = np.linalg.norm(vector)

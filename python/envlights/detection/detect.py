@@ -203,7 +203,6 @@ def _options(
     working_width: int,
     clip_level: float | None,
 ) -> TreeOptions:
-    """Checked options."""
     return TreeOptions(
         working_columns=count("working_width", working_width, least=_LEAST_COLUMNS),
         threshold=None if threshold is None else amount("threshold", threshold),

@@ -20,8 +20,8 @@ from envlights._common.words import percent
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import AnyMap
 from envlights.environment.fill import Fill
-from envlights.fitting.arguments import FitArguments
 from envlights.fitting.map_fit import fit_map_by_count
+from envlights.fitting.request import FitArguments
 from envlights.kernels import gloss
 from envlights.rigs.rig import Rig
 
@@ -216,5 +216,4 @@ def _better(rig: Rig, more: Rig) -> Rig:
 
 
 def _objective_error(rig: Rig) -> float:
-    """Error that the fit of a rig minimised."""
     return rig.report.objective_error or 0.0

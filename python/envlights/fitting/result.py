@@ -64,7 +64,6 @@ def rig_of(
 
 
 def _rows(lights: list[int], order: NDArray[np.intp]) -> tuple[int, ...]:
-    """Rows of these lights of the answer in the `order` of the lights."""
     return tuple(sorted(order.argsort()[lights].tolist()))
 
 

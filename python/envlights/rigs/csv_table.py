@@ -93,7 +93,6 @@ def load_csv(path: str | os.PathLike[str], build: Callable[[Table], _T]) -> _T:
 
 
 def _rows(lines: list[str]) -> list[list[str]]:
-    """Cells of each row below the header."""
     if lines[:1] != [HEADER]:
         raise ValueError(f"the header must be '{HEADER}'")
     rows = [line.split(",") for line in lines[1:]]

@@ -336,7 +336,6 @@ class FitReport(Result):
         return (f"ambient term {self.ambient!r} selected from  {each}",)
 
     def _accuracy(self) -> tuple[str, ...]:
-        """Accuracy of the directions."""
         if self.direction_tolerances:
             angles = _each_degree(self.direction_tolerances)
             return (f"direction tolerance (10 % more error): {angles}",)

@@ -333,7 +333,6 @@ def rigs_to_frame(rigs: Iterable[Rig] | Mapping[str, Rig]) -> pd.DataFrame:
 
 
 def _row(rig: Rig) -> dict[str, Any]:
-    """Cells of a rig in a data frame."""
     # The first harmonic is constant: 1 / sqrt(4 pi).
     mean = rig.ambient if rig.ambient.ndim == 1 else rig.ambient[0] / np.sqrt(4 * np.pi)
     return {

@@ -17,9 +17,8 @@ from envlights._common.tables import MOST_ROWS, Table
 from envlights._common.words import counted, percent
 from envlights._native import EnvLightsError
 from envlights.kernels.image import LUMINANCE
-from envlights.sequence.formats import save
+from envlights.sequence.formats import read_json_lines, save
 from envlights.sequence.frame_rig import FrameRig
-from envlights.sequence.json_lines import read_json_lines
 from envlights.sequence.light_tracks import checked_rigs
 from envlights.sequence.steadiness import MOST_FRAMES, frame_rate
 
@@ -245,7 +244,6 @@ class RigSequence(TableResult):
 
 
 def _some(frames: list[int]) -> str:
-    """First numbers of frames as text."""
     if not frames:
         return "none"
     rest = f" and {len(frames) - MOST_ROWS} more" if len(frames) > MOST_ROWS else ""

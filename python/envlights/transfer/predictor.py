@@ -19,8 +19,7 @@ from envlights.environment import thumbnails
 from envlights.transfer.compact import CompactBasis
 from envlights.transfer.consistency import check_fields
 from envlights.transfer.expand import check_range, expand, project, region_mask, truncate
-from envlights.transfer.files.pair_summary import PairSummary
-from envlights.transfer.pairs import image_stack, rgb_rows
+from envlights.transfer.pairs import PairSummary, image_stack, rgb_rows
 from envlights.transfer.report import TransferReport
 from envlights.transfer.training import familiarity
 from envlights.transfer.training.basis import check_parameters
@@ -222,11 +221,9 @@ class Predictor(Result):
         return familiarity.most_unfamiliar(self.learnt.direct, rgb_rows(stack), count)
 
     def _noted(self, note: str) -> TransferReport:
-        """Report with one more note."""
         return replace(self.report, notes=(*self.report.notes, note))
 
     def _dense(self, what: str) -> NDArray[Any]:
-        """Uncompressed basis, or a refusal."""
         if isinstance(self.basis, CompactBasis):
             raise EnvLightsError(
                 f"a compressed model cannot {what}; use the model before the compression"
