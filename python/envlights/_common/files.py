@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import glob
 import importlib.util
 import os
 import shutil
@@ -19,6 +20,8 @@ try:
 except ImportError:  # Windows
     fcntl = None  # type: ignore[assignment]
 
+#: Suffixes of the maps that are taken from a folder.
+MAPS = (".exr", ".hdr", ".pic", ".rgbe", ".png", ".jpg", ".jpeg", ".tif", ".tiff")
 #: Formats of pictures, for checks without Matplotlib.
 PICTURES = (".png", ".pdf", ".svg")
 #: End of a refusal to draw without the library that draws.
@@ -46,6 +49,14 @@ def as_path(path: object) -> Path:
             "a path must be text that can name a file; it holds a zero byte or half a character"
         )
     return result
+
+
+def matches(pattern: str) -> list[str]:
+    """Paths that match a pattern, sorted; names of existing folders in it are taken as they are."""
+    path = Path(pattern)
+    folder = next((each for each in path.parents if each.exists()), Path())
+    rest = path.relative_to(folder)
+    return sorted(glob.glob(str(Path(glob.escape(str(folder)), rest)), recursive=True))  # noqa: PTH207
 
 
 def check_writable(path: str | os.PathLike[str]) -> Path:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from envlights._common.errors import FileError, MissingFileError
 from envlights._common.fields import plain
-from envlights._common.files import as_path
+from envlights._common.files import MAPS, as_path
 from envlights._common.progress import progress_bar
 from envlights._common.result import Result
 from envlights._common.tables import Table, csv_text, frame_of, json_text, save_table
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 #: Suffixes of files that are compared; other files are not looked at.
-_SUFFIXES = (".exr", ".hdr", ".png", ".jpg", ".jpeg", ".tif", ".tiff", *LIGHT_FILES)
+_SUFFIXES = (*MAPS, *LIGHT_FILES)
 #: Numbers of each sphere, with a column each.
 _OF_SPHERE = ("rmse", "si_rmse", "angle", "relative", "si_relative", "normalised_rmse")
 

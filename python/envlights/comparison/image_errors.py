@@ -234,7 +234,7 @@ def image_errors(
 
 
 def _image(name: str, image: ArrayLike) -> NDArray[np.float64]:
-    array = reals(name, image, np.ndim(np.asarray(image)) if _is_regular(image) else 3)
+    array = reals(name, image, None)
     if array.ndim not in (2, 3) or array.shape[-1] != 3 or not array.size:
         raise EnvLightsError(
             f"{name} must have the shape (height, width, 3) or (n, 3); got {array.shape}"
@@ -244,14 +244,6 @@ def _image(name: str, image: ArrayLike) -> NDArray[np.float64]:
     if np.abs(array).max() > 1e100:
         raise EnvLightsError(f"{name} must be below 1e100, so that its squares are finite")
     return array
-
-
-def _is_regular(image: ArrayLike) -> bool:
-    try:
-        np.asarray(image)
-    except ValueError:
-        return False
-    return True
 
 
 def _mask(mask: ArrayLike | None, shape: tuple[int, ...]) -> NDArray[np.bool_]:
