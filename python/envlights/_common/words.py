@@ -13,6 +13,6 @@ def degrees(angle: float | None) -> str:
     return "none" if angle is None else f"{angle:.3g}°"
 
 
-def counted(number: int, noun: str) -> str:
+def quantity(number: int, noun: str) -> str:
     """Number of things: "1 light", "2 lights"."""
     return f"{number} {noun}{'' if number == 1 else 's'}"

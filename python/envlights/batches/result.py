@@ -17,7 +17,7 @@ from envlights._common.files import as_path
 from envlights._common.printable import printable
 from envlights._common.result import Result
 from envlights._common.tables import MOST_ROWS, frame_of
-from envlights._common.words import counted, percent
+from envlights._common.words import quantity, percent
 from envlights._native import EnvLightsError
 from envlights.batches import columns
 from envlights.batches.columns import save_rows
@@ -108,7 +108,7 @@ class Batch(Result):
         """Number of maps and of failures."""
         number, failures, _ = self._summary
         again = f", {self.unchanged} unchanged" if self.unchanged else ""
-        return f"{counted(number, 'map')}, {len(failures)} failed{again}"
+        return f"{quantity(number, 'map')}, {len(failures)} failed{again}"
 
     def _lines(self) -> list[str]:
         """Medians of the errors, and the first dozen failures."""

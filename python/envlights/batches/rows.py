@@ -81,5 +81,5 @@ def _each_light(lights: Lights, tolerances: Iterable[float] = ()) -> list[dict[s
 
 
 def plain(value: Any) -> Any:
-    """Plain `value`, in which None stands for numbers that are not finite."""
+    """Plain `value`; numbers that are not finite become None."""
     return plain_values(value, infinity=None)

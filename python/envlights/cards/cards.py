@@ -15,7 +15,7 @@ from envlights._common.check import amount, count, flag, reals, rotation, texts
 from envlights._common.result import Result
 from envlights._common.tables import MOST_ROWS, Table
 from envlights._common.units import OWN_SCALE, checked_units
-from envlights._common.words import counted
+from envlights._common.words import quantity
 from envlights._native import EnvLightsError
 from envlights.cards import geometry
 from envlights.cards.arrays import (
@@ -341,7 +341,7 @@ class Cards(Result):
         """Table of the first dozen cards."""
         columns = ["card", "shape", "azimuth", "elevation", "size", "overlap"]
         rows = [self._cells(row) for row in range(min(len(self), MOST_ROWS))]
-        hidden = counted(len(self) - len(rows), "more card") if len(self) > len(rows) else ""
+        hidden = quantity(len(self) - len(rows), "more card") if len(self) > len(rows) else ""
         rest = hidden if rows else "no card"
         colours = thumbnails.hex_of(self.irradiance[:MOST_ROWS])
         return Table([*columns, rgb_heading(self.units)], rows, rest, colours)

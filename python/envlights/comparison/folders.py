@@ -17,7 +17,7 @@ from envlights._common.files import MAPS, as_path
 from envlights._common.progress import progress_bar
 from envlights._common.result import Result
 from envlights._common.tables import Table, csv_text, frame_of, json_text, save_table
-from envlights._common.words import counted
+from envlights._common.words import quantity
 from envlights._native import EnvLightsError
 from envlights.comparison.compare import Comparison, compare
 from envlights.comparison.light_set_difference import NUMBERS
@@ -66,7 +66,7 @@ class FolderComparison(Result):
 
     def in_short(self) -> str:
         """Number of pairs and of failures."""
-        pairs = counted(len(self.comparisons), "pair")
+        pairs = quantity(len(self.comparisons), "pair")
         return f"{pairs} by '{self.protocol.name}', {len(self.failures)} failed"
 
     def __len__(self) -> int:

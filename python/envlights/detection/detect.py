@@ -176,19 +176,19 @@ def detect_with_luminance(
 def _options(given: dict[str, Any]) -> TreeOptions:
     """Checked arguments of `detect`."""
 
-    def checked(name: str, least: float = 0.0, most: float = math.inf) -> float:
+    def number(name: str, least: float = 0.0, most: float = math.inf) -> float:
         return amount(name, given[name], least, most)
 
     threshold, lights, level = given["threshold"], given["max_lights"], given["clip_level"]
     return TreeOptions(
         working_columns=count("working_width", given["working_width"], least=_LEAST_COLUMNS),
-        threshold=None if threshold is None else checked("threshold"),
-        rise=checked("rise", least=1.0),
-        prominence=checked("prominence", least=1.0),
-        extent=checked("extent", most=1.0),
-        gap=math.radians(checked("gap_deg", most=90.0)),
-        min_flux_fraction=checked("min_flux_fraction", most=1.0),
-        min_worth=checked("min_worth"),
+        threshold=None if threshold is None else number("threshold"),
+        rise=number("rise", least=1.0),
+        prominence=number("prominence", least=1.0),
+        extent=number("extent", most=1.0),
+        gap=math.radians(number("gap_deg", most=90.0)),
+        min_flux_fraction=number("min_flux_fraction", most=1.0),
+        min_worth=number("min_worth"),
         max_lights=LARGEST_COUNT if lights is None else count("max_lights", lights, 1),
         clip_level=None if level is None else checked_clip_level(level),
     )

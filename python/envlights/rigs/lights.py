@@ -20,7 +20,7 @@ from envlights._common.notes import Note
 from envlights._common.result import TableResult
 from envlights._common.tables import MOST_ROWS, Table
 from envlights._common.units import OWN_SCALE, checked_units, in_lux
-from envlights._common.words import counted
+from envlights._common.words import quantity
 from envlights._native import EnvLightsError
 from envlights.environment import thumbnails
 from envlights.environment.envmap import EnvMap
@@ -179,7 +179,7 @@ class Lights(TableResult):
 
     def in_short(self) -> str:
         """Number of lights."""
-        return counted(len(self), "light")
+        return quantity(len(self), "light")
 
     def _lines(self) -> list[str]:
         return [f"note: {note}" for note in self.notes]
@@ -361,7 +361,7 @@ def hidden_lights(fraction: NDArray[np.float64]) -> str:
     if not len(fraction):
         return "no directional light"
     hidden = fraction[MOST_ROWS:]
-    more = counted(len(hidden), "more light")
+    more = quantity(len(hidden), "more light")
     return f"{more}, {100 * hidden.sum():.2g} % together" if len(hidden) else ""
 
 

@@ -14,7 +14,7 @@ from envlights._common.fields import fields_of, read_fields
 from envlights._common.result import Result
 from envlights._common.tables import frame_of
 from envlights._common.times import time_lines
-from envlights._common.words import counted, percent
+from envlights._common.words import quantity, percent
 from envlights._native import EnvLightsError
 from envlights.kernels import gloss
 
@@ -258,7 +258,7 @@ class FitReport(Result):
             return self.stop_reason.value
         lights, error = list(self.search_errors.items())[-1]
         error = error if self.sized_error is None else self.sized_error
-        return f"{counted(lights, 'light')}, {percent(error)}; {self.stop_reason.value}"
+        return f"{quantity(lights, 'light')}, {percent(error)}; {self.stop_reason.value}"
 
     def _lines(self) -> list[str]:
         """Error of each number of lights, and lines for users."""
@@ -330,7 +330,7 @@ class FitReport(Result):
         if not self.ambients:
             return ()
         each = "  ".join(
-            f"{name}: {counted(lights, 'light')}, {percent(error)}"
+            f"{name}: {quantity(lights, 'light')}, {percent(error)}"
             for name, (lights, error) in self.ambients.items()
         )
         return (f"ambient term {self.ambient!r} selected from  {each}",)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from envlights._common.check import count
 from envlights._common.result import TableResult
 from envlights._common.tables import MOST_ROWS, Table
-from envlights._common.words import counted, percent
+from envlights._common.words import quantity, percent
 from envlights._native import EnvLightsError
 from envlights.kernels.image import LUMINANCE
 from envlights.sequence.formats import read_json_lines, save
@@ -199,8 +199,8 @@ class RigSequence(TableResult):
 
     def in_short(self) -> str:
         """Number of frames and lights, mean error and flicker."""
-        lights, error = counted(len(self.ids), "light"), percent(self.error.mean())
-        frames, flicker = counted(len(self), "frame"), f"flicker {100 * self.flicker:.2g} %"
+        lights, error = quantity(len(self.ids), "light"), percent(self.error.mean())
+        frames, flicker = quantity(len(self), "frame"), f"flicker {100 * self.flicker:.2g} %"
         return f"{frames}, {lights}, mean error {error}, {flicker}"
 
     def table(self) -> Table:
@@ -210,7 +210,7 @@ class RigSequence(TableResult):
         columns = ["id", "frames", "fraction", "mean flux", "fastest motion"]
         rows = [self._cells(column, flux, motion) for column in order[:MOST_ROWS]]
         hidden = len(order) - MOST_ROWS
-        rest = counted(hidden, "more light") if hidden > 0 else ""
+        rest = quantity(hidden, "more light") if hidden > 0 else ""
         return Table(columns, rows, rest if rows else "no light")
 
     def _cells(
