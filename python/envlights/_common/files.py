@@ -12,7 +12,7 @@ import zlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from envlights._common.errors import FileError
+from envlights._common.errors import DamagedFileError, FileError, unreadable
 from envlights._native import EnvLightsError
 
 try:
@@ -57,6 +57,16 @@ def matches(pattern: str) -> list[str]:
     folder = next((each for each in path.parents if each.exists()), Path())
     rest = path.relative_to(folder)
     return sorted(glob.glob(str(Path(glob.escape(str(folder)), rest)), recursive=True))  # noqa: PTH207
+
+
+def read_text(path: str | os.PathLike[str]) -> str:
+    """Text of a file, or a refusal."""
+    try:
+        return as_path(path).read_text(encoding="utf-8")
+    except OSError as error:
+        raise unreadable(path, error) from None
+    except UnicodeDecodeError:
+        raise DamagedFileError(f"{path} is damaged or of another kind: it is not text") from None
 
 
 def check_writable(path: str | os.PathLike[str]) -> Path:

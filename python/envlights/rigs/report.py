@@ -14,7 +14,7 @@ from envlights._common.fields import fields_of, read_fields
 from envlights._common.result import Result
 from envlights._common.tables import frame_of
 from envlights._common.times import time_lines
-from envlights._common.words import quantity, percent
+from envlights._common.words import percent, quantity
 from envlights._native import EnvLightsError
 from envlights.kernels import gloss
 

@@ -383,8 +383,9 @@ def _of_table(table: Table) -> Rig:
     return Rig(table.ambient, lights_of_table(table), table.error, floor=table.floor)
 
 
-def _from_dict(data: dict[str, Any]) -> Rig:
-    return Rig(
+def rig_fields(data: dict[str, Any]) -> tuple[Any, Any, Any, Any, Any, Any]:
+    """Arguments of `Rig` in what `Rig.to_dict` wrote."""
+    return (
         data["ambient"],
         lights_of(data["lights"]),
         data["error"],
@@ -392,3 +393,7 @@ def _from_dict(data: dict[str, Any]) -> Rig:
         tuple(texts("notes", data["notes"])),
         data.get("floor", False),
     )
+
+
+def _from_dict(data: dict[str, Any]) -> Rig:
+    return Rig(*rig_fields(data))

@@ -10,16 +10,15 @@ from typing import Any
 import numpy as np
 
 from envlights._common import tables
-from envlights._common.check import texts
-from envlights._common.files import as_path
-from envlights._common.printable import printable_parts
+from envlights._common.errors import DamagedFileError
+from envlights._common.files import as_path, read_text
 from envlights._common.tables import csv_text
 from envlights._common.units import statement
 from envlights._native import EnvLightsError
 from envlights.export.files import save_scene
 from envlights.export.usd import crate
-from envlights.rigs.lights import lights_of
-from envlights.rigs.report import FitReport
+from envlights.rigs.own_json import build_from, parse
+from envlights.rigs.rig import rig_fields
 from envlights.sequence.blender_keyframes import blender
 from envlights.sequence.frame_rig import FrameRig
 from envlights.sequence.gltf_animation import gltf
@@ -54,54 +53,24 @@ def read_json_lines(
     EnvLightsError
         If the file is missing, or is no complete sequence.
     """
-    try:
-        lines = as_path(path).read_text(encoding="utf-8").splitlines()
-    except OSError as error:
-        raise EnvLightsError(f"cannot read {path}: {error.strerror}") from None
-    except UnicodeDecodeError:
-        raise EnvLightsError(f"{path} is not a sequence of rigs: it is not text") from None
-    header = _parse(path, 1, lines[0] if lines else "")
-    if {name: header.get(name) for name in _HEADER} != _HEADER:
-        raise EnvLightsError(
+    lines = read_text(path).splitlines()
+    header = parse(f"{path}, line 1,", lines[0] if lines else "", "JSON")
+    if not isinstance(header, dict) or not header.items() >= _HEADER.items():
+        raise DamagedFileError(
             f"{path} is not a sequence of rigs of version 1: its first line does not say"
             f" {json.dumps(_HEADER)}"
         )
-    rigs = tuple(_rig(path, number, line) for number, line in enumerate(lines[1:], 2))
-    return rigs, header.get("steadiness", 0), header.get("fps")
+    places = [f"{path}, line {number}," for number in range(2, len(lines) + 1)]
+    rigs = (
+        build_from(place, "rig", _frame_rig, parse(place, line, "JSON"))
+        for place, line in zip(places, lines[1:], strict=True)
+    )
+    return tuple(rigs), header.get("steadiness", 0), header.get("fps")
 
 
-def _parse(path: object, number: int, line: str) -> dict[str, Any]:
-    try:
-        data = printable_parts(json.loads(line))
-    except (ValueError, RecursionError) as error:
-        raise EnvLightsError(f"{path}, line {number}, is not JSON: {error}") from None
-    if not isinstance(data, dict):
-        raise EnvLightsError(f"{path}, line {number}, is not an object of JSON")
-    return data
-
-
-def _rig(path: object, number: int, line: str) -> FrameRig:
-    data = _parse(path, number, line)
-    try:
-        return FrameRig(
-            data["ambient"],
-            lights_of(data["lights"]),
-            data["error"],
-            FitReport.from_dict(data["report"]),
-            tuple(texts("notes", data["notes"])),
-            data["floor"],
-            data["frame_number"],
-            tuple(data["ids"]),
-            data["fit_error"],
-            data["is_search"],
-            data["is_step"],
-        )
-    except EnvLightsError as error:
-        raise EnvLightsError(f"{path}, line {number}, holds an impossible rig: {error}") from None
-    except (AttributeError, IndexError, KeyError, OverflowError, TypeError, ValueError) as error:
-        raise EnvLightsError(
-            f"{path}, line {number}, is not a rig of a sequence: {type(error).__name__} {error}"
-        ) from None
+def _frame_rig(data: dict[str, Any]) -> FrameRig:
+    flags = data["fit_error"], data["is_search"], data["is_step"]
+    return FrameRig(*rig_fields(data), data["frame_number"], tuple(data["ids"]), *flags)
 
 
 HEADER = "frame,kind,id,x,y,z,red,green,blue,angular_radius"

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from envlights._common.check import count
 from envlights._common.result import TableResult
 from envlights._common.tables import MOST_ROWS, Table
-from envlights._common.words import quantity, percent
+from envlights._common.words import percent, quantity
 from envlights._native import EnvLightsError
 from envlights.kernels.image import LUMINANCE
 from envlights.sequence.formats import read_json_lines, save
