@@ -44,6 +44,8 @@ class Job:
 
 
 class Cluster:
+    """Executor that is none of the standard library."""
+
     submit = Job
 
 

@@ -54,7 +54,7 @@ def _laid_out(array: NDArray[Any], dtype: type[Any]) -> NDArray[Any]:
 
 
 def reals(name: str, values: ArrayLike, ndim: int | None) -> NDArray[np.float64]:
-    """`values` as a C-contiguous float64 array of `ndim` axes, or any; or a refusal that names it."""
+    """`values` as a C-contiguous float64 array of `ndim` axes, or of any number for None."""
     try:
         array = np.asarray(values)
     except ValueError as error:

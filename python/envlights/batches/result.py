@@ -17,7 +17,7 @@ from envlights._common.files import as_path
 from envlights._common.printable import printable
 from envlights._common.result import Result
 from envlights._common.tables import MOST_ROWS, frame_of
-from envlights._common.words import quantity, percent
+from envlights._common.words import percent, quantity
 from envlights._native import EnvLightsError
 from envlights.batches import columns
 from envlights.batches.columns import save_rows
