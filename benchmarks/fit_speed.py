@@ -22,7 +22,7 @@ from tests.reference import peers
 
 import envlights as el
 from envlights import _native, kernels
-from envlights.fitting.options import FitOptions
+from envlights.fitting.request import FitOptions
 
 LIGHTS = (1, 2, 4, 8, 16, 32)
 NORMAL_COUNTS = (80, 320, 1280, 5120, 20480)

@@ -25,8 +25,8 @@ from answers import FLOOR, detected_row, pairs_of_lights
 import envlights as el
 from envlights import _native, synthetic
 from envlights.fitting import ambient_terms, map_fit
-from envlights.fitting.options import FitOptions
 from envlights.fitting.reduction import reduction_of
+from envlights.fitting.request import FitOptions
 
 #: Rules of detection, each with the option that switches it off.
 RULES = {

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 import envlights as el
 from envlights.environment.decoders.openimageio import oiio
 from envlights.kernels.image import LUMINANCE
+from tests.reference import srgb
 
 OWN = "the map's own scale"
 FACINGS = ([0, 1, 0], [0, -1, 0], [0.6, 0.8, 0], [0, 0, 1])
@@ -205,8 +206,7 @@ def test_merged_exposures_have_the_scale_of_their_exif(tmp_path):
         tags = {**TAGS, "ExposureTime": time}
         ev100 = np.log2(8**2 / time * 100 / 200)
         linear = 2000 / (1.2 * 2**ev100)
-        code = 1.055 * linear ** (1 / 2.4) - 0.055
-        write_photograph(tmp_path / f"{j}.jpg", tags, code)
+        write_photograph(tmp_path / f"{j}.jpg", tags, srgb.encode(linear))
     merged = el.EnvMap.from_exposures(sorted(tmp_path.glob("*.jpg")))
     assert merged.ev100 == 0
     np.testing.assert_allclose(merged.calibrated().radiance, 2000, rtol=0.03)

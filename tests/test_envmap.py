@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import envlights as el
+from tests.reference import srgb
 
 RADIANCE = np.random.default_rng(1).gamma(0.5, 2.0, size=(16, 32, 3)).astype(np.float32)
 
@@ -57,7 +58,7 @@ def test_codes_are_read_in_either_byte_order():
 def test_integer_arrays_are_taken_as_srgb_and_noted():
     codes = np.full((4, 8, 3), 188, np.uint8)
     env = el.EnvMap(codes)
-    np.testing.assert_allclose(env.radiance, ((188 / 255 + 0.055) / 1.055) ** 2.4, rtol=1e-6)
+    np.testing.assert_allclose(env.radiance, srgb.decode(188 / 255), rtol=1e-6)
     assert env.notes == ("uint8 samples were decoded from sRGB",)
 
 

@@ -267,7 +267,7 @@ def test_files_with_impossible_numbers_are_refused(tmp_path, change):
     path.write_text(json.dumps({**a_rig().to_dict(), **change}))
     with pytest.raises(
         el.EnvLightsError,
-        match=r"impossible rig: ((search_|shadow_)?error|steps|seconds|direction_tol|lights)",
+        match=r"impossible rig: ((search_|shadow_)?error|steps|seconds|direction_tol|ambients)",
     ):
         el.Rig.load(path)
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import envlights as el
+from tests.reference import srgb
 
 SKY = np.full((32, 64, 3), 0.25, np.float32)
 
@@ -49,7 +50,7 @@ def test_partly_seen_pixels_are_multiplied_by_alpha_in_linear_light():
     codes = np.full((4, 8, 4), 188, np.uint8)
     codes[..., 3] = 51
     env = el.EnvMap(codes)
-    np.testing.assert_allclose(env.radiance, 0.2 * ((188 / 255 + 0.055) / 1.055) ** 2.4, rtol=1e-5)
+    np.testing.assert_allclose(env.radiance, 0.2 * srgb.decode(188 / 255), rtol=1e-5)
     assert env.coverage_fraction == pytest.approx(0.2)
 
 

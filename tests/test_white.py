@@ -5,6 +5,7 @@ import pytest
 
 import envlights as el
 from envlights import _native
+from tests.reference import srgb
 
 
 def picture(white, peak=30.0, shape=(128, 256)):
@@ -13,13 +14,8 @@ def picture(white, peak=30.0, shape=(128, 256)):
     sun = np.array([np.cos(0.6), 0.6, np.sin(0.6)])
     angle = np.degrees(np.arccos(np.clip(directions @ (sun / np.linalg.norm(sun)), -1, 1)))
     sky = 0.12 + 0.15 * (directions[..., 1] + 1) + peak * np.exp(-angle / 4)
-    coded = 1.055 * np.clip(sky, 0.0031308, 1) ** (1 / 2.4) - 0.055
-    codes = np.minimum(np.round(255 * coded), white).astype(np.uint8)
+    codes = np.minimum(np.round(255 * srgb.encode(np.clip(sky, 0, 1))), white).astype(np.uint8)
     return np.repeat(codes[..., None], 3, axis=2)
-
-
-def linear(code):
-    return ((code / 255 + 0.055) / 1.055) ** 2.4
 
 
 @pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
@@ -27,7 +23,7 @@ def linear(code):
 def test_the_clip_level_is_where_the_picture_ends(white, dtype):
     codes = picture(white)
     env = el.EnvMap(codes.astype(dtype) * (1 if dtype == np.uint8 else 257))
-    assert env.clip_level == pytest.approx(linear(white), rel=1e-5)
+    assert env.clip_level == pytest.approx(srgb.decode(white / 255), rel=1e-5)
     assert f"the picture is clipped at code {white} of 255, by its histogram" in env.notes
     assert env.clipped_fraction > 0
     assert el.detect(env).is_clipped.any()

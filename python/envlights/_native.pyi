@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from envlights.detection.detect import TreeOptions
 from envlights.environment.layouts.layout import Layout
-from envlights.fitting.options import FitOptions
+from envlights.fitting.request import FitOptions
 from envlights.kernels.loghin import LineRule
 from envlights.kernels.occluder import _Lighting
 from envlights.kernels.solids import Stage

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from envlights.comparison.common_rotation import rotation_degrees
+from envlights.comparison.angles import rotation_degrees
 
 
 def unit(vectors):

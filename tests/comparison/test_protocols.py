@@ -9,8 +9,7 @@ import pytest
 import envlights as el
 from envlights.comparison import rays, spheres
 from envlights.comparison.lighting import lighting_of
-from envlights.comparison.protocol import Camera, Material, Protocol
-from envlights.comparison.tone import tone
+from envlights.comparison.protocol import Camera, Material, Protocol, tone
 from tests.comparison.worlds import even, rooms
 from tests.reference import spheres as reference
 

@@ -5,6 +5,7 @@ import struct
 import numpy as np
 
 from envlights.environment.colour.primaries import REC709
+from tests.reference import srgb
 
 BRADFORD = np.array(
     [[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]]
@@ -42,12 +43,8 @@ def parametric(kind, *values):
     return b"para\0\0\0\0" + struct.pack(">HH", kind, 0) + fixed(values)
 
 
-def srgb(codes):
-    return np.where(codes <= 0.04045, codes / 12.92, ((codes + 0.055) / 1.055) ** 2.4)
-
-
 SRGB = parametric(3, 2.4, 1 / 1.055, 0.055 / 1.055, 1 / 12.92, 0.04045)
-SRGB_SAMPLED = through(srgb(np.linspace(0, 1, 1024)))
+SRGB_SAMPLED = through(srgb.decode(np.linspace(0, 1, 1024)))
 
 
 def assemble(tags, space=b"RGB ", kind=b"mntr"):

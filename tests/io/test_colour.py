@@ -21,6 +21,7 @@ from envlights.environment.colour.primaries import (
 )
 from envlights.environment.decoders.raw_image import FileColour, Header
 from tests.io import profiles
+from tests.reference import srgb
 
 SRGB_NOTE = "integer samples were decoded from sRGB"
 
@@ -186,7 +187,7 @@ def test_impossible_primaries_are_ignored_with_a_note(values):
 
 def test_a_float_file_follows_the_curve_of_its_profile_above_white():
     light = np.array([0.1, 1.0, 20.0])
-    encoded = 1.055 * light ** (1 / 2.4) - 0.055
+    encoded = srgb.encode(light)
     profile = profiles.rgb(profiles.SRGB)
     for dtype in ("f4", "f2"):
         found = linear(encoded.astype(dtype), kind="tiff", icc=profile)

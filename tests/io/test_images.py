@@ -13,6 +13,7 @@ from envlights import io
 from envlights._common.srgb import decode_srgb
 from tests.conftest import real_maps
 from tests.helpers import EQUIRECTANGULAR
+from tests.reference import srgb
 
 RADIANCE = np.random.default_rng(1).gamma(0.5, 2.0, size=(16, 32, 3)).astype(np.float32)
 
@@ -32,11 +33,6 @@ def write(path, pixels, file_format=oiio.FLOAT, **attributes):
     assert file.write_image(np.ascontiguousarray(pixels)), file.geterror()
     file.close()
     return path
-
-
-def srgb(linear):
-    coded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
-    return coded.astype(np.float32)
 
 
 @pytest.mark.parametrize(
@@ -73,14 +69,16 @@ def test_radiance_files_keep_their_shared_exponent(tmp_path, rle):
 )
 def test_integer_files_are_linearised_from_srgb(tmp_path, name, file_format, steps):
     linear = np.linspace(0, 1, 16 * 32 * 3).reshape(16, 32, 3)
-    env = el.EnvMap.open(write(tmp_path / name, srgb(linear), file_format))
+    env = el.EnvMap.open(
+        write(tmp_path / name, srgb.encode(linear).astype(np.float32), file_format)
+    )
     # Half a code, times the steepest slope of the curve.
     np.testing.assert_allclose(env.radiance, linear, atol=0.5 * 2.3 / steps)
     assert "sRGB" in env.notes[0]
 
 
 def test_jpeg_is_read(tmp_path):
-    grey = np.full((16, 32, 3), srgb(np.array(0.25)), np.float32)
+    grey = np.full((16, 32, 3), srgb.encode(0.25), np.float32)
     env = el.EnvMap.open(write(tmp_path / "map.jpg", grey, oiio.UINT8))
     np.testing.assert_allclose(env.radiance, 0.25, atol=0.01)
 

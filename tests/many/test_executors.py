@@ -5,7 +5,9 @@ import signal
 from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 import envlights as el
@@ -32,6 +34,37 @@ def test_an_executor_of_spawned_processes_is_taken(tmp_path):
     with ProcessPoolExecutor(1, get_context("spawn")) as executor:
         result = el.batch(tmp_path / "maps", tmp_path / "out", lights=1, executor=executor)
     check_whole(result, tmp_path / "out", good)
+
+
+class Job:
+    """Result of `Cluster.submit`, which is no future of the standard library."""
+
+    def __init__(self, work, task):
+        self.result = lambda: work(task)
+
+
+class Cluster:
+    """Executor that is none of the standard library."""
+
+    submit = Job
+
+
+def test_an_executor_needs_only_submit_and_jobs_only_result():
+    maps = [el.synthetic.plain(seed, 128).radiance for seed in range(5)]
+    expected = el.batch(maps, lights=1, jobs=1)
+    assert rows(el.batch(maps, lights=1, executor=Cluster())) == rows(expected)
+
+
+@pytest.mark.parametrize("executor", [3, object(), lambda: None])
+def test_an_object_without_submit_is_refused(executor):
+    with pytest.raises(el.EnvLightsError, match=r"an object with the method submit\(f, x\)"):
+        el.batch([np.ones((8, 16, 3))], executor=executor)
+
+
+def test_a_job_without_a_result_is_refused():
+    cluster = SimpleNamespace(submit=lambda work, task: None)
+    with pytest.raises(el.EnvLightsError, match=r"must return an object with .* result\(\)"):
+        el.batch([np.ones((8, 16, 3))], executor=cluster)
 
 
 class _Elsewhere(Executor):

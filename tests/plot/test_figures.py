@@ -14,6 +14,7 @@ from matplotlib.text import Text
 import envlights as el
 from envlights import plot
 from envlights.plot.markers import TINTS, number_colours, sizes_for
+from tests.reference import srgb
 
 DOCS = Path(__file__).parents[2] / "docs"
 HALL = el.EnvMap(el.synthetic.hall(64).radiance)
@@ -48,8 +49,7 @@ def test_codes_of_a_strip_are_those_of_the_probe_of_the_rig():
     tilt = np.pi * (0.5 - 0.47)
     normal_y = up * np.cos(tilt) + np.sqrt(1 - up**2) * np.sin(tilt)
     light = (np.pi * 0.2 + np.array([2.0, 1.0, 0.5]) * normal_y) / np.pi
-    codes = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
-    np.testing.assert_allclose(middle, codes, atol=2e-3)
+    np.testing.assert_allclose(middle, srgb.encode(light), atol=2e-3)
 
 
 def test_the_differences_of_rigs_share_one_scale_and_one_bar():

@@ -295,7 +295,7 @@ def test_harmonics_are_not_animated_but_saved(tmp_path):
     ("text", "sentence"),
     [
         ("", "line 1, is not JSON"),
-        ("[1]\n", "line 1, is not an object"),
+        ("[1]\n", "is not a sequence of rigs of version 1"),
         ('{"format": "envlights rig", "version": 4}\n', "is not a sequence of rigs of version 1"),
         (None, "line 3, is not JSON"),
     ],

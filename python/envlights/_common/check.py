@@ -53,15 +53,15 @@ def _laid_out(array: NDArray[Any], dtype: type[Any]) -> NDArray[Any]:
     return np.require(array, dtype, ["C_CONTIGUOUS", "ALIGNED"])
 
 
-def reals(name: str, values: ArrayLike, ndim: int) -> NDArray[np.float64]:
-    """`values` as a C-contiguous float64 array of `ndim` axes, or a refusal that names it."""
+def reals(name: str, values: ArrayLike, ndim: int | None) -> NDArray[np.float64]:
+    """`values` as a C-contiguous float64 array of `ndim` axes, or of any number for None."""
     try:
         array = np.asarray(values)
     except ValueError as error:
         raise EnvLightsError(f"{name} must be an array of real numbers; {error}") from None
     if array.dtype.kind not in "fiu":
         raise EnvLightsError(f"{name} must hold real numbers; got the dtype {array.dtype}")
-    if array.ndim != ndim:
+    if ndim not in (None, array.ndim):
         raise EnvLightsError(f"{name} must have {ndim} axes; got the shape {array.shape}")
     return for_kernels(array, np.float64)
 

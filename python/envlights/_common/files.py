@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import glob
 import importlib.util
 import os
 import shutil
@@ -11,7 +12,7 @@ import zlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from envlights._common.errors import FileError
+from envlights._common.errors import DamagedFileError, FileError, unreadable
 from envlights._native import EnvLightsError
 
 try:
@@ -19,6 +20,8 @@ try:
 except ImportError:  # Windows
     fcntl = None  # type: ignore[assignment]
 
+#: Suffixes of the maps that are taken from a folder.
+MAPS = (".exr", ".hdr", ".pic", ".rgbe", ".png", ".jpg", ".jpeg", ".tif", ".tiff")
 #: Formats of pictures, for checks without Matplotlib.
 PICTURES = (".png", ".pdf", ".svg")
 #: End of a refusal to draw without the library that draws.
@@ -46,6 +49,24 @@ def as_path(path: object) -> Path:
             "a path must be text that can name a file; it holds a zero byte or half a character"
         )
     return result
+
+
+def matches(pattern: str) -> list[str]:
+    """Paths that match a pattern, sorted; names of existing folders in it are taken as they are."""
+    path = Path(pattern)
+    folder = next((each for each in path.parents if each.exists()), Path())
+    rest = path.relative_to(folder)
+    return sorted(glob.glob(str(Path(glob.escape(str(folder)), rest)), recursive=True))  # noqa: PTH207
+
+
+def read_text(path: str | os.PathLike[str]) -> str:
+    """Text of a file, or a refusal."""
+    try:
+        return as_path(path).read_text(encoding="utf-8")
+    except OSError as error:
+        raise unreadable(path, error) from None
+    except UnicodeDecodeError:
+        raise DamagedFileError(f"{path} is damaged or of another kind: it is not text") from None
 
 
 def check_writable(path: str | os.PathLike[str]) -> Path:
@@ -108,6 +129,12 @@ def write_atomically(path: str | os.PathLike[str], write: Callable[[Path], objec
         _flush(target.parent)
     except OSError as error:
         raise FileError(f"cannot write {path}: {error.strerror or error}") from error
+
+
+def write_content(path: str | os.PathLike[str], content: str | bytes) -> None:
+    """Write text or bytes; a failure leaves the old file, or none."""
+    data = content if isinstance(content, bytes) else content.encode("utf-8", "backslashreplace")
+    write_atomically(path, lambda beside: beside.write_bytes(data))
 
 
 @contextlib.contextmanager

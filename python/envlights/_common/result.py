@@ -1,34 +1,65 @@
-"""Base class of all results."""
+"""Base classes of all results."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import fields
 from functools import partial
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from envlights._common import html
+from envlights._common.tables import Table, frame_of
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 class Result(ABC):
     """Dataclass with a one-line `repr`, a text, a view in Jupyter, and an equality by value.
 
-    Two results are equal if their classes and all fields are equal, arrays value by value. A field
-    with ``compare=False``, such as wall times, is not compared. Results cannot be hashed.
+    A result names its short line, and perhaps a table, lines below it, and details; text and HTML
+    follow. Two results are equal if their classes and all fields are equal, arrays value by value.
+    A field with ``compare=False``, such as wall times, is not compared. Results cannot be hashed.
 
     The constructor makes copies and unpickled objects too, so its checks hold for them.
     """
+
+    #: True if the text begins with the short line, as that in Jupyter always does.
+    _is_headed: ClassVar[bool] = False
 
     @abstractmethod
     def in_short(self) -> str:
         """One line, without the name of the class."""
 
+    def _table(self) -> Table | None:
+        """Table of the text."""
+        return None
+
+    def _lines(self) -> Sequence[str]:
+        """Lines of the text below the table."""
+        return ()
+
+    def _details(self) -> Sequence[str]:
+        """Further lines of `verbose`."""
+        return ()
+
+    def _pictures(self) -> Iterable[str]:
+        """HTML above the table."""
+        return ()
+
+    def __str__(self) -> str:
+        table = self._table()
+        head = [self.in_short()] if self._is_headed else []
+        parts = [*head, *([] if table is None else [str(table)]), *self._lines()]
+        return "\n".join(parts) or repr(self)
+
     def verbose(self) -> str:
         """Text with all details; `str` gives the short one."""
-        return str(self)
+        return "\n".join([str(self), *self._details()])
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__}: {self.in_short()}>"
@@ -41,8 +72,11 @@ class Result(ABC):
         return html.block(type(self).__name__, self.in_short(), *self._html_parts())
 
     def _html_parts(self) -> Iterable[str]:
-        """HTML below the line: tables, pictures, text."""
-        return (html.lines(str(self)),)
+        """HTML below the line: pictures, table, text."""
+        table = self._table()
+        is_split = self._is_headed or table is not None
+        text = "\n".join(self._lines()) if is_split else str(self)
+        return (*self._pictures(), "" if table is None else table.html(), html.lines(text))
 
     def __eq__(self, other: object) -> bool:
         if type(other) is not type(self):
@@ -57,6 +91,25 @@ class Result(ABC):
         names = {each.name: getattr(self, each.name) for each in arguments if each.kw_only}
         build = partial(type(self), **names) if names else type(self)
         return build, tuple(getattr(self, each.name) for each in arguments if not each.kw_only)
+
+
+class TableResult(Result):
+    """Result whose content is a table, which is also a data frame."""
+
+    @abstractmethod
+    def table(self) -> Table:
+        """Table of the text, with at most a dozen rows."""
+
+    @abstractmethod
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """Columns by name, with all rows."""
+
+    def _table(self) -> Table:
+        return self.table()
+
+    def to_frame(self) -> pd.DataFrame:
+        """Data frame of `columns`; needs pandas, from the extra `frame`."""
+        return frame_of(self.columns())
 
 
 def _is_same(one: object, other: object) -> bool:

@@ -9,7 +9,7 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from envlights._common.codes import look_up
 
@@ -22,11 +22,21 @@ def encode_srgb(linear: NDArray[np.floating]) -> NDArray[np.floating]:
     return clipped
 
 
-def decode_srgb(coded: NDArray[np.floating]) -> NDArray[np.float32]:
-    """Linear values of sRGB codes in 0 .. 1."""
+def linear_of(coded: ArrayLike) -> NDArray[np.float64]:
+    """Linear values of sRGB codes in 0 .. 1, in double precision."""
     coded = np.asarray(coded, dtype=np.float64)
-    linear = np.where(coded <= 0.04045, coded / 12.92, ((coded + 0.055) / 1.055) ** 2.4)
-    return linear.astype(np.float32)
+    return np.where(coded <= 0.04045, coded / 12.92, ((coded + 0.055) / 1.055) ** 2.4)
+
+
+def decode_srgb(coded: ArrayLike) -> NDArray[np.float32]:
+    """Linear values of sRGB codes in 0 .. 1."""
+    return linear_of(coded).astype(np.float32)
+
+
+def code_step(linear: NDArray[np.floating]) -> NDArray[np.float64]:
+    """Derivative of the linear value by its sRGB code."""
+    power = np.maximum(linear, 0.0031308).astype(np.float64) ** (1 - 1 / 2.4)
+    return np.where(linear <= 0.0031308, 1 / 12.92, 2.4 / 1.055 * power)
 
 
 def decode_codes(codes: NDArray[Any]) -> NDArray[np.float32]:
@@ -36,6 +46,5 @@ def decode_codes(codes: NDArray[Any]) -> NDArray[np.float32]:
 
 @cache
 def _values(bits: int) -> NDArray[np.float32]:
-    """Linear value of each code."""
     codes = np.arange(1 << bits)
     return decode_srgb(codes / codes[-1])

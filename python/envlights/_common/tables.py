@@ -1,13 +1,22 @@
-"""Tables of results: aligned text for a terminal, HTML for a notebook, data frames."""
+"""Tables of results: aligned text, HTML, data frames, CSV and lines of JSON.
+
+What is missing, None or NaN, is empty in CSV and null in JSON.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import csv
+import io
+import json
+import os
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from html import escape
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from numpy.typing import NDArray
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
+from envlights._common.files import as_path, write_content
 from envlights._native import EnvLightsError
 
 if TYPE_CHECKING:
@@ -27,13 +36,15 @@ class Table(NamedTuple):
     """The cells of each row."""
 
     rest: str = ""
-    """Summary of the hidden rows."""
+    """Summary of the hidden rows; of a table without rows, its whole text."""
 
     colours: Sequence[str] = ()
     """Colour of each row as ``#rrggbb``, shown in HTML."""
 
     def __str__(self) -> str:
         """Text with aligned columns."""
+        if not self.rows:
+            return self.rest
         lines = [self.columns, *self.rows]
         widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
         aligns = [">" if name else "<" for name in self.columns]
@@ -48,6 +59,9 @@ class Table(NamedTuple):
 
     def html(self) -> str:
         """HTML table in the colours of its page."""
+        rest = f"<div>{escape(self.rest)}</div>" if self.rest else ""
+        if not self.rows:
+            return rest
         names = [*([""] if self.colours else []), *self.columns]
         head = "".join(f"<th>{escape(name)}</th>" for name in names)
         swatches = [_swatch(colour) for colour in self.colours] or [""] * len(self.rows)
@@ -55,7 +69,6 @@ class Table(NamedTuple):
             f"<tr>{swatch}{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>"
             for swatch, row in zip(swatches, self.rows, strict=True)
         )
-        rest = f"<div>{escape(self.rest)}</div>" if self.rest else ""
         return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>{rest}"
 
 
@@ -69,6 +82,46 @@ def frame_of(columns: Mapping[str, NDArray[Any]]) -> pd.DataFrame:
             " `to_dict` needs nothing"
         ) from None
     return pd.DataFrame(columns)
+
+
+def csv_text(rows: Iterable[Iterable[Any]]) -> str:
+    """Lossless lines of CSV."""
+    text = io.StringIO()
+    lines = (["" if cell is None or cell != cell else cell for cell in row] for row in rows)
+    csv.writer(text, lineterminator="\n").writerows(lines)
+    return text.getvalue()
+
+
+def csv_of(columns: Mapping[str, ArrayLike]) -> str:
+    """Lines of CSV of columns, below their names."""
+    cells = (np.asarray(column).tolist() for column in columns.values())
+    return csv_text([columns, *zip(*cells, strict=True)])
+
+
+def json_lines(rows: Iterable[Any]) -> str:
+    """Lines of JSON, which hold no infinity."""
+    return "".join(json.dumps(row, allow_nan=False) + "\n" for row in rows)
+
+
+def json_text(content: Any) -> str:
+    """Content of a file of JSON."""
+    return json.dumps(content, indent=2) + "\n"
+
+
+def check_suffix(path: str | os.PathLike[str], suffixes: Iterable[str]) -> str:
+    """Suffix of a file among these, in lower case, or a refusal."""
+    suffix = as_path(path).suffix.lower()
+    if suffix not in suffixes:
+        wanted = ", ".join(suffixes)
+        raise EnvLightsError(f"cannot write {path}: the suffix must be one of {wanted}")
+    return suffix
+
+
+def save_table(
+    path: str | os.PathLike[str], writers: Mapping[str, Callable[[], str | bytes]]
+) -> None:
+    """Write the content that the writer of the suffix returns."""
+    write_content(path, writers[check_suffix(path, writers)]())
 
 
 def _swatch(colour: str) -> str:

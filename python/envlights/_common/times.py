@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
-
-from envlights._common.check import amount
+from time import perf_counter
 
 
 def time_lines(seconds: Mapping[str, float]) -> list[str]:
@@ -13,7 +11,15 @@ def time_lines(seconds: Mapping[str, float]) -> list[str]:
     return [f"{stage}: {1e3 * time:.1f} ms" for stage, time in seconds.items()]
 
 
-def times_of(data: Mapping[str, Any]) -> dict[str, float]:
-    """Wall times in a report of an older version."""
-    stages = data.get("seconds", {}).items()
-    return {str(stage): amount("seconds", seconds) for stage, seconds in stages}
+class Clock:
+    """Wall time of each stage."""
+
+    def __init__(self) -> None:
+        self.laps: dict[str, float] = {}
+        self._last = perf_counter()
+
+    def lap(self, stage: str) -> None:
+        """Store the time since the last lap under `stage`."""
+        now = perf_counter()
+        self.laps[stage] = now - self._last
+        self._last = now

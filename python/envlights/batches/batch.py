@@ -22,12 +22,11 @@ from envlights.batches.executors import (
     threads_of,
     threads_restored,
 )
-from envlights.batches.functions import name_of
 from envlights.batches.journal import Journal
 from envlights.batches.result import Batch
 from envlights.batches.rows import plain
 from envlights.batches.sources import items_of, with_unique_names
-from envlights.batches.work import METHODS, Task, check_options, work_on
+from envlights.batches.work import METHODS, Task, check_options, name_of, work_on
 
 #: Tasks that wait for each worker, so that none is idle while a row is written.
 _AHEAD = 2
@@ -68,10 +67,11 @@ def batch(
     suffix : str, optional
         Format of the file of each map, as in `Rig.save`; a split also writes its rest as ``.exr``.
         None: no files.
-    executor : {"thread", "process"}, Executor or Client, optional
+    executor : {"thread", "process"} or object with `submit`, optional
         "thread", the default: threads of this process. "process": processes of its own, started by
-        spawn. Or an executor of `concurrent.futures`, `MPIPoolExecutor` of mpi4py, or a `Client` of
-        Dask, whose workers see the same files.
+        spawn. Or any object with ``submit(f, x)``, whose results have ``result()``, and whose
+        workers see the same files: an executor of `concurrent.futures`, `MPIPoolExecutor` of
+        mpi4py, a `Client` of Dask, or your own.
     jobs : int, optional
         Maps at once. When left out, the number of workers of the executor or of cores. Kernels get
         an equal share of the threads of `el.threads`; with ``jobs=1``, all of them. Workers of

@@ -1,4 +1,4 @@
-"""Executors of a batch: our own pools, any executor of `concurrent.futures`, a client of Dask."""
+"""Executors of a batch: our own pools, or anything with `submit`, whose results have `result`."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from multiprocessing import get_context
 from typing import Any, TypeVar
 
 from envlights import _native
-from envlights._common.check import check_choice
+from envlights._common.check import check_choice, describe
 from envlights._native import EnvLightsError
 
 _Task = TypeVar("_Task")
@@ -26,22 +26,20 @@ NAMES = ("thread", "process")
 
 
 @contextlib.contextmanager
-def executor_of(executor: Any, jobs: int) -> Iterator[Executor]:
-    """Executor of the argument of `batch`; our own ends with the batch."""
+def executor_of(executor: Any, jobs: int) -> Iterator[Any]:
+    """Executor of the argument of `batch`: anything with `submit`, or our own for the batch."""
     if executor is None and jobs == 1:
         yield _Inline()
     elif executor is None or isinstance(executor, str):
         with _own(executor or "thread", jobs) as pool:
             yield pool
-    elif hasattr(executor, "get_executor"):  # a client of Dask
-        # Not pure: a map that failed is tried again.
-        yield executor.get_executor(pure=False)
     elif callable(getattr(executor, "submit", None)):
         yield executor
     else:
         raise EnvLightsError(
-            'executor must be "thread", "process", an executor of concurrent.futures or a client of'
-            f" Dask; got an object of the type {type(executor).__name__}"
+            'executor must be "thread", "process", or an object with the method submit(f, x), whose'
+            " result has the method result(), such as an executor of concurrent.futures or a client"
+            f" of Dask; got {describe(executor)}"
         )
 
 
@@ -69,27 +67,26 @@ class _Inline(Executor):
 
 
 def jobs_of(executor: Any, jobs: int | None) -> int:
-    """Maps at once: `jobs`, the workers of the executor, or the cores of this machine."""
-    if jobs is not None:
-        return jobs
+    """Maps at once: `jobs`, the workers of the executor if it says so, or the cores here."""
     workers = getattr(executor, "_max_workers", None) or getattr(executor, "num_workers", None)
-    if isinstance(workers, int) and workers > 0:
-        return workers
-    if hasattr(executor, "ncores"):  # a client of Dask
-        return max(1, int(sum(executor.ncores().values())))
-    return _native.threads(None)
+    known = jobs or workers or _cores(executor)
+    return known if isinstance(known, int) and known > 0 else _native.threads(None)
 
 
 def threads_of(executor: Any, jobs: int) -> int | None:
     """Threads of the kernels of each worker, so that the workers of this machine share its cores.
 
-    None leaves them: workers of an executor that we do not know may be on other machines.
+    None leaves them: workers of an executor that we do not know may be on other machines. One that
+    counts the cores of its workers, as Dask does, gives each map one core.
     """
-    if hasattr(executor, "get_executor"):  # Dask counts the cores of its workers itself
-        return 1
     if executor is None or isinstance(executor, str | ThreadPoolExecutor | ProcessPoolExecutor):
         return max(1, _native.threads(None) // jobs)
-    return None
+    return 1 if _cores(executor) else None
+
+
+def _cores(executor: Any) -> int:
+    """Cores of all workers of a client of Dask; 0 for other executors."""
+    return sum(executor.ncores().values()) if hasattr(executor, "ncores") else 0
 
 
 @contextlib.contextmanager
@@ -104,22 +101,34 @@ def threads_restored() -> Iterator[None]:
 
 
 def in_window(
-    executor: Executor, work: Callable[[_Task], Any], tasks: Iterable[_Task], width: int
+    executor: Any, work: Callable[[_Task], Any], tasks: Iterable[_Task], width: int
 ) -> Iterator[tuple[_Task, Future[Any]]]:
     """Finished futures of all tasks with their tasks; at most `width` tasks wait or run."""
-    pending: dict[Future[Any], _Task] = {}
+    pending: dict[Future[Any], tuple[_Task, Any]] = {}
+    # Jobs of other libraries can only be waited for one by one, so each gets a waiting thread.
+    waiters = ThreadPoolExecutor(width, "envlights-wait")
     try:
         for task in tasks:
-            pending[executor.submit(work, task)] = task
+            job = executor.submit(work, task)
+            if not callable(getattr(job, "result", None)):
+                raise EnvLightsError(
+                    "submit of the executor must return an object with the method result(); got"
+                    f" {describe(job)}"
+                )
+            future = job if isinstance(job, Future) else waiters.submit(job.result)
+            pending[future] = task, job
             if len(pending) >= width:
                 yield from _next_futures(pending)
         while pending:
             yield from _next_futures(pending)
     finally:
-        for future in pending:
-            future.cancel()
+        for _, job in pending.values():
+            getattr(job, "cancel", bool)()
+        waiters.shutdown(wait=False, cancel_futures=True)
 
 
-def _next_futures(pending: dict[Future[Any], _Task]) -> Iterator[tuple[_Task, Future[Any]]]:
+def _next_futures(
+    pending: dict[Future[Any], tuple[_Task, Any]],
+) -> Iterator[tuple[_Task, Future[Any]]]:
     for future in wait(pending, return_when=FIRST_COMPLETED).done:
-        yield pending.pop(future), future
+        yield pending.pop(future)[0], future

@@ -17,6 +17,7 @@ from time import monotonic
 from typing import IO, Any, NamedTuple
 
 from envlights._common.files import check_writable, write_atomically
+from envlights._common.tables import json_lines
 from envlights._native import EnvLightsError
 
 try:
@@ -91,7 +92,7 @@ class Journal:
 
     def append(self, row: dict[str, Any]) -> None:
         """Write a row as a whole line; the file of its map is on the disk already."""
-        line = json.dumps(row, allow_nan=False).encode() + b"\n"
+        line = json_lines([row]).encode()
         start = self._file.tell()
         self._file.write(line)
         self._file.flush()

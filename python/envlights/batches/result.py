@@ -12,16 +12,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from envlights._common import html
 from envlights._common.errors import MissingFileError
 from envlights._common.files import as_path
 from envlights._common.printable import printable
 from envlights._common.result import Result
-from envlights._common.tables import MOST_ROWS, Table, frame_of
+from envlights._common.tables import MOST_ROWS, frame_of
+from envlights._common.words import percent, quantity
 from envlights._native import EnvLightsError
 from envlights.batches import columns
+from envlights.batches.columns import save_rows
 from envlights.batches.journal import JOURNAL
-from envlights.batches.tables import save_table
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -33,6 +33,8 @@ class Batch(Result):
 
     The rows of a folder stay in its file and are read when they are needed.
     """
+
+    _is_headed = True
 
     folder: str
     """Folder with the files and the rows; empty if the rows are in memory."""
@@ -106,29 +108,18 @@ class Batch(Result):
         """Number of maps and of failures."""
         number, failures, _ = self._summary
         again = f", {self.unchanged} unchanged" if self.unchanged else ""
-        return f"{number} map{'' if number == 1 else 's'}, {len(failures)} failed{again}"
-
-    def __str__(self) -> str:
-        return "\n".join([self.in_short(), *self._lines()])
+        return f"{quantity(number, 'map')}, {len(failures)} failed{again}"
 
     def _lines(self) -> list[str]:
         """Medians of the errors, and the first dozen failures."""
         medians = [
-            f"median {name.replace('_', ' ')} {100 * value:.3g} %"
+            f"median {name.replace('_', ' ')} {percent(value)}"
             for name, value in self.medians.items()
         ]
         failures = [f"failed: {name}: {reason}" for name, reason in self.failures.items()]
         more = len(failures) - MOST_ROWS
         rest = [f"{more} more failed"] if more > 0 else []
         return [*medians, *failures[:MOST_ROWS], *rest]
-
-    def _html_parts(self) -> tuple[str, ...]:
-        medians = Table(
-            ["", *(name.replace("_", " ") for name in self.medians)],
-            [["median", *(f"{100 * value:.3g} %" for value in self.medians.values())]],
-        )
-        table = (medians.html(),) if self.medians else ()
-        return (*table, html.lines("\n".join(self._lines())))
 
     def to_dict(self) -> dict[str, Any]:
         """Counts, medians and failures; `rows` has the numbers of each map."""
@@ -161,7 +152,7 @@ class Batch(Result):
             A row for each light, or for each map, also for those that failed.
         """
         columns.check_kind(of)
-        save_table(path, list(self.table(of)), columns.COLUMNS[of])
+        save_rows(path, list(self.table(of)), columns.COLUMNS[of])
 
 
 def _array(values: list[Any]) -> np.ndarray[Any, Any]:

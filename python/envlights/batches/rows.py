@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-import numpy as np
-
 from envlights._common.check import describe
+from envlights._common.fields import plain as plain_values
 from envlights._common.result import Result
 from envlights._native import EnvLightsError
 from envlights.detection.lights import DetectedLights
 from envlights.rigs.capabilities import HARMONIC_MEAN
 from envlights.rigs.lights import Lights
 from envlights.rigs.rig import Rig
-
-#: Columns of a row before the result is known.
-HEAD = ("name", "source", "sha256", "what", "options", "version")
 
 
 def row_of(result: Any) -> dict[str, Any]:
@@ -86,26 +81,5 @@ def _each_light(lights: Lights, tolerances: Iterable[float] = ()) -> list[dict[s
 
 
 def plain(value: Any) -> Any:
-    """`value` of numbers, texts, lists and dictionaries alone; numbers that are not finite: None.
-
-    Raises
-    ------
-    EnvLightsError
-        If it holds anything else.
-    """
-    if isinstance(value, np.ndarray | np.generic):
-        return plain(value.tolist())
-    if value is None or isinstance(value, str | bool | int):
-        return value
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    if isinstance(value, Mapping):
-        return {str(name): plain(each) for name, each in value.items()}
-    if isinstance(value, list | tuple | range | set | frozenset):
-        return [plain(each) for each in value]
-    if hasattr(value, "to_dict"):
-        return plain(value.to_dict())
-    raise EnvLightsError(
-        "a row holds numbers, texts, lists and dictionaries of them; got"
-        f" {describe(value)}; return its numbers instead"
-    )
+    """Plain `value`; numbers that are not finite become None."""
+    return plain_values(value, infinity=None)

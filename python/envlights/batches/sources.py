@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import glob
 import json
 import os
 import re
@@ -16,13 +15,12 @@ import numpy as np
 
 from envlights._common.check import describe
 from envlights._common.errors import MissingFileError
+from envlights._common.files import MAPS, matches
 from envlights._common.printable import printable
 from envlights._native import EnvLightsError
 from envlights.environment.decoders.source import ADDRESS
 from envlights.environment.envmap import EnvMap
 
-#: Suffixes of the maps that are taken from a folder.
-MAPS = (".exr", ".hdr", ".pic", ".rgbe", ".png", ".jpg", ".jpeg", ".tif", ".tiff")
 #: Suffixes of lists of paths.
 _LISTS = (".txt", ".jsonl")
 #: Characters of a pattern.
@@ -98,7 +96,6 @@ def _stem(path: str) -> str:
 
 
 def _items_of_folder(folder: Path, out: Path | None) -> Iterator[Item]:
-    """Maps in a folder and in the folders below it, sorted by path."""
     found = (path for path in folder.rglob("*") if path.suffix.lower() in MAPS)
     paths = sorted(path for path in found if not _is_below(path, out))
     if not paths:
@@ -122,8 +119,7 @@ def _outside(out: Path | None) -> str:
 
 
 def _matches(pattern: str, out: Path | None) -> list[str]:
-    found = glob.glob(pattern, recursive=True)  # noqa: PTH207
-    paths = sorted(path for path in found if not _is_below(path, out))
+    paths = [path for path in matches(pattern) if not _is_below(path, out)]
     if not paths:
         raise MissingFileError(f"no file matches the pattern '{pattern}'{_outside(out)}")
     return paths

@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native
-from envlights._common import html
 from envlights._common.arrays import seal
 from envlights._common.check import amount, count, flag, reals, rotation, texts
 from envlights._common.result import Result
 from envlights._common.tables import MOST_ROWS, Table
 from envlights._common.units import OWN_SCALE, checked_units
+from envlights._common.words import quantity
 from envlights._native import EnvLightsError
 from envlights.cards import geometry
 from envlights.cards.arrays import (
@@ -331,16 +331,18 @@ class Cards(Result):
         kinds = ", ".join(_quantity(count, shape) for count, shape in counts if count)
         return _quantity(len(self), "card") + (f": {kinds}" if kinds else "")
 
-    def __str__(self) -> str:
-        table = str(self.table()) if len(self) else "no card"
-        return "\n".join([table, *(f"note: {note}" for note in self.notes)])
+    def _table(self) -> Table:
+        return self.table()
+
+    def _lines(self) -> list[str]:
+        return [f"note: {note}" for note in self.notes]
 
     def table(self) -> Table:
         """Table of the first dozen cards."""
         columns = ["card", "shape", "azimuth", "elevation", "size", "overlap"]
         rows = [self._cells(row) for row in range(min(len(self), MOST_ROWS))]
-        hidden = len(self) - len(rows)
-        rest = f"{hidden} more {'card' if hidden == 1 else 'cards'}" if hidden else ""
+        hidden = quantity(len(self) - len(rows), "more card") if len(self) > len(rows) else ""
+        rest = hidden if rows else "no card"
         colours = thumbnails.hex_of(self.irradiance[:MOST_ROWS])
         return Table([*columns, rgb_heading(self.units)], rows, rest, colours)
 
@@ -358,11 +360,6 @@ class Cards(Result):
             f"{self.overlap[row]:.2f}",
             rgb_cell(self.irradiance[row]),
         ]
-
-    def _html_parts(self) -> tuple[str, ...]:
-        notes = "\n".join(f"note: {note}" for note in self.notes)
-        parts = (html.lines(notes),) if notes else ()
-        return (self.table().html(), *parts) if len(self) else parts
 
     def to_dict(self) -> dict[str, Any]:
         """Lists of numbers and strings, for example for JSON; without the textures."""

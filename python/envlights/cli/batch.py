@@ -9,10 +9,9 @@ from inspect import signature
 import click
 
 from envlights.batches.batch import batch
-from envlights.batches.columns import COLUMNS
+from envlights.batches.columns import COLUMNS, SUFFIXES, check_table
 from envlights.batches.executors import NAMES
 from envlights.batches.result import Batch
-from envlights.batches.tables import SUFFIXES, check_table
 from envlights.batches.work import METHODS
 from envlights.cli.outputs import default_of
 from envlights.cli.settings import settings_from, settings_option

@@ -7,10 +7,11 @@ from pathlib import Path
 
 import click
 
+from envlights._common.tables import json_text, save_table
 from envlights._native import EnvLightsError
 from envlights.cli.outputs import check_output, default_of, say_written
 from envlights.comparison.compare import Comparison, compare
-from envlights.comparison.folders import TABLE_FILES, FolderComparison, compare_folders, save_table
+from envlights.comparison.folders import FolderComparison, compare_folders
 from envlights.comparison.protocol import PROTOCOLS
 
 
@@ -33,7 +34,7 @@ def command(truth: str, guess: str, protocol: str, output: str | None, as_json: 
     of such files, which are paired by name. The exit code is 1 if a file of a folder failed.
     """
     if output is not None:
-        check_output(output, TABLE_FILES, {"the truth": truth, "the guess": guess})
+        check_output(output, (".csv", ".json"), {"the truth": truth, "the guess": guess})
     folders = _are_folders(truth, guess)
     if folders:
         table = compare_folders(truth, guess, protocol)
@@ -42,7 +43,7 @@ def command(truth: str, guess: str, protocol: str, output: str | None, as_json: 
         result = compare(truth, guess, protocol)
         table = FolderComparison(result.protocol, {Path(truth).stem: result}, {})
     if output is not None:
-        save_table(output, table.to_csv(), result.to_dict())
+        save_table(output, {".csv": table.to_csv, ".json": lambda: json_text(result.to_dict())})
     click.echo(json.dumps(result.to_dict(), indent=2) if as_json else str(result))
     say_written([] if output is None else [output])
     if table.failures:

@@ -14,7 +14,6 @@ from envlights.cli.fit_input import curve_arguments, curve_options
 from envlights.cli.map_input import MapCommand, MapFile, map_argument
 from envlights.cli.numbers import whole_numbers
 from envlights.cli.outputs import check_output, output_option, say_written
-from envlights.comparison.folders import TABLE_FILES, save_table
 from envlights.fitting.error_curve import ErrorCurve, error_curve
 
 
@@ -40,7 +39,7 @@ def command(
 ) -> None:
     """Fit MAP with several numbers of lights, and compare the errors."""
     for output in outputs:
-        check_output(output, (*TABLE_FILES, *PICTURES), {"the map": map_file.path})
+        check_output(output, (".csv", ".json", *PICTURES), {"the map": map_file.path})
     arguments = curve_arguments(whole_numbers("--lights", lights), options)
     curve = error_curve(map_file.unread(arguments["fill"]), **arguments)
     for output in outputs:
@@ -56,4 +55,4 @@ def _write(curve: ErrorCurve, output: str) -> None:
 
         plot.save(plot.error_curve(curve), output)
     else:
-        save_table(output, curve.to_csv(), curve.to_dict())
+        curve.save(output)

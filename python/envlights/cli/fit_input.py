@@ -13,9 +13,9 @@ from envlights.cli.map_input import radiance_or_name, unseen_option
 from envlights.cli.numbers import numbers
 from envlights.cli.outputs import default_of
 from envlights.detection.lights_file import SUFFIXES, load_lights
-from envlights.fitting.ambient_terms import AMBIENTS, AUTO
 from envlights.fitting.fit import fit
 from envlights.fitting.map_fit import OBJECTIVES
+from envlights.fitting.request import AMBIENTS, AUTO
 from envlights.rigs.lights import Lights
 from envlights.rigs.rig import Rig
 

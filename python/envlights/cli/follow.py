@@ -11,7 +11,7 @@ import click
 from envlights.cli.fit_input import radius_of, shape_options
 from envlights.cli.map_input import radiance_or_name, unseen_option
 from envlights.cli.outputs import check_output, default_of, output_option, say_written
-from envlights.fitting.ambient_terms import AMBIENTS
+from envlights.fitting.request import AMBIENTS
 from envlights.sequence.follow import follow
 from envlights.sequence.formats import SUFFIXES
 

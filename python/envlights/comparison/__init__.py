@@ -2,14 +2,12 @@
 
 | step                                           | file                      |
 |------------------------------------------------|---------------------------|
-| angles between vectors                         | `angles.py`               |
+| angles between vectors, and common rotations   | `angles.py`               |
 | angle between the irradiance vectors of maps   | `vector_angle.py`         |
-| rotation of one set of lights to another       | `common_rotation.py`      |
 | difference of two sets of lights as a result   | `light_set_difference.py` |
 | measurement of that difference                 | `light_sets.py`           |
-| choices of a comparison                        | `protocol.py`             |
+| choices of a comparison, and the tone of maps  | `protocol.py`             |
 | errors of pixels                               | `image_errors.py`         |
-| tone of a map                                  | `tone.py`                 |
 | harmonics of maps and discs                    | `harmonics.py`            |
 | spectra of spheres                             | `spectra.py`              |
 | map, rig or lights at one size                 | `lighting.py`             |

@@ -14,3 +14,35 @@ def degrees_between(one: NDArray[np.float64], other: NDArray[np.float64]) -> NDA
     length = np.sqrt(sum(cross * cross for cross in crosses))
     degrees: NDArray[np.float64] = np.rad2deg(np.arctan2(length, (a * b).sum(axis=0)))
     return degrees
+
+
+#: Singular values below this fraction of the largest are 0: directions within about 1e-4 radians
+#: of one line leave the rotation about that line open.
+_RANK_TOLERANCE = 1e-9
+
+
+def rotation_degrees(
+    before: NDArray[np.float64], after: NDArray[np.float64], weights: NDArray[np.float64]
+) -> float | None:
+    """Angle in degrees of the rotation that brings weighted `before` closest to `after`.
+
+    It minimises the weighted sum of squared chords: Wahba's problem (1965), by the singular value
+    decomposition of Markley (1988). All directions on one line leave a free rotation about it; the
+    result is then the smallest angle. None if all rotations are equally close.
+
+    Parameters
+    ----------
+    before, after : ndarray, shape (n, 3)
+        Unit vectors.
+    weights : ndarray, shape (n,)
+        Not negative; their sum is 1.
+    """
+    left, values, right = np.linalg.svd((after * weights[:, None]).T @ before)
+    if values[0] <= _RANK_TOLERANCE:
+        return None
+    handedness = float(np.sign(np.linalg.det(left) * np.linalg.det(right)))
+    if values[1] + handedness * values[2] <= _RANK_TOLERANCE * values[0]:
+        return float(degrees_between(right[0], left[:, 0]))
+    turn = left @ np.diag([1.0, 1.0, handedness]) @ right
+    axis = turn[[2, 0, 1], [1, 2, 0]] - turn[[1, 2, 0], [2, 0, 1]]
+    return float(np.rad2deg(np.arctan2(np.linalg.norm(axis), np.trace(turn) - 1)))

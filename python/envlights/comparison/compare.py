@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._common import html
 from envlights._common.check import amount
 from envlights._common.result import Result
+from envlights._common.tables import Table
+from envlights._common.words import degrees, percent
 from envlights._native import EnvLightsError
 from envlights.comparison import spectra
 from envlights.comparison.image_errors import ImageErrors, errors_table
@@ -26,9 +27,8 @@ from envlights.comparison.lighting import (
     open_lighting,
     rows_of,
 )
-from envlights.comparison.protocol import Protocol, as_protocol
+from envlights.comparison.protocol import Protocol, as_protocol, tone
 from envlights.comparison.spheres import products_of, sphere_errors
-from envlights.comparison.tone import tone
 from envlights.comparison.wording import (
     note_of_black,
     note_of_lights,
@@ -98,25 +98,20 @@ class Comparison(Result):
 
     def in_short(self) -> str:
         """Protocol, and the relative error of each sphere."""
-        errors = (
-            f"{name} {100 * (each.relative or 0):.3g} %" for name, each in self.spheres.items()
-        )
+        errors = (f"{name} {percent(each.relative or 0)}" for name, each in self.spheres.items())
         return f"{self.protocol.name}: {', '.join(errors)}"
 
-    def __str__(self) -> str:
-        return "\n".join([str(errors_table(dict(self.spheres))), *self._lines()])
+    def _table(self) -> Table:
+        return errors_table(self.spheres)
 
     def _lines(self) -> list[str]:
         """Errors that need no image, those of the lights, and the notes."""
         names = ("probe", self.probe_error), ("shadow", self.shadow_error)
         errors = (*names, ("gloss", self.gloss_error()))
-        line = ", ".join(f"{name} error {100 * value:.3g} %" for name, value in errors)
-        vector = "none" if self.vector_angle is None else f"{self.vector_angle:.3g}°"
+        line = ", ".join(f"{name} error {percent(value)}" for name, value in errors)
+        vector = degrees(self.vector_angle)
         lights = f"lights: {self.lights.in_short()}; irradiance vectors: {vector}"
         return [line, lights, *self.notes]
-
-    def _html_parts(self) -> tuple[str, ...]:
-        return errors_table(dict(self.spheres)).html(), html.lines("\n".join(self._lines()))
 
     def to_dict(self) -> dict[str, Any]:
         """Plain numbers, texts and lists, for example for JSON."""
@@ -208,7 +203,6 @@ def compare(
 
 
 def _open(name: str, what: Any) -> EnvMap | Rig | Lights:
-    """Map, rig or lights of an argument, or a refusal that names it."""
     try:
         return open_lighting(what)
     except EnvLightsError as refusal:
@@ -227,7 +221,6 @@ def _of_one_size(
 
 
 def _tone(pair: Pair, rules: Protocol) -> tuple[Pair, list[float]]:
-    """Toned lightings, and the factor of each."""
     if rules.gamma is None and rules.median is None:
         return pair, []
     toned = [tone(side.radiance, rules) for side in pair.sides]

@@ -11,14 +11,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._common import html
 from envlights._common.errors import FileError, MissingFileError
-from envlights._common.files import as_path, write_atomically
+from envlights._common.fields import plain
+from envlights._common.files import MAPS, as_path
 from envlights._common.progress import progress_bar
 from envlights._common.result import Result
-from envlights._common.tables import Table, frame_of
+from envlights._common.tables import Table, csv_text, frame_of, json_text, save_table
+from envlights._common.words import quantity
 from envlights._native import EnvLightsError
 from envlights.comparison.compare import Comparison, compare
+from envlights.comparison.light_set_difference import NUMBERS
 from envlights.comparison.protocol import Protocol, as_protocol
 from envlights.detection.lights_file import SUFFIXES as LIGHT_FILES
 
@@ -26,20 +28,16 @@ if TYPE_CHECKING:
     import pandas as pd
 
 #: Suffixes of files that are compared; other files are not looked at.
-_SUFFIXES = (".exr", ".hdr", ".png", ".jpg", ".jpeg", ".tif", ".tiff", *LIGHT_FILES)
-#: Suffixes of the table that `save` writes.
-TABLE_FILES = (".csv", ".json")
-#: Numbers of each sphere and of the lights, with a column each.
+_SUFFIXES = (*MAPS, *LIGHT_FILES)
+#: Numbers of each sphere, with a column each.
 _OF_SPHERE = ("rmse", "si_rmse", "angle", "relative", "si_relative", "normalised_rmse")
-_OF_LIGHTS = (
-    *("angle", "peak_angle", "flux_ratio", "colour_angle", "size", "unmatched", "rotation"),
-    "left_out",
-)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FolderComparison(Result):
     """Comparisons of the maps of two folders, with means, medians and failures."""
+
+    _is_headed = True
 
     protocol: Protocol
     """Choices of each comparison."""
@@ -68,10 +66,8 @@ class FolderComparison(Result):
 
     def in_short(self) -> str:
         """Number of pairs and of failures."""
-        pairs, failures = len(self.comparisons), len(self.failures)
-        return (
-            f"{pairs} pair{'' if pairs == 1 else 's'} by '{self.protocol.name}', {failures} failed"
-        )
+        pairs = quantity(len(self.comparisons), "pair")
+        return f"{pairs} by '{self.protocol.name}', {len(self.failures)} failed"
 
     def __len__(self) -> int:
         return len(self.comparisons)
@@ -89,30 +85,23 @@ class FolderComparison(Result):
             rows += [[what, *(f"{numbers[part]:.4g}" for part in parts)]] if rows else []
         return Table(["name", *(part.replace("_", " ", 1) for part in parts)], rows)
 
-    def __str__(self) -> str:
-        return "\n".join([self.in_short(), *self._table_lines(), *self._remarks()])
+    def _table(self) -> Table | None:
+        return self.table() if self.comparisons else None
 
-    def _table_lines(self) -> list[str]:
-        return [str(self.table())] if self.comparisons else []
-
-    def _remarks(self) -> list[str]:
+    def _lines(self) -> list[str]:
         """Failures, and notes that all pairs share."""
         failures = [f"failed: {name}: {reason}" for name, reason in self.failures.items()]
         notes = [each.notes for each in self.comparisons.values()]
         shared = [note for note in (notes[0] if notes else ()) if all(note in n for n in notes)]
         return [*failures, *shared]
 
-    def _html_parts(self) -> tuple[str, ...]:
-        table = (self.table().html(),) if self.comparisons else ()
-        return (*table, html.lines("\n".join(self._remarks())))
-
     def to_dict(self) -> dict[str, Any]:
         """Plain numbers and texts, for example for JSON."""
         return {
             "protocol": self.protocol.name,
             "pairs": {name: each.to_dict() for name, each in self.comparisons.items()},
-            "mean": _without_nan(self.mean),
-            "median": _without_nan(self.median),
+            "mean": plain(self.mean),
+            "median": plain(self.median),
             "failures": dict(self.failures),
         }
 
@@ -123,35 +112,15 @@ class FolderComparison(Result):
 
     def to_csv(self) -> str:
         """Lossless table with a row for each pair; the last column is the reason of a failure."""
-        import csv
-        import io
-
-        text = io.StringIO()
-        writer = csv.writer(text, lineterminator="\n")
         columns = self.columns()
-        writer.writerow(["name", *columns, "failure"])
-        for i, name in enumerate(self.comparisons):
-            values = (float(column[i]) for column in columns.values())
-            writer.writerow([name, *("" if np.isnan(v) else repr(v) for v in values), ""])
-        for name, reason in self.failures.items():
-            writer.writerow([name, *("" for _ in columns), reason])
-        return text.getvalue()
+        cells = zip(*(values.tolist() for values in columns.values()), strict=True)
+        pairs = [[name, *row, ""] for name, row in zip(self.comparisons, cells, strict=True)]
+        failed = [[name, *[""] * len(columns), why] for name, why in self.failures.items()]
+        return csv_text([["name", *columns, "failure"], *pairs, *failed])
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the table as ``.csv`` or ``.json``; a failure leaves no file."""
-        save_table(path, self.to_csv(), self.to_dict())
-
-
-def save_table(path: str | os.PathLike[str], table: str, content: dict[str, Any]) -> None:
-    """Write a table as ``.csv``, or its content as ``.json``."""
-    import json
-
-    suffix = as_path(path).suffix.lower()
-    if suffix not in TABLE_FILES:
-        raise EnvLightsError(f"cannot write {path}: the suffix must be one of .csv, .json")
-    text = table if suffix == ".csv" else json.dumps(content, indent=2) + "\n"
-    data = text.encode("utf-8", "backslashreplace")
-    write_atomically(path, lambda beside: beside.write_bytes(data))
+        save_table(path, {".csv": self.to_csv, ".json": lambda: json_text(self.to_dict())})
 
 
 def _numbers(comparison: Comparison) -> dict[str, float]:
@@ -166,13 +135,9 @@ def _numbers(comparison: Comparison) -> dict[str, float]:
         "shadow_error": comparison.shadow_error,
         "gloss_error": comparison.gloss_error(),
     }
-    lights = {f"lights_{what}": getattr(comparison.lights, what) for what in _OF_LIGHTS}
+    lights = {f"lights_{what}": getattr(comparison.lights, what) for what in NUMBERS}
     numbers = {**spheres, **errors, **lights, "vector_angle": comparison.vector_angle}
     return {name: float(value) for name, value in numbers.items() if value is not None}
-
-
-def _without_nan(numbers: dict[str, float]) -> dict[str, float | None]:
-    return {name: None if np.isnan(value) else value for name, value in numbers.items()}
 
 
 def compare_folders(
@@ -233,7 +198,6 @@ def compare_folders(
 
 
 def _files(name: str, folder: str | os.PathLike[str]) -> dict[str, list[Path]]:
-    """Files of a folder by name without suffix."""
     path = as_path(folder)
     if not path.is_dir():
         raise MissingFileError(f"{name} must be a folder; got '{folder}', which is none")
@@ -252,7 +216,6 @@ def _files(name: str, folder: str | os.PathLike[str]) -> dict[str, list[Path]]:
 
 
 def _only(files: dict[str, list[Path]], name: str, what: str) -> Path:
-    """Only file of a name, or a refusal."""
     found = files.get(name, [])
     if len(found) != 1:
         count = "no file" if not found else f"{len(found)} files"

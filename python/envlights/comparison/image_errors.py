@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights._common.check import check_choice, describe, first_not_finite, reals
+from envlights._common.fields import fields_of
 from envlights._common.result import Result
 from envlights._common.tables import Table
+from envlights._common.words import degrees, percent
 from envlights._native import EnvLightsError
 from envlights.comparison.angles import degrees_between
 
@@ -45,29 +48,18 @@ class ImageErrors(Result):
 
     def in_short(self) -> str:
         """RMSE, scale-invariant RMSE and angle."""
-        angle = _degrees(self.angle)
+        angle = degrees(self.angle)
         return f"RMSE {self.rmse:.4g}, si-RMSE {self.si_rmse:.4g}, RGB angle {angle}"
 
-    def __str__(self) -> str:
-        return str(errors_table({"image": self}))
-
-    def _html_parts(self) -> tuple[str, ...]:
-        return (errors_table({"image": self}).html(),)
+    def _table(self) -> Table:
+        return errors_table({"image": self})
 
     def to_dict(self) -> dict[str, float | None]:
         """All fields as plain numbers."""
-        return asdict(self)
+        return fields_of(self)
 
 
-def _degrees(angle: float | None) -> str:
-    return "-" if angle is None else f"{angle:.3g}°"
-
-
-def _percent(fraction: float | None) -> str:
-    return "-" if fraction is None else f"{100 * fraction:.3g} %"
-
-
-def errors_table(errors: dict[str, ImageErrors]) -> Table:
+def errors_table(errors: Mapping[str, ImageErrors]) -> Table:
     """Table with a row for each image or sphere."""
     has_normalised = any(each.normalised_rmse is not None for each in errors.values())
     columns = ["sphere", "RMSE", "si-RMSE", "RGB angle", "relative", "si-relative"]
@@ -76,9 +68,9 @@ def errors_table(errors: dict[str, ImageErrors]) -> Table:
             name,
             f"{each.rmse:.4g}",
             f"{each.si_rmse:.4g}",
-            _degrees(each.angle),
-            _percent(each.relative),
-            _percent(each.si_relative),
+            degrees(each.angle),
+            percent(each.relative),
+            percent(each.si_relative),
             *([f"{each.normalised_rmse or 0:.4g}"] if has_normalised else []),
         ]
         for name, each in errors.items()
@@ -242,8 +234,7 @@ def image_errors(
 
 
 def _image(name: str, image: ArrayLike) -> NDArray[np.float64]:
-    """Finite pixels, or a refusal."""
-    array = reals(name, image, np.ndim(np.asarray(image)) if _is_regular(image) else 3)
+    array = reals(name, image, None)
     if array.ndim not in (2, 3) or array.shape[-1] != 3 or not array.size:
         raise EnvLightsError(
             f"{name} must have the shape (height, width, 3) or (n, 3); got {array.shape}"
@@ -255,17 +246,7 @@ def _image(name: str, image: ArrayLike) -> NDArray[np.float64]:
     return array
 
 
-def _is_regular(image: ArrayLike) -> bool:
-    """True if an image has rows of one length."""
-    try:
-        np.asarray(image)
-    except ValueError:
-        return False
-    return True
-
-
 def _mask(mask: ArrayLike | None, shape: tuple[int, ...]) -> NDArray[np.bool_]:
-    """Pixels that count, or a refusal."""
     if mask is None:
         return np.ones(shape, bool)
     try:

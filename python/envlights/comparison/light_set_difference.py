@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any, NamedTuple
 
+from envlights._common.fields import fields_of
 from envlights._common.result import Result
 from envlights._common.tables import MOST_ROWS, Table
+from envlights._common.words import degrees, percent
 
 #: Degrees above which flux counts as unmatched.
 UNMATCHED_DEG = 30.0
@@ -69,66 +71,49 @@ class LightSetDifference(Result):
 
     def to_dict(self) -> dict[str, Any]:
         """All fields as plain numbers, lists and strings."""
-        numbers = {name: getattr(self, name) for name in _NUMBERS}
-        return {
-            **numbers,
-            "plan": [movement._asdict() for movement in self.plan],
-            "notes": list(self.notes),
-        }
+        return fields_of(self)
 
     def in_short(self) -> str:
         """Mean angle and ratio of the fluxes."""
         if self.angle is None:
             return "no lights to compare"
-        return f"{_degrees(self.angle)} on average, flux x {_ratio(self.flux_ratio)}"
+        return f"{degrees(self.angle)} on average, flux x {_ratio(self.flux_ratio)}"
 
-    def __str__(self) -> str:
-        return "\n".join([*self._lines(), *(f"note: {note}" for note in self.notes)])
-
-    def verbose(self) -> str:
-        """Text with the largest movements of the plan."""
-        return "\n\n".join(filter(None, [str(self), str(self.table()) if self.plan else ""]))
+    def _details(self) -> list[str]:
+        """Largest movements of the plan."""
+        return ["", str(self.table())] if self.plan else []
 
     def table(self) -> Table:
         """Table of the dozen largest movements, and a summary of the others."""
         largest = sorted(self.plan, key=lambda movement: -movement.fraction)
         rows = [
-            [str(each.truth), str(each.guess), _percent(each.fraction), _degrees(each.angle)]
+            [str(each.truth), str(each.guess), percent(each.fraction), degrees(each.angle)]
             for each in largest[:MOST_ROWS]
         ]
         hidden = largest[MOST_ROWS:]
-        rest = f"{len(hidden)} more, {_percent(sum(each.fraction for each in hidden))} together"
+        rest = f"{len(hidden)} more, {percent(sum(each.fraction for each in hidden))} together"
         return Table(["truth", "guess", "fraction", "angle"], rows, rest if hidden else "")
 
     def _html_parts(self) -> tuple[str, ...]:
         return (*super()._html_parts(), *([self.table().html()] if self.plan else []))
 
     def _lines(self) -> list[str]:
-        """One line for each kind of number."""
+        """One line for each kind of number, and the notes."""
         lines = [
-            f"mean angle of the flux     {_degrees(self.angle)}",
-            f"between the strongest      {_degrees(self.peak_angle)}",
+            f"mean angle of the flux     {degrees(self.angle)}",
+            f"between the strongest      {degrees(self.peak_angle)}",
             f"flux of guess over truth   {_ratio(self.flux_ratio)}",
-            f"angle between the colours  {_degrees(self.colour_angle)}",
-            f"difference of the radii    {_degrees(self.size)}",
-            f"moved more than {UNMATCHED_DEG:.0f}°        {_percent(self.unmatched)}",
-            f"best common rotation       {_degrees(self.rotation)}",
+            f"angle between the colours  {degrees(self.colour_angle)}",
+            f"difference of the radii    {degrees(self.size)}",
+            f"moved more than {UNMATCHED_DEG:.0f}°        {percent(self.unmatched)}",
+            f"best common rotation       {degrees(self.rotation)}",
         ]
-        return lines if self.angle is not None else []
+        notes = (f"note: {note}" for note in self.notes)
+        return [*(lines if self.angle is not None else []), *notes]
 
 
-_NUMBERS = (
-    *("angle", "peak_angle", "flux_ratio", "colour_angle", "size", "unmatched", "rotation"),
-    "left_out",
-)
-
-
-def _degrees(angle: float | None) -> str:
-    return "none" if angle is None else f"{angle:.3g}°"
-
-
-def _percent(fraction: float | None) -> str:
-    return "none" if fraction is None else f"{100 * fraction:.3g} %"
+#: Numbers of a difference.
+NUMBERS = tuple(each.name for each in fields(LightSetDifference))[:8]
 
 
 def _ratio(binary_logarithm: float | None) -> str:

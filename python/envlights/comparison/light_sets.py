@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from envlights._common.check import count, describe
 from envlights._native import EnvLightsError
-from envlights.comparison.angles import degrees_between
-from envlights.comparison.common_rotation import rotation_degrees
+from envlights.comparison.angles import degrees_between, rotation_degrees
 from envlights.comparison.light_set_difference import UNMATCHED_DEG, LightSetDifference, Movement
 from envlights.detection.lights import DetectedLights
 from envlights.kernels.transport import transport_plan
@@ -87,8 +86,6 @@ def compare_lights(truth: Lights, guess: Lights, *, strongest: int = 256) -> Lig
 
 
 class _LightSet(NamedTuple):
-    """Strongest lights of a set, and totals of all."""
-
     lights: Lights
     """All lights."""
 
@@ -125,7 +122,6 @@ class _LightSet(NamedTuple):
 
 
 def _notes(name: str, lights: Lights, strongest: int, left_out: float) -> list[str]:
-    """Remarks on one set."""
     notes = []
     if not lights.luminance.any():
         notes.append(f"the {name} has no light, so there is nothing to move")
@@ -144,7 +140,6 @@ def _notes(name: str, lights: Lights, strongest: int, left_out: float) -> list[s
 
 
 def _difference(truth: _LightSet, guess: _LightSet, notes: tuple[str, ...]) -> LightSetDifference:
-    """Difference of two sets with light."""
     before, after = truth.lights.direction[truth.rows], guess.lights.direction[guess.rows]
     angle, pairs, shares = transport_plan(before, truth.flux, after, guess.flux)
     before, after = before[pairs[:, 0]], after[pairs[:, 1]]

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from types import MappingProxyType
 
 import numpy as np
+from numpy.typing import NDArray
 
 from envlights._common.check import amount, check_choice, count, describe, reals
 from envlights._native import EnvLightsError
@@ -74,21 +74,17 @@ class Camera:
 
 
 #: Lambertian, rough metal and mirror that reflect everything.
-_WHITE: Mapping[str, Material] = MappingProxyType(
-    {
-        "diffuse": Material(base=1.0),
-        "matte": Material(specular=1.0, roughness=0.3271),
-        "mirror": Material(specular=1.0),
-    }
-)
+_WHITE: Mapping[str, Material] = {
+    "diffuse": Material(base=1.0),
+    "matte": Material(specular=1.0, roughness=0.3271),
+    "mirror": Material(specular=1.0),
+}
 #: Spheres of StyleLight's code; its "diffuse" has a coat.
-_STYLELIGHT: Mapping[str, Material] = MappingProxyType(
-    {
-        "diffuse": Material(base=0.8, specular=0.04, roughness=0.364),
-        "matte": Material(specular=0.8, roughness=0.3271),
-        "mirror": Material(specular=0.8),
-    }
-)
+_STYLELIGHT: Mapping[str, Material] = {
+    "diffuse": Material(base=0.8, specular=0.04, roughness=0.364),
+    "matte": Material(specular=0.8, roughness=0.3271),
+    "mirror": Material(specular=0.8),
+}
 
 
 @dataclass(frozen=True)
@@ -153,11 +149,6 @@ class Protocol:
         if self.normalised and self.camera is None:
             raise EnvLightsError("normalised needs a camera, because percentiles are of pictures")
 
-    def __reduce__(self) -> tuple[object, ...]:
-        # Read-only mappings cannot be pickled.
-        values = {each: getattr(self, each) for each in self.__dataclass_fields__}
-        return _restore, ({**values, "materials": dict(self.materials)},)
-
     @classmethod
     def named(cls, name: str) -> Protocol:
         """Protocol of a name, or a refusal.
@@ -178,10 +169,6 @@ class Protocol:
             raise EnvLightsError(f"there is no protocol '{name}': {_REFUSED[key]}")
         check_choice("protocol", key or name, tuple(PROTOCOLS))
         return PROTOCOLS[key]
-
-
-def _restore(values: dict[str, object]) -> Protocol:
-    return Protocol(**values)  # type: ignore[arg-type]
 
 
 _OF_STYLELIGHT = Protocol(
@@ -215,3 +202,18 @@ _REFUSED = {
 def as_protocol(protocol: object) -> Protocol:
     """Protocol of a name; a `Protocol` is returned as it is."""
     return protocol if isinstance(protocol, Protocol) else Protocol.named(protocol)  # type: ignore[arg-type]
+
+
+def tone(radiance: NDArray[np.float32], protocol: Protocol) -> tuple[NDArray[np.float32], float]:
+    """Toned map, and the factor that follows the exponent.
+
+    The factor brings the median of the samples above 0 to `Protocol.median`, as in the code of
+    StyleLight.
+    """
+    values = np.maximum(radiance, 0).astype(np.float64)
+    if protocol.gamma is not None:
+        values **= 1 / protocol.gamma
+    factor = 1.0
+    if protocol.median is not None and (values > 0).any():
+        factor = protocol.median / float(np.median(values[values > 0]))
+    return (factor * values).astype(np.float32), factor

@@ -67,7 +67,6 @@ def vector_angle(truth: AnyMap, guess: AnyMap) -> float | None:
 
 
 def _irradiance_vector(env: EnvMap) -> NDArray[np.float64] | None:
-    """Unit vector along the irradiance vector of the luminance; None if that is 0."""
     mean, y, z, x = (env.harmonics(1, fill="black") / np.sqrt([[1], [3], [3], [3]])) @ LUMINANCE
     length = np.linalg.norm([x, y, z])
     return np.array([x, y, z]) / length if length > _LEAST_LENGTH * mean else None

@@ -1,22 +1,12 @@
-"""Lights of a map or a photograph.
+"""Lights of a map.
 
 | step                                                   | file                |
 |--------------------------------------------------------|---------------------|
 | lights with their measurements, and the report         | `lights.py`         |
 | detection by the component tree                        | `detect.py` |
-| detection by the steps of Loghin (2021)                | `loghin.py`         |
-| - steps 3 to 9, for maps and photographs               | `article_steps.py`  |
-| detection in a photograph by these steps               | `photograph.py`     |
-| - pixels of a photograph                               | `photograph_pixels.py` |
-| - measurement of its lights                            | `photograph_measure.py` |
-| - lights of a photograph                               | `photograph_lights.py` |
-| - files of these lights                                | `photograph_file.py` |
 | pixels of the lights                                   | `members.py`        |
 | lights whose colour may be damaged                     | `colour_casts.py`   |
 | sentences of the reports                               | `wording.py`        |
-| `detect`: one of them by name                          | `detect.py`         |
-| lights that were removed from a map                    | `removed_lights.py` |
-| `split`: lights, and the map without them              | `split.py`          |
 
 The kernels are in `src/kernels/detect/` and `src/kernels/split/`.
 """

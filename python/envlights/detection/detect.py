@@ -66,7 +66,7 @@ def detect(
         The map.
     max_lights : int, optional
         Largest number of lights. Neighbours are merged until it is reached, the pair with the
-        least cost first (Ward 1963); no flux is dropped. `papers.loghin.detect` drops lights instead.
+        least cost first (Ward 1963); no flux is dropped. `papers.loghin.detect` drops lights.
     min_flux_fraction : float
         Lights with a smaller fraction of the map's flux are dropped.
     min_worth : float
@@ -127,9 +127,9 @@ def detect(
     `direction_uncertainty` is calibrated on pictures of HDR maps. Irradiance and flux are lower
     bounds. The rules are ours; the expansion inverts that of Schlick (1994).
 
-    Of a map that shows a part of the sphere (`EnvMap.coverage`), only this part has lights, and only it
-    counts for the threshold and for the background of a light. Lights that touch its border are
-    flagged by `DetectedLights.is_cut`.
+    Of a map that shows a part of the sphere (`EnvMap.coverage`), only this part has lights, and
+    only it counts for the threshold and for the background of a light. Lights that touch its border
+    are flagged by `DetectedLights.is_cut`.
 
     Some pictures are tone-mapped so that their brightest pixels pile up between 0.7 of the largest
     possible value and that value. This pile is then the clip level. Other pictures whose
@@ -147,74 +147,50 @@ def detect(
     array([[ 0.71,  0.71,  0.  ],
            [ 0.  ,  0.  , -1.  ]])
     """
-    lights, _ = _detect(
-        env,
-        max_lights=max_lights,
-        min_flux_fraction=min_flux_fraction,
-        min_worth=min_worth,
-        threshold=threshold,
-        rise=rise,
-        prominence=prominence,
-        gap_deg=gap_deg,
-        extent=extent,
-        working_width=working_width,
-        clip_level=clip_level,
-    )
-    return lights
+    arguments = {**locals()}
+    return detect_with_luminance(**arguments)[0]
 
 
 def detect_with_luminance(
     env: AnyMap, **options: Any
 ) -> tuple[DetectedLights, NDArray[np.float32]]:
     """Lights of `detect`, and the luminance of the reduced map."""
+    start = time.perf_counter()
     arguments = inspect.signature(detect).bind(env, **options)
     arguments.apply_defaults()
-    env, *_ = arguments.args
-    return _detect(env, **arguments.kwargs)
-
-
-def _detect(env: AnyMap, **arguments: Any) -> tuple[DetectedLights, NDArray[np.float32]]:
-    start = time.perf_counter()
-    options = _options(**arguments)
+    checked = _options(arguments.kwargs)
 
     def detection_in(world: EnvMap) -> _native.TreeDetection:
-        clip_level = world.clip_level if options.clip_level is None else options.clip_level
+        clip_level = world.clip_level if checked.clip_level is None else checked.clip_level
         is_border = world.registration == "border-sampled"
-        options_of_map = options._replace(clip_level=clip_level)
+        options_of_map = checked._replace(clip_level=clip_level)
         return _native.detect_tree(world.radiance, is_border, options_of_map, world.coverage)
 
-    world, detection = apply_to_map(env, detection_in)
+    world, detection = apply_to_map(arguments.args[0], detection_in)
     casts = colour_cast_notes(world, detection.peak_direction, detection.peak_luminance)
     notes = (*world.notes, *casts)
     lights = _lights(detection, notes, time.perf_counter() - start, world.units)
     return lights, detection.luminance
 
 
-def _options(
-    *,
-    max_lights: int | None,
-    min_flux_fraction: float,
-    min_worth: float,
-    threshold: float | None,
-    rise: float,
-    prominence: float,
-    gap_deg: float,
-    extent: float,
-    working_width: int,
-    clip_level: float | None,
-) -> TreeOptions:
-    """Checked options."""
+def _options(given: dict[str, Any]) -> TreeOptions:
+    """Checked arguments of `detect`."""
+
+    def number(name: str, least: float = 0.0, most: float = math.inf) -> float:
+        return amount(name, given[name], least, most)
+
+    threshold, lights, level = given["threshold"], given["max_lights"], given["clip_level"]
     return TreeOptions(
-        working_columns=count("working_width", working_width, least=_LEAST_COLUMNS),
-        threshold=None if threshold is None else amount("threshold", threshold),
-        rise=amount("rise", rise, least=1.0),
-        prominence=amount("prominence", prominence, least=1.0),
-        extent=amount("extent", extent, most=1.0),
-        gap=math.radians(amount("gap_deg", gap_deg, most=90.0)),
-        min_flux_fraction=amount("min_flux_fraction", min_flux_fraction, most=1.0),
-        min_worth=amount("min_worth", min_worth),
-        max_lights=LARGEST_COUNT if max_lights is None else count("max_lights", max_lights, 1),
-        clip_level=None if clip_level is None else checked_clip_level(clip_level),
+        working_columns=count("working_width", given["working_width"], least=_LEAST_COLUMNS),
+        threshold=None if threshold is None else number("threshold"),
+        rise=number("rise", least=1.0),
+        prominence=number("prominence", least=1.0),
+        extent=number("extent", most=1.0),
+        gap=math.radians(number("gap_deg", most=90.0)),
+        min_flux_fraction=number("min_flux_fraction", most=1.0),
+        min_worth=number("min_worth"),
+        max_lights=LARGEST_COUNT if lights is None else count("max_lights", lights, 1),
+        clip_level=None if level is None else checked_clip_level(level),
     )
 
 

@@ -10,14 +10,15 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights._common import html
 from envlights._common.arrays import seal
-from envlights._common.check import amount, counts, flag, reals, rotation, texts
+from envlights._common.check import flag, reals, rotation
+from envlights._common.fields import fields_of, read_fields
 from envlights._common.former import former_attributes
 from envlights._common.result import Result
 from envlights._common.tables import MOST_ROWS
 from envlights._common.times import time_lines
 from envlights._common.units import OWN_SCALE, checked_units, statement
+from envlights._common.words import percent
 from envlights._native import EnvLightsError
 from envlights.detection import measurements
 from envlights.detection.members import LeftOut, Members
@@ -75,61 +76,36 @@ class DetectionReport(Result):
 
     def to_dict(self) -> dict[str, Any]:
         """All fields except the times as plain numbers, lists and strings."""
-        return {
-            "method": self.method,
-            "threshold": self.threshold,
-            "reason": self.reason,
-            "working_size": list(self.working_size),
-            "clip_level": self.clip_level,
-            "skipped": list(self.skipped),
-            "notes": list(self.notes),
-            "details": list(self.details),
-        }
+        return fields_of(self)
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> DetectionReport:
         """Report that `to_dict` wrote."""
-        height, width = counts("working_size", data["working_size"])
-        level = data["clip_level"]
-        (method,), (reason,) = texts("method", data["method"]), texts("reason", data["reason"])
-        return cls(
-            method=method,
-            threshold=amount("threshold", data["threshold"]),
-            reason=reason,
-            working_size=(height, width),
-            clip_level=None if level is None else amount("clip_level", level),
-            skipped=tuple(texts("skipped", data["skipped"])),
-            notes=tuple(texts("notes", data["notes"])),
-            details=tuple(texts("details", data["details"])),
-        )
+        return read_fields(cls, data)
 
     def in_short(self) -> str:
         """Method and threshold."""
         return f"{self.method}, threshold {self.threshold:.4g}"
 
-    def __str__(self) -> str:
+    def _lines(self) -> list[str]:
         clipped = (
             "; clipped map: lights are separated by the depth of their clipped regions, and ordered"
             " by an estimate of their brightness; the light of clipped ones is a lower bound:"
             " `envlights repair` or `repaired` first estimates what was cut off"
         )
-        lines = [
+        return [
             f"threshold {self.threshold:.3g} ({self.reason}){clipped if self.clip_level else ''}",
             *self.skipped,
             *(f"note: {note}" for note in self.notes),
         ]
-        return "\n".join(lines)
 
-    def verbose(self) -> str:
-        """Text with the lines for authors of detectors."""
+    def _details(self) -> list[str]:
         height, width = self.working_size
-        lines = [
-            str(self),
+        return [
             f"method: {self.method}, on a working map of {width}x{height} pixels",
             *self.details,
             *time_lines(self.seconds),
         ]
-        return "\n".join(lines)
 
 
 @former_attributes(share="fraction", flux_share="flux_fraction")
@@ -324,22 +300,12 @@ class DetectedLights(Lights):
         """
         return read_json(path, _KIND, _READABLE_VERSIONS, _from_dict)
 
-    def __str__(self) -> str:
-        return f"{self._heading()}\n{self.report}"
+    def _lines(self) -> list[str]:
+        together = f"together: {percent(self.flux_fraction.sum())} of all light in the map"
+        return ["", together, *self.report._lines()]
 
-    def verbose(self) -> str:
-        """Text with all details of the report."""
-        return f"{self._heading()}\n{self.report.verbose()}"
-
-    def _heading(self) -> str:
-        table = self.table() if len(self) else "no light"
-        return f"{table}\n\n{self._together()}"
-
-    def _html_parts(self) -> tuple[str, ...]:
-        return (*super()._html_parts(), html.lines(f"{self._together()}\n{self.report}"))
-
-    def _together(self) -> str:
-        return f"together: {100 * self.flux_fraction.sum():.3g} % of all light in the map"
+    def _details(self) -> list[str]:
+        return self.report._details()
 
     def _cells(self) -> tuple[list[str], list[list[str]]]:
         columns = ["light", "azimuth", "elevation", "fraction", "radius", "peak"]
@@ -359,13 +325,14 @@ class DetectedLights(Lights):
         """Remarks in the table's last column."""
         return "  ".join(remarks_of(self._light(row)))
 
-    def _columns(self) -> dict[str, NDArray[Any]]:
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """Columns of `Lights.columns`, and the measurements with one number for each light."""
         arrays = {name: getattr(self, name) for name in (*self._array_names(), "is_broad")}
         scalars = {name: array for name, array in arrays.items() if array.ndim == 1}
         if "direction_uncertainty" in scalars:
             radians = scalars.pop("direction_uncertainty")
             scalars["direction_uncertainty_deg"] = np.rad2deg(radians)
-        return {**super()._columns(), **scalars}
+        return {**super().columns(), **scalars}
 
     def _array_names(self) -> tuple[str, ...]:
         """Names of the constructor's arrays with a row for each light."""

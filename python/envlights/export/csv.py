@@ -7,6 +7,7 @@ import os
 import numpy as np
 
 from envlights._common.printable import printable
+from envlights._common.tables import csv_text
 from envlights.export.files import save_scene
 from envlights.export.scene import check_rig
 from envlights.rigs.csv_table import AMBIENTS, FORMAT, HEADER, SCALE
@@ -42,16 +43,13 @@ def csv(rig: Rig | Lights) -> str:
         floor = ", over a floor" if getattr(rig, "floor", False) else ""
         lines.append(f"# relative RMS error {getattr(rig, 'error', 0.0)!r}{floor}")
     lines += [f"# note: {printable(note)}" for note in lights.notes]
-    lines.append(HEADER)
     arrays = lights.direction, lights.irradiance, lights.angular_radius[:, None]
-    lines += [",".join(["light", *map(repr, row)]) for row in np.hstack(arrays).tolist()]
+    rows = [["light", *row] for row in np.hstack(arrays).tolist()]
     if ambient is not None:
-        rows = np.atleast_2d(ambient).tolist()
-        names = AMBIENTS[len(rows) > 1]
-        lines += [
-            f"{name},,,,{r!r},{g!r},{b!r}," for name, (r, g, b) in zip(names, rows, strict=True)
-        ]
-    return "\n".join(lines) + "\n"
+        values = np.atleast_2d(ambient).tolist()
+        names = AMBIENTS[len(values) > 1]
+        rows += [[name, *[None] * 3, *row, None] for name, row in zip(names, values, strict=True)]
+    return "\n".join([*lines, HEADER, csv_text(rows)])
 
 
 def save_csv(rig: Rig | Lights, path: str | os.PathLike[str]) -> None:

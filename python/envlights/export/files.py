@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights._common.check import describe
-from envlights._common.files import as_path, check_writable, write_atomically
+from envlights._common.files import as_path, check_writable, write_content
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import EnvMap
 from envlights.environment.files.image_output import write_exr, write_hdr
@@ -81,8 +81,7 @@ def save_scene(
     for place, radiance in places.items():
         write = _write_for_radiance if place.suffix == ".hdr" else write_exr
         write(place, np.ascontiguousarray(radiance, np.float32))
-    data = content.encode() if isinstance(content, str) else content
-    write_atomically(path, lambda beside: beside.write_bytes(data))
+    write_content(path, content)
 
 
 def _write_for_radiance(path: Path, radiance: NDArray[np.float32]) -> None:

@@ -2,36 +2,35 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from itertools import accumulate, pairwise
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from envlights._common import html
 from envlights._common.check import counts
-from envlights._common.result import Result
-from envlights._common.tables import Table, frame_of
+from envlights._common.fields import fields_of
+from envlights._common.result import TableResult
+from envlights._common.tables import Table, csv_of, json_text, save_table
+from envlights._common.words import percent
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import AnyMap
 from envlights.environment.fill import Fill
-from envlights.fitting.arguments import FitArguments
 from envlights.fitting.map_fit import fit_map_by_count
+from envlights.fitting.request import FitArguments
 from envlights.kernels import gloss
 from envlights.rigs.rig import Rig
-
-if TYPE_CHECKING:
-    import pandas as pd
-
 
 #: Columns of a table of errors.
 _COLUMNS = ("lights", "used", "objective", "probe", "shadows", "gloss")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ErrorCurve(Result):
+class ErrorCurve(TableResult):
     """Errors of a map's rigs with at most each of some numbers of lights.
 
     Errors are fractions: 0.01 is 1 %. Printed tables hold them in percent, with `probe` as the
@@ -69,33 +68,27 @@ class ErrorCurve(Result):
     """Rig of each row."""
 
     def to_dict(self) -> dict[str, Any]:
-        """All fields except the time as plain numbers and lists."""
-        return {
-            "lights": list(self.lights),
-            "used": list(self.used),
-            "objective": list(self.objective),
-            "probe": list(self.probe),
-            "shadows": list(self.shadows),
-            "gloss": list(self.gloss),
-            "roughness": self.roughness,
-        }
+        """All fields except the rigs and the time as plain numbers and lists."""
+        return fields_of(self, "rigs")
 
-    def to_frame(self) -> pd.DataFrame:
-        """Data frame with a row for each number of lights; needs pandas."""
-        return frame_of({name: np.array(getattr(self, name)) for name in _COLUMNS})
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """Columns with a row for each number of lights; errors are fractions."""
+        return {name: np.array(getattr(self, name)) for name in _COLUMNS}
 
     def to_csv(self) -> str:
         """Lossless table with a row for each number of lights; errors are fractions."""
-        rows = zip(*(getattr(self, name) for name in _COLUMNS), strict=True)
-        lines = [_COLUMNS, *([repr(value) for value in row] for row in rows)]
-        return "".join(f"{','.join(line)}\n" for line in lines)
+        return csv_of(self.columns())
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the table as ``.csv`` or ``.json``; a failure leaves no file."""
+        save_table(path, {".csv": self.to_csv, ".json": lambda: json_text(self.to_dict())})
 
     def in_short(self) -> str:
         """Range of the numbers of lights, and all errors at its end."""
         if not self.lights:
             return "no fit"
         each = ", ".join(
-            f"{name} {_percent(values[-1])}"
+            f"{name} {percent(values[-1])}"
             for name, values in (
                 ("shading", self.probe),
                 ("shadows", self.shadows),
@@ -104,16 +97,10 @@ class ErrorCurve(Result):
         )
         return f"{self.lights[0]} to {self.lights[-1]} lights; at the end {each}"
 
-    def __str__(self) -> str:
-        return "\n".join([str(self._table()), *self._lines()])
-
-    def _html_parts(self) -> tuple[str, ...]:
-        return self._table().html(), html.lines("\n".join(self._lines()))
-
     def _lines(self) -> list[str]:
         """Lines below the table: the metal, and rising errors with shadows."""
         each = (
-            f"{_percent(before)} with {fewer} to {_percent(after)} with {more}"
+            f"{percent(before)} with {fewer} to {percent(after)} with {more}"
             for fewer, before, more, after in self._rises()
         )
         rises = "; ".join(each)
@@ -126,15 +113,16 @@ class ErrorCurve(Result):
         return [
             (*row, *following)
             for row, following in pairwise(rows)
-            if following[1] > row[1] and _percent(following[1]) != _percent(row[1])
+            if following[1] > row[1] and percent(following[1]) != percent(row[1])
         ]
 
-    def _table(self) -> Table:
+    def table(self) -> Table:
+        """Table with a row for each number of lights; errors are in percent."""
         names = ["lights", "used", "objective", "shading", "shadows", "gloss"]
         errors = (self.objective, self.probe, self.shadows, self.gloss)
         columns = zip(self.lights, self.used, *errors, strict=True)
         rows = [
-            [str(lights), str(used), *map(_percent, errors)] for lights, used, *errors in columns
+            [str(lights), str(used), *map(percent, errors)] for lights, used, *errors in columns
         ]
         return Table(names, rows)
 
@@ -228,9 +216,4 @@ def _better(rig: Rig, more: Rig) -> Rig:
 
 
 def _objective_error(rig: Rig) -> float:
-    """Error that the fit of a rig minimised."""
     return rig.report.objective_error or 0.0
-
-
-def _percent(fraction: float) -> str:
-    return f"{100 * fraction:.3g} %"

@@ -9,16 +9,19 @@ from numpy.typing import ArrayLike
 
 from envlights import _native
 from envlights._common.check import check_choice, reals
+from envlights._common.times import Clock
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import AnyMap
 from envlights.environment.fill import Fill
 from envlights.fitting import wording
-from envlights.fitting.ambient_terms import AMBIENTS
-from envlights.fitting.arguments import FitArguments
-from envlights.fitting.clock import Clock
 from envlights.fitting.map_fit import fit_map
-from envlights.fitting.options import FitOptions
-from envlights.fitting.request import STARTS_WITHOUT_MAP, request_of
+from envlights.fitting.request import (
+    AMBIENTS,
+    STARTS_WITHOUT_MAP,
+    FitArguments,
+    FitOptions,
+    request_of,
+)
 from envlights.fitting.result import rig_of
 from envlights.fitting.sun_light import fit_with_sun
 from envlights.rigs.lights import Lights

@@ -11,23 +11,27 @@ from numpy.typing import NDArray
 from envlights import _native
 from envlights._common.check import check_choice, flag
 from envlights._common.notes import LOG, log
+from envlights._common.times import Clock
 from envlights._native import FitAnswer
 from envlights.environment.envmap import AnyMap, EnvMap, apply_to_map
 from envlights.environment.fill import checked_unseen
 from envlights.fitting import wording
-from envlights.fitting.ambient_terms import (
+from envlights.fitting.reduction import Reduction, is_file, reduction_of, reduction_of_file
+from envlights.fitting.request import (
     AMBIENTS,
     AUTO,
+    FitArguments,
+    FitOptions,
+    Request,
     ambient_for,
     ambient_names,
     check_over_floor,
+    check_radius,
+    request_for,
 )
-from envlights.fitting.arguments import FitArguments
-from envlights.fitting.clock import Clock
-from envlights.fitting.options import FitOptions
-from envlights.fitting.reduction import Reduction, is_file, reduction_of, reduction_of_file
-from envlights.fitting.request import Request, check_radius, request_for
 from envlights.fitting.result import rig_of
+from envlights.rigs.lights import Lights, brightest_first
+from envlights.rigs.report import FitReport
 from envlights.rigs.rig import Rig
 from envlights.rigs.targets import shown_by, target_names
 
@@ -138,7 +142,6 @@ def _clocked_rig(plan: _Plan, reduction: Reduction, answers: Answers, clock: Clo
 
 
 def _plan(arguments: FitArguments) -> _Plan:
-    """Check the arguments."""
     check_choice("objective", arguments.objective, OBJECTIVES)
     target = target_names(arguments.target)
     shows = shown_by(target)
@@ -183,7 +186,6 @@ def _under(reduction: Reduction, plan: _Plan, first: NDArray[np.float64]) -> Ans
 def _options(
     reduction: Reduction, plan: _Plan, first: NDArray[np.float64], ambient: str
 ) -> FitOptions:
-    """Options of the kernel, with one kind of `ambient` term."""
     request = plan.request
     return FitOptions(
         AMBIENTS[ambient],
@@ -202,7 +204,6 @@ def _options(
 
 
 def _rig(plan: _Plan, reduction: Reduction, answers: Answers, seconds: dict[str, float]) -> Rig:
-    """Rig of the best result, with its report."""
     request, floor = plan.request, plan.arguments.floor
     chosen = request.best_of(answers, RENDERING_ERROR) if plan.is_auto else plan.ambients[0]
     answer = answers[chosen]
@@ -230,3 +231,38 @@ def _rig(plan: _Plan, reduction: Reduction, answers: Answers, seconds: dict[str,
             *wording.channels(answer),
         ),
     )
+
+
+def continue_rig(
+    reduction: Reduction, arguments: FitArguments, lights: Lights, ambient: str
+) -> tuple[Rig, MapSamples]:
+    """Rig of the minimum near `lights` with sizes, and the irradiance under the map.
+
+    No other lights are searched for, and those that are black there are left out. The report holds
+    the errors alone.
+    """
+    options = FitOptions(
+        AMBIENTS[ambient],
+        lights.direction,
+        0,
+        len(lights),
+        sizes=arguments.objective,
+        max_radius=arguments.max_radius,
+    )
+    answer = _native.continue_reduced(reduction.cells, options, lights.angular_radius)
+    sky, direction, irradiance, radii, error, objective_error, samples = answer
+    order = brightest_first(irradiance)
+    rows = direction[order], irradiance[order], np.array(radii)[order]
+    rig = Rig(
+        sky if len(sky) > 1 else sky.sum(axis=0),
+        Lights.unchecked(*rows, reduction.units),
+        error,
+        FitReport(
+            objective_error=objective_error,
+            measured_on=wording.measured_on(len(samples[1]), arguments.floor),
+            ambient=ambient,
+        ),
+        (*reduction.notes, *wording.clipping(reduction.clipped_flux_fraction)),
+        arguments.floor,
+    )
+    return rig, MapSamples(*samples)

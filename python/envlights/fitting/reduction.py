@@ -5,14 +5,81 @@ from __future__ import annotations
 import os
 from typing import NamedTuple, TypeGuard
 
+import numpy as np
+
 from envlights import _native
+from envlights._common.blocks import in_blocks
 from envlights._common.units import OWN_SCALE
 from envlights._native import ReducedMap
 from envlights.environment.envmap import AnyMap, EnvMap
 from envlights.environment.files.reduced_file import reduce_file
-from envlights.environment.fill import Fill
-from envlights.fitting.unseen_part import fill_for_fit
-from envlights.kernels.probe import WORKING_COLUMNS
+from envlights.environment.fill import (
+    Fill,
+    PartialMap,
+    checked_unseen,
+    choice_of,
+    share_above_horizon,
+)
+from envlights.kernels.probe import WORKING_COLUMNS, relative_rms, working_irradiance
+from envlights.kernels.sampling import icosphere
+from envlights.kernels.sphere import pixel_directions
+
+#: Normals at which the probes under two fills are compared.
+_NORMALS = 320
+
+
+class FilledMap(NamedTuple):
+    """A map that shows the whole sphere, and what is known about its fill."""
+
+    env: EnvMap
+    """Map without a `coverage` share."""
+
+    coverage_fraction: float
+    """Fraction of the sphere that was seen; over a floor, of its upper half."""
+
+    unseen_spread: float
+    """Relative RMS difference of the probe between a black and a harmonic fill."""
+
+
+def fill_for_fit(env: EnvMap, floor: bool, fill: Fill) -> FilledMap:
+    """Fill a map; a floor hides the lower half of the sphere, so nothing there is missing."""
+    checked_unseen(fill)
+    if env.coverage is None:
+        return FilledMap(env, 1.0, 0.0)
+    part = PartialMap(env.radiance, env.coverage, env.is_border_sampled)
+    fraction = share_above_horizon(part) if floor else part.fraction
+    choice = choice_of(fill, fraction)
+    harmonic = env.filled("harmonic")
+    filled = harmonic if choice == "harmonic" else env.filled(choice)
+    return FilledMap(filled, fraction, _difference(env.filled("black"), harmonic, floor))
+
+
+def _difference(env: EnvMap, reference: EnvMap, floor: bool) -> float:
+    """Relative RMS difference of the probes of two maps."""
+    normals, solid_angles = icosphere(_NORMALS)
+    probe, reference_probe = (
+        working_irradiance(
+            above_horizon(each).radiance if floor else each.radiance,
+            normals,
+            border_sampled=each.is_border_sampled,
+        )[0]
+        for each in (env, reference)
+    )
+    return relative_rms(probe, reference_probe, solid_angles)
+
+
+def above_horizon(env: EnvMap) -> EnvMap:
+    """`env`, black below the horizon."""
+    # All columns have the same heights, so compute one.
+    towards = pixel_directions(env.height, 2, border_sampled=env.is_border_sampled)[:, :1]
+    radiance = in_blocks(
+        env.radiance.shape,
+        lambda rows: np.where(towards[rows, :, 1:2] < 0, np.float32(0), env.radiance[rows]),
+    )
+    return EnvMap(
+        radiance, registration=env.registration, clip_level=env.clip_level, coverage=env.coverage
+    )
+
 
 #: Fraction of the flux of a channel from which a cell of the reduced map becomes a point source.
 POINT_SHARE = 5e-3

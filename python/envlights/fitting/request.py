@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -13,12 +14,70 @@ from envlights._common.check import amount, check_choice, count, reals
 from envlights._native import GLOSS_DEGREE, EnvLightsError, FitAnswer
 from envlights.detection.detect import detect
 from envlights.environment.envmap import EnvMap
-from envlights.fitting.arguments import FitArguments
-from envlights.fitting.unseen_part import above_horizon
+from envlights.environment.fill import Fill
+from envlights.fitting.reduction import above_horizon
 from envlights.kernels import gloss, sphere
+from envlights.rigs.capabilities import Capabilities
 from envlights.rigs.lights import Lights
 from envlights.rigs.report import SHOWN_ROUGHNESS
 from envlights.rigs.rig import Rig
+
+#: Steps after which a descent gives up.
+MAX_STEPS = 100
+
+
+class FitOptions(NamedTuple):
+    """Options of `_native.fit_map` and `_native.fit_samples`."""
+
+    ambient: int
+    """Number of ambient coefficients in each channel: 0, 1 or 9."""
+    start: NDArray[np.float64]
+    """Initial directions of the first lights, the fixed ones before the others."""
+    fixed: int
+    """Number of these that keep their directions."""
+    lights: int
+    """Greatest number of lights."""
+    error: float | None = None
+    """Relative RMS error that is good enough."""
+    shadow_error: float | None = None
+    """Relative RMS error with shadows that is good enough."""
+    gloss_error: float | None = None
+    """Relative RMS error of a shiny object that is good enough."""
+    gloss_factors: Sequence[float] = ()
+    """Factors of that object by degree."""
+    sizes: str | None = None
+    """Comparison that gives the lights their sizes; points if absent."""
+    max_radius: float | None = None
+    """Greatest angular radius of a light in radians; 75 degrees if absent."""
+    max_steps: int = MAX_STEPS
+    """Greatest number of steps of one descent."""
+    floor: bool = False
+    """True if a floor hides the light from below the horizon."""
+    error_floor: float = 0.0
+    """Error below which no light is added."""
+    is_plain: bool = False
+    """True for forward selection and eight plain starts: the comparison of benchmarks."""
+
+
+@dataclass(frozen=True)
+class FitArguments:
+    """Arguments of `fit`, as they were given; its signature has their defaults."""
+
+    lights: int | None
+    error: float | None
+    shadow_error: float | None
+    gloss_error: float | None
+    roughness: float
+    sizes: bool
+    max_radius: float | None
+    objective: str
+    ambient: str | None
+    start: str | Rig | Lights
+    fixed: ArrayLike | Lights | None
+    floor: bool
+    fill: Fill
+    target: str | Iterable[str] | None
+
 
 #: Names of starts for a map, and for a measured probe.
 STARTS = ("greedy", "detect", "even")
@@ -229,3 +288,38 @@ def check_radius(max_radius: float | None, sizes: bool) -> None:
             f"max_radius must not be set for points; got {max_radius:.3g} radians and sizes=False."
             " Leave out one of them"
         )
+
+
+#: Ambient terms with their number of coefficients in each channel, the simplest first.
+AMBIENTS = {"none": 0, "constant": 1, "sh2": 9}
+#: Name for the best ambient term.
+AUTO = "auto"
+
+
+def ambient_for(ambient: str | None, has_target: bool, shows: Capabilities) -> str:
+    """Checked name of an ambient term, or the default for a target."""
+    if ambient is None:
+        return AUTO if has_target and shows.harmonics == "exact" else "constant"
+    check_choice("ambient", ambient, (*AMBIENTS, AUTO))
+    if ambient == "sh2" and shows.harmonics == "none":
+        raise EnvLightsError("ambient must not be 'sh2' for a target that shows no harmonics")
+    return ambient
+
+
+def ambient_names(floor: bool, shows: Capabilities) -> tuple[str, ...]:
+    """Ambient terms that "auto" compares, the simplest first."""
+    return tuple(name for name in shows.ambients() if not (floor and name == "sh2"))
+
+
+def check_over_floor(ambient: str, request: Request, shows: Capabilities) -> None:
+    """Refuse arguments that a floor makes impossible."""
+    if not shows.floor:
+        raise EnvLightsError(
+            "floor must be False for a target that shows no light from above alone"
+        )
+    if ambient == "sh2":
+        raise EnvLightsError(
+            "ambient must be 'none' or 'constant' or 'auto' where there is a floor, because"
+            " harmonics cannot be fitted over one; got 'sh2'"
+        )
+    request.check_above_horizon()

@@ -11,8 +11,7 @@ from envlights._common.units import OWN_SCALE
 from envlights._native import FitAnswer
 from envlights.fitting.request import Request
 from envlights.rigs.lights import Lights, brightest_first
-from envlights.rigs.report import FitReport
-from envlights.rigs.report_fields import StopReason
+from envlights.rigs.report import FitReport, StopReason
 from envlights.rigs.rig import Rig
 
 
@@ -65,7 +64,6 @@ def rig_of(
 
 
 def _rows(lights: list[int], order: NDArray[np.intp]) -> tuple[int, ...]:
-    """Rows of these lights of the answer in the `order` of the lights."""
     return tuple(sorted(order.argsort()[lights].tolist()))
 
 

@@ -18,10 +18,9 @@ from envlights._common.check import count, flag
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import EnvMap
 from envlights.environment.fill import Fill
-from envlights.fitting.arguments import FitArguments
 from envlights.fitting.map_fit import fit_map
-from envlights.fitting.request import Request, request_for
-from envlights.fitting.unseen_part import above_horizon, fill_for_fit
+from envlights.fitting.reduction import above_horizon, fill_for_fit
+from envlights.fitting.request import FitArguments, Request, request_for
 from envlights.kernels import gloss
 from envlights.kernels.sphere import pixel_directions, pixel_solid_angles
 from envlights.rigs.lights import Lights, brightest_first
@@ -187,12 +186,10 @@ def _lights_of_sky(request: Request, lights: int | None, most_lights: int | None
 
 
 def _of_sky(error: float | None, ratio: float) -> float | None:
-    """Accepted error of the fit to the sky."""
     return None if error is None else min(error / (ratio or 1.0), 1.0)
 
 
 def _with_sun(rig: Rig, sun: Lights, ratios: Ratios, pixels: SkyPixels) -> Rig:
-    """Rig with the sun, and errors against sky and sun."""
     sky = rig.lights
     irradiance = np.concatenate([sky.irradiance, sun.irradiance])
     order = brightest_first(irradiance)

@@ -55,7 +55,6 @@ def clipping(fraction: float) -> tuple[str, ...]:
 
 
 def _below(rendering_error: float) -> str:
-    """Error below which no light is added."""
     if not rendering_error:
         return "0"
     return f"below {_power(rendering_error)}, the accuracy of the fit"

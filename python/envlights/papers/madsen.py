@@ -22,8 +22,7 @@ from envlights.fitting.wording import clipping
 from envlights.kernels import madsen, probe, sampling
 from envlights.rigs.light import azimuths, elevations
 from envlights.rigs.lights import Lights, rgb_cell, rgb_heading
-from envlights.rigs.report import FitReport
-from envlights.rigs.report_fields import StopReason
+from envlights.rigs.report import FitReport, StopReason
 from envlights.rigs.rig import Rig
 
 #: Faces of the probe and of the scene (section 3.1).

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from envlights._common.check import amount, counts, flag, reals
-from envlights._common.files import write_atomically
+from envlights._common.files import write_content
+from envlights._common.tables import csv_of
 from envlights._native import EnvLightsError
 from envlights.detection.lights import DetectionReport
 from envlights.rigs.light_arrays import light_arrays
@@ -87,13 +87,6 @@ def save_table(
     """
     height, width = size
     about = f"# {width}x{height} pixels; x, y from the top left corner; red, green, blue: linear"
-    lines = [_FORMAT, f"{about} Rec.709 radiance times pixels", ",".join(columns)]
-    numbers = [array + 0 for array in columns.values()]  # False becomes 0
-    rows = zip(*(array.tolist() for array in numbers), strict=True)
-    lines += [",".join(map(repr, row)) for row in rows]
-    content = "\n".join(lines) + "\n"
-
-    def write(beside: Path) -> None:
-        beside.write_text(content, encoding="utf-8")
-
-    write_atomically(path, write)
+    head = f"{_FORMAT}\n{about} Rec.709 radiance times pixels\n"
+    numbers = {name: array + 0 for name, array in columns.items()}  # False becomes 0
+    write_content(path, head + csv_of(numbers))

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from envlights._common.srgb import encode_srgb
 from envlights.environment.envmap import EnvMap
 from envlights.environment.fill import ENOUGH_SEEN
-from envlights.fitting.unseen_part import above_horizon
+from envlights.fitting.reduction import above_horizon
 from envlights.kernels import sphere
 from envlights.kernels.image import LUMINANCE
 from envlights.kernels.probe import working_irradiance

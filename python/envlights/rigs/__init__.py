@@ -12,8 +12,7 @@
 """
 
 from envlights.rigs.light import Light
-from envlights.rigs.report import FitReport
-from envlights.rigs.report_fields import StopReason
+from envlights.rigs.report import FitReport, StopReason
 from envlights.rigs.rig import rigs_to_frame
 
 __all__ = [

@@ -10,8 +10,8 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._common.errors import DamagedFileError, unreadable
-from envlights._common.files import as_path
+from envlights._common.errors import DamagedFileError
+from envlights._common.files import read_text
 from envlights._common.units import OWN_SCALE, PHOTOMETRIC
 from envlights._native import EnvLightsError
 
@@ -60,12 +60,7 @@ def read_csv(path: str | os.PathLike[str]) -> Table:
     EnvLightsError
         If the file cannot be read, or is not a complete table of lights.
     """
-    try:
-        lines = as_path(path).read_text(encoding="utf-8").splitlines()
-    except OSError as error:
-        raise unreadable(path, error) from None
-    except UnicodeDecodeError:
-        raise DamagedFileError(f"{path} is not a CSV file: it is not text") from None
+    lines = read_text(path).splitlines()
     if lines[:1] != [FORMAT]:
         raise DamagedFileError(f"{path} is not a table of lights: its first line is not '{FORMAT}'")
     header = re.fullmatch(_RIG, lines[2]) if len(lines) > 2 else None
@@ -93,7 +88,6 @@ def load_csv(path: str | os.PathLike[str], build: Callable[[Table], _T]) -> _T:
 
 
 def _rows(lines: list[str]) -> list[list[str]]:
-    """Cells of each row below the header."""
     if lines[:1] != [HEADER]:
         raise ValueError(f"the header must be '{HEADER}'")
     rows = [line.split(",") for line in lines[1:]]

@@ -31,6 +31,8 @@ class Light(Result):
     [0.75, 0.25]
     """
 
+    _is_headed = True
+
     direction: NDArray[np.float64]
     """Unit vector from the scene towards the light, (3,)."""
 
@@ -66,12 +68,12 @@ class Light(Result):
             place = f"at the {azimuth}"
         return f"{place}, {100 * self.fraction:.3g} %"
 
-    def __str__(self) -> str:
+    def _lines(self) -> list[str]:
         red, green, blue = self.irradiance
         size = (
             f"radius {np.rad2deg(self.angular_radius):.2f}°" if self.angular_radius else "a point"
         )
-        return f"{self.in_short()}\n{size}; irradiance {red:.4g}, {green:.4g}, {blue:.4g}"
+        return [f"{size}; irradiance {red:.4g}, {green:.4g}, {blue:.4g}"]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -91,8 +93,8 @@ class DetectedLight(Light):
     direction_uncertainty: float | None = None
     is_cut: bool = False
 
-    def __str__(self) -> str:
-        return "; ".join([super().__str__(), *remarks_of(self)])
+    def _lines(self) -> list[str]:
+        return ["; ".join([*super()._lines(), *remarks_of(self)])]
 
 
 def remarks_of(light: DetectedLight) -> list[str]:

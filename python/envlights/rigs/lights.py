@@ -17,9 +17,10 @@ from envlights._common.check import rotation, texts
 from envlights._common.files import as_path
 from envlights._common.former import former_attributes
 from envlights._common.notes import Note
-from envlights._common.result import Result
-from envlights._common.tables import MOST_ROWS, Table, frame_of
+from envlights._common.result import TableResult
+from envlights._common.tables import MOST_ROWS, Table
 from envlights._common.units import OWN_SCALE, checked_units, in_lux
+from envlights._common.words import quantity
 from envlights._native import EnvLightsError
 from envlights.environment import thumbnails
 from envlights.environment.envmap import EnvMap
@@ -35,7 +36,7 @@ from envlights.rigs.lobes import SphericalGaussians, lobes
 from envlights.rigs.own_json import read_json
 
 if TYPE_CHECKING:
-    import pandas as pd
+    pass
 
 
 #: Header of a file of lights. `Lights.to_dict` holds only arrays, as a part of a rig.
@@ -67,7 +68,7 @@ Rows = slice | list[int] | NDArray[Any]
 
 @former_attributes(share="fraction")
 @dataclass(frozen=True, eq=False, repr=False)
-class Lights(Result):
+class Lights(TableResult):
     r"""Directional lights, brightest first.
 
     Parameters
@@ -178,31 +179,22 @@ class Lights(Result):
 
     def in_short(self) -> str:
         """Number of lights."""
-        return f"{len(self)} light{'' if len(self) == 1 else 's'}"
+        return quantity(len(self), "light")
 
-    def __str__(self) -> str:
-        table = str(self.table()) if len(self) else "no directional light"
-        return "\n".join([table, *self._note_lines()])
-
-    def _note_lines(self) -> list[str]:
+    def _lines(self) -> list[str]:
         return [f"note: {note}" for note in self.notes]
 
-    def _html_parts(self) -> tuple[str, ...]:
-        notes = (html.lines("\n".join(self._note_lines())),) if self.notes else ()
+    def _pictures(self) -> list[str]:
         if not len(self):
-            return notes
+            return []
         arrays = self.direction, self.irradiance, self.angular_radius
-        picture = html.picture(thumbnails.of_lights(*arrays), "directions of the lights")
-        return (picture, self.table().html(), *notes)
+        return [html.picture(thumbnails.of_lights(*arrays), "directions of the lights")]
 
     def table(self) -> Table:
         """Table of the first dozen lights, and a summary of the others."""
         columns, rows = self._cells()
-        hidden = self.fraction[MOST_ROWS:]
-        lights = "light" if len(hidden) == 1 else "lights"
-        summary = f"{len(hidden)} more {lights}, {100 * hidden.sum():.2g} % together"
-        rest = summary if len(hidden) else ""
-        return Table(columns, rows, rest, thumbnails.hex_of(self.irradiance[:MOST_ROWS]))
+        colours = thumbnails.hex_of(self.irradiance[:MOST_ROWS])
+        return Table(columns, rows, hidden_lights(self.fraction), colours)
 
     def _cells(self) -> tuple[list[str], list[list[str]]]:
         """Column names, and cells of the first dozen lights."""
@@ -219,19 +211,11 @@ class Lights(Result):
         ]
         return columns, rows
 
-    def to_frame(self) -> pd.DataFrame:
-        """Data frame with a row for each light; needs pandas, from the extra `frame`.
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """Columns with a row for each light; those that end in ``_deg`` are angles in degrees.
 
-        Returns
-        -------
-        pandas.DataFrame
-            Columns that end in ``_deg`` are angles in degrees. Each component of a vector or colour
-            has a column.
+        Each component of a vector or colour has a column.
         """
-        return frame_of(self._columns())
-
-    def _columns(self) -> dict[str, NDArray[Any]]:
-        """Columns of the data frame."""
         angles = {
             "azimuth_deg": np.rad2deg(self.azimuth),
             "elevation_deg": np.rad2deg(self.elevation),
@@ -370,6 +354,15 @@ class Lights(Result):
 
 # Not a full sequence: `count` and `index` are missing.
 Sequence.register(Lights)
+
+
+def hidden_lights(fraction: NDArray[np.float64]) -> str:
+    """Summary of the lights below a table, from their `fraction`, or that there are none."""
+    if not len(fraction):
+        return "no directional light"
+    hidden = fraction[MOST_ROWS:]
+    more = quantity(len(hidden), "more light")
+    return f"{more}, {100 * hidden.sum():.2g} % together" if len(hidden) else ""
 
 
 def place_cells(lights: Lights, row: int) -> list[str]:

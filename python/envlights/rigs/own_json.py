@@ -7,8 +7,8 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 from envlights._common.check import describe
-from envlights._common.errors import DamagedFileError, FileError, unreadable
-from envlights._common.files import as_path
+from envlights._common.errors import DamagedFileError, FileError
+from envlights._common.files import read_text
 from envlights._common.printable import printable_parts
 from envlights._native import EnvLightsError
 
@@ -28,24 +28,32 @@ def read_json(
     EnvLightsError
         If the file is missing, of another kind or version, or `build` cannot use it.
     """
+    data = parse(path, read_text(path))
+    _check_version(path, kind, versions, data)
+    return build_from(path, kind, build, data)
+
+
+def parse(place: object, text: str, noun: str = "a JSON file") -> Any:
+    """Content of JSON at a `place`, such as a path, or a refusal that names it."""
     import json  # here, so that `import envlights` does not wait for it
 
     try:
-        data = printable_parts(json.loads(as_path(path).read_text(encoding="utf-8")))
-    except OSError as error:
-        raise unreadable(path, error) from None
+        return printable_parts(json.loads(text))
     except (ValueError, RecursionError) as error:
-        raise DamagedFileError(f"{path} is not a JSON file: {error}") from None
-    _check_version(path, kind, versions, data)
+        raise DamagedFileError(f"{place} is not {noun}: {error}") from None
+
+
+def build_from(place: object, kind: str, build: Callable[[Any], _T], data: Any) -> _T:
+    """Result of `build` for the content of a `kind`, or a refusal that names the place."""
     try:
         return build(data)
     except EnvLightsError as error:
-        raise DamagedFileError(f"{path} holds {_impossible(kind)}: {error}") from None
+        raise DamagedFileError(f"{place} holds {_impossible(kind)}: {error}") from None
     except KeyError as error:
         reason = f"the key {error} is missing"
     except (AttributeError, IndexError, OverflowError, TypeError, ValueError):
         reason = "a value has another type or shape than `save` writes"
-    raise DamagedFileError(f"{path} is not {_one(kind, 'complete')}: {reason}")
+    raise DamagedFileError(f"{place} is not {_one(kind, 'complete')}: {reason}")
 
 
 def _check_version(path: object, kind: str, versions: tuple[int, ...], data: Any) -> None:

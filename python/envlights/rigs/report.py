@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import enum
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -9,25 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from envlights._common import html
-from envlights._common.check import amount, count
+from envlights._common.fields import fields_of, read_fields
 from envlights._common.result import Result
-from envlights._common.tables import Table, frame_of
-from envlights._common.times import time_lines, times_of
+from envlights._common.tables import frame_of
+from envlights._common.times import time_lines
+from envlights._common.words import percent, quantity
+from envlights._native import EnvLightsError
 from envlights.kernels import gloss
-from envlights.rigs.report_fields import (
-    StopReason,
-    bands,
-    degrees,
-    finite,
-    number,
-    optional,
-    percent,
-    rgb,
-    row_of,
-    search_errors,
-    stop_reason,
-)
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -35,6 +24,24 @@ if TYPE_CHECKING:
 
 #: Roughness of the metal in the text of a report: the matte silver of published comparisons.
 SHOWN_ROUGHNESS = 0.33
+
+
+class StopReason(enum.Enum):
+    """Reason why the solver stopped; the value is its text."""
+
+    NOT_FITTED = "not fitted"
+    CONVERGED = "converged: the error no longer falls"
+    EXACT = "exact: the lights reproduce the irradiance"
+    OUT_OF_STEPS = "stopped at the step limit; a better set of lights may exist"
+    ERROR_NOT_REACHED = "the requested error was not reached; allow more lights"
+    RAN_AWAY = "stopped because the next step is not finite; the lights are those before it"
+    NOTHING_TO_FIT = "the map is black, so there is no light to fit"
+
+    @property
+    def is_success(self) -> bool:
+        """True if more steps would change nothing."""
+        successes = (StopReason.CONVERGED, StopReason.EXACT, StopReason.NOTHING_TO_FIT)
+        return self in successes
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -155,91 +162,49 @@ class FitReport(Result):
     skipped: tuple[str, ...] = ()
     """Remarks on work that was not necessary."""
 
+    def __post_init__(self) -> None:
+        if len(self.gloss_bands[0]) != len(self.gloss_bands[1]):
+            raise EnvLightsError("gloss_bands must be two lists of the same length")
+
     def to_dict(self) -> dict[str, Any]:
         """All fields except the times as plain numbers, lists and strings."""
-        return {
-            "search_errors": {str(n): error for n, error in self.search_errors.items()},
-            "sized_error": self.sized_error,
-            "steps": self.steps,
-            "stop_reason": self.stop_reason.name,
-            "measured_on": self.measured_on,
-            "ambient": self.ambient,
-            "ambients": {
-                name: {"lights": lights, "error": error}
-                for name, (lights, error) in self.ambients.items()
-            },
-            "channel_errors": list(self.channel_errors),
-            "max_error": self.max_error,
-            "shadow_error": self.shadow_error,
-            "objective_error": self.objective_error,
-            "gloss_error": self.gloss_error(),
-            "gloss_bands": [list(band) for band in self.gloss_bands],
-            "points_error": self.points_error,
-            "fitted_points_error": self.fitted_points_error,
-            "target": list(self.target),
-            "direction_tolerances": list(self.direction_tolerances),
-            "condition": finite(self.condition),
-            "direction_errors": [finite(error) for error in self.direction_errors],
-            "irradiance_errors": [[finite(e) for e in errors] for errors in self.irradiance_errors],
-            "fixed": list(self.fixed),
-            "at_max_radius": list(self.at_max_radius),
-            "fewer_lights": self.fewer_lights,
-            "coverage_fraction": self.coverage_fraction,
-            "unseen_spread": self.unseen_spread,
-            "skipped": list(self.skipped),
+        ambients = {
+            name: {"lights": lights, "error": error}
+            for name, (lights, error) in self.ambients.items()
         }
-
-    def row(self) -> dict[str, Any]:
-        """Single numbers and words of the report; NaN for what was not measured."""
-        return row_of(self)
-
-    def to_frame(self) -> pd.DataFrame:
-        """Data frame with one row of the errors and the choices of the fit; needs pandas."""
-        return frame_of({name: np.array([value]) for name, value in self.row().items()})
+        return {**fields_of(self), "ambients": ambients, "gloss_error": self.gloss_error()}
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> FitReport:
         """Report that `to_dict` wrote; fields that an older version did not write get defaults."""
-        return cls(
-            search_errors={
-                count("lights", int(n)): amount("search_errors", error)
-                for n, error in search_errors(data).items()
-            },
-            sized_error=optional("sized_error", data.get("sized_error")),
-            steps=count("steps", data["steps"]),
-            stop_reason=stop_reason(data["stop_reason"]),
-            seconds=times_of(data),
-            measured_on=str(data["measured_on"]),
-            ambient=str(data.get("ambient", "")),
-            ambients={
-                str(name): (count("lights", one["lights"]), amount("error", one["error"]))
-                for name, one in data.get("ambients", {}).items()
-            },
-            channel_errors=tuple(amount("channel_errors", e) for e in data["channel_errors"]),
-            max_error=amount("max_error", data["max_error"]),
-            shadow_error=optional("shadow_error", data.get("shadow_error")),
-            objective_error=optional("objective_error", data.get("objective_error")),
-            gloss_bands=bands(data.get("gloss_bands", ((), ()))),
-            points_error=optional("points_error", data.get("points_error")),
-            fitted_points_error=optional("fitted_points_error", data.get("fitted_points_error")),
-            target=tuple(str(name) for name in data.get("target", ())),
-            direction_tolerances=tuple(
-                amount("direction_tolerances", t) for t in data.get("direction_tolerances", ())
-            ),
-            condition=number(data["condition"]),
-            direction_errors=tuple(number(error) for error in data["direction_errors"]),
-            irradiance_errors=tuple(rgb(errors) for errors in data["irradiance_errors"]),
-            fixed=tuple(count("fixed", row) for row in data.get("fixed", ())),
-            at_max_radius=tuple(
-                count("at_max_radius", row) for row in data.get("at_max_radius", ())
-            ),
-            fewer_lights=str(data.get("fewer_lights", "")),
-            coverage_fraction=amount(
-                "coverage_fraction", data.get("coverage_fraction", 1.0), most=1.0
-            ),
-            unseen_spread=amount("unseen_spread", data.get("unseen_spread", 0.0)),
-            skipped=tuple(str(note) for note in data["skipped"]),
-        )
+        ambients = {
+            name: (one["lights"], one["error"]) for name, one in data.get("ambients", {}).items()
+        }
+        # Rigs up to version 4 call the first field "errors", and version 2 has wall times.
+        former = {"search_errors": data["errors"]} if "errors" in data else {}
+        return read_fields(cls, {**data, **former, "ambients": ambients})
+
+    def row(self) -> dict[str, Any]:
+        """Single numbers and words of the report; NaN for what was not measured."""
+        numbers = {
+            "shadow_error": self.shadow_error,
+            "objective_error": self.objective_error,
+            "max_error": self.max_error,
+            "points_error": self.points_error,
+            "gloss_error": self.gloss_error(),
+        }
+        return {
+            **{name: np.nan if value is None else value for name, value in numbers.items()},
+            "ambient": self.ambient,
+            "steps": self.steps,
+            "stop_reason": self.stop_reason.name,
+            "coverage_fraction": self.coverage_fraction,
+            "seconds": float(sum(self.seconds.values())),
+        }
+
+    def to_frame(self) -> pd.DataFrame:
+        """Data frame with one row of the errors and the choices of the fit; needs pandas."""
+        return frame_of({name: np.array([value]) for name, value in self.row().items()})
 
     def gloss_error(
         self, roughness: float = SHOWN_ROUGHNESS, material: str = "metal"
@@ -293,39 +258,19 @@ class FitReport(Result):
             return self.stop_reason.value
         lights, error = list(self.search_errors.items())[-1]
         error = error if self.sized_error is None else self.sized_error
-        plural = "" if lights == 1 else "s"
-        return f"{lights} light{plural}, {percent(error)}; {self.stop_reason.value}"
+        return f"{quantity(lights, 'light')}, {percent(error)}; {self.stop_reason.value}"
 
-    def __str__(self) -> str:
-        return "\n".join(filter(None, [self._by_number(), *self._short()]))
-
-    def verbose(self) -> str:
-        """Text with all details."""
-        return "\n".join(filter(None, [self._by_number(), *self._short(), *self._details()]))
-
-    def _html_parts(self) -> tuple[str, ...]:
-        has_sizes = self.sized_error is not None
-        columns = ["lights", *map(str, self.search_errors), *(["with sizes"] if has_sizes else [])]
-        each = [
-            *self.search_errors.values(),
-            *([self.sized_error] if self.sized_error is not None else []),
-        ]
-        curve = (
-            Table(columns, [["error", *map(percent, each)]]).html() if self.search_errors else ""
-        )
-        return curve, html.lines("\n".join(filter(None, self._short())))
-
-    def _short(self) -> list[str]:
-        """Lines for users, below the error of each number of lights."""
+    def _lines(self) -> list[str]:
+        """Error of each number of lights, and lines for users."""
         # A rig shows the stop reason of its fit itself.
         unfitted = "" if self.search_errors else self.stop_reason.value
         made_for = f"fitted for {', '.join(self.target)}" if self.target else ""
         lines = [made_for, self._radius_bound(), self._unseen(), self.fewer_lights, unfitted]
-        return [*self._choice(), *lines]
+        return [line for line in (self._by_number(), *self._choice(), *lines) if line]
 
     def _details(self) -> list[str]:
         """Lines for developers."""
-        return [
+        lines = [
             f"errors measured at {self.measured_on}" if self.measured_on else "",
             *self._by_channel(),
             f"error {self.with_shadows()}" if self.with_shadows() else "",
@@ -336,6 +281,7 @@ class FitReport(Result):
             *self.skipped,
             *time_lines(self.seconds),
         ]
+        return [line for line in lines if line]
 
     def with_shadows(self) -> str:
         """Error with shadows in words; empty if it was not measured."""
@@ -369,8 +315,8 @@ class FitReport(Result):
         if self.coverage_fraction == 1:
             return ""
         return (
-            f"{percent(self.coverage_fraction)} of the sphere is seen; a black or a harmonic fill of the"
-            f" rest changes the probe by {percent(self.unseen_spread)}"
+            f"{percent(self.coverage_fraction)} of the sphere is seen; a black or a harmonic fill"
+            f" of the rest changes the probe by {percent(self.unseen_spread)}"
         )
 
     def _by_channel(self) -> tuple[str, ...]:
@@ -384,19 +330,24 @@ class FitReport(Result):
         if not self.ambients:
             return ()
         each = "  ".join(
-            f"{name}: {lights} light{'' if lights == 1 else 's'}, {percent(error)}"
+            f"{name}: {quantity(lights, 'light')}, {percent(error)}"
             for name, (lights, error) in self.ambients.items()
         )
         return (f"ambient term {self.ambient!r} selected from  {each}",)
 
     def _accuracy(self) -> tuple[str, ...]:
-        """Accuracy of the directions."""
         if self.direction_tolerances:
-            angles = degrees(self.direction_tolerances)
+            angles = _each_degree(self.direction_tolerances)
             return (f"direction tolerance (10 % more error): {angles}",)
         if self.direction_errors:
             return (
                 f"condition number {self.condition:.3g}",
-                f"standard error of the directions: {degrees(self.direction_errors)}",
+                f"standard error of the directions: {_each_degree(self.direction_errors)}",
             )
         return ()
+
+
+def _each_degree(angles: tuple[float, ...]) -> str:
+    """Angles in degrees, rounded, for a line of text."""
+    rounded = np.degrees(angles)
+    return "  ".join(f"{each:.2g}°" if each < 100 else f"{each:.0f}°" for each in rounded)

@@ -10,15 +10,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights._common import html
 from envlights._common.arrays import freeze
 from envlights._common.blocks import in_blocks
 from envlights._common.check import amount, describe, flag, one_or_more, rotation, texts
 from envlights._common.files import as_path
 from envlights._common.notes import Note
 from envlights._common.result import Result
+from envlights._common.tables import Table as TextTable
 from envlights._common.tables import frame_of
 from envlights._common.units import in_nits, statement
+from envlights._common.words import percent
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import EnvMap
 from envlights.kernels import probe
@@ -30,8 +31,7 @@ from envlights.rigs.csv_table import Table, load_csv
 from envlights.rigs.light_arrays import LARGEST_LIGHT
 from envlights.rigs.lights import Lights, lights_of, lights_of_table
 from envlights.rigs.own_json import read_json
-from envlights.rigs.report import FitReport
-from envlights.rigs.report_fields import StopReason
+from envlights.rigs.report import FitReport, StopReason
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -267,18 +267,13 @@ class Rig(Result):
             return load_csv(path, _of_table)
         return read_json(path, _KIND, _READABLE_VERSIONS, _from_dict)
 
-    def verbose(self) -> str:
-        """Text with all details of the report."""
-        return f"{self}\n\n{self.report.verbose()}".rstrip()
+    def _pictures(self) -> Iterable[str]:
+        return self.lights._pictures()
 
-    def __str__(self) -> str:
-        return "\n".join([str(self.lights), *self._lines()])
-
-    def _html_parts(self) -> tuple[str, ...]:
-        return (*self.lights._html_parts(), html.lines("\n".join(self._lines())))
+    def _table(self) -> TextTable:
+        return self.lights.table()
 
     def _lines(self) -> list[str]:
-        """Lines below the table of lights."""
         stop = self.report.stop_reason
         lines = [
             *_ambient_lines(self.ambient, in_nits(self.units)),
@@ -287,11 +282,14 @@ class Rig(Result):
             "" if stop.is_success or stop is StopReason.NOT_FITTED else f"note: {stop.value}",
             *(f"note: {note}" for note in self.notes),
         ]
-        return [line for line in lines if line]
+        return [*self.lights._lines(), *(line for line in lines if line)]
+
+    def _details(self) -> list[str]:
+        return ["", self.report.verbose()]
 
     def in_short(self) -> str:
         """Ambient term, number of lights and error."""
-        return f"{parts_line(self)}, error {100 * self.error:.3g} %"
+        return f"{parts_line(self)}, error {percent(self.error)}"
 
 
 def rigs_to_frame(rigs: Iterable[Rig] | Mapping[str, Rig]) -> pd.DataFrame:
@@ -335,7 +333,6 @@ def rigs_to_frame(rigs: Iterable[Rig] | Mapping[str, Rig]) -> pd.DataFrame:
 
 
 def _row(rig: Rig) -> dict[str, Any]:
-    """Cells of a rig in a data frame."""
     # The first harmonic is constant: 1 / sqrt(4 pi).
     mean = rig.ambient if rig.ambient.ndim == 1 else rig.ambient[0] / np.sqrt(4 * np.pi)
     return {
@@ -356,7 +353,7 @@ def error_line(rig: Rig) -> str:
     """Error of shading, with shadows, and of rough metal."""
     floor = " over a floor" if rig.floor else ""
     more = filter(None, (rig.report.with_shadows(), rig.report.with_gloss()))
-    return ", ".join([f"relative RMS error {100 * rig.error:.3g} %{floor}", *more])
+    return ", ".join([f"relative RMS error {percent(rig.error)}{floor}", *more])
 
 
 def _ambient(values: ArrayLike) -> NDArray[np.float64]:
@@ -386,8 +383,9 @@ def _of_table(table: Table) -> Rig:
     return Rig(table.ambient, lights_of_table(table), table.error, floor=table.floor)
 
 
-def _from_dict(data: dict[str, Any]) -> Rig:
-    return Rig(
+def rig_fields(data: dict[str, Any]) -> tuple[Any, Any, Any, Any, Any, Any]:
+    """Arguments of `Rig` in what `Rig.to_dict` wrote."""
+    return (
         data["ambient"],
         lights_of(data["lights"]),
         data["error"],
@@ -395,3 +393,7 @@ def _from_dict(data: dict[str, Any]) -> Rig:
         tuple(texts("notes", data["notes"])),
         data.get("floor", False),
     )
+
+
+def _from_dict(data: dict[str, Any]) -> Rig:
+    return Rig(*rig_fields(data))

@@ -14,7 +14,7 @@ from envlights._common.arrays import freeze
 from envlights._common.check import check_choice, reals
 from envlights._common.files import as_path
 from envlights._common.result import Result
-from envlights._common.srgb import encode_srgb
+from envlights._common.srgb import encode_srgb, linear_of
 from envlights._native import EnvLightsError
 from envlights.environment.files.image_output import write_codes, write_exr
 
@@ -137,8 +137,7 @@ class ShadowOverlay(Result):
         if blending == "codes":
             white = floor.max(initial=0.0) or 1.0
             coded = encode_srgb(floor / white) * np.clip(self.ratio, 0, 1)
-            linear = np.where(coded <= 0.04045, coded / 12.92, ((coded + 0.055) / 1.055) ** 2.4)
-            return np.asarray(white * linear)
+            return np.asarray(white * linear_of(coded))
         return np.asarray(floor * self.ratio)
 
     def code_errors(self, background: ArrayLike | None = None) -> dict[str, tuple[float, float]]:

@@ -14,16 +14,14 @@
 | - OpenUSD                                                     | `usd_samples.py`   |
 | - glTF 2.0                                                    | `gltf_animation.py` |
 | - Blender                                                     | `blender_keyframes.py` |
-| - a table, JSON lines                                         | `csv_rows.py`, `json_lines.py` |
-| the file of each suffix                                       | `formats.py`       |
+| a table, JSON lines, and the file of each suffix              | `formats.py`       |
 """
 
 from envlights.sequence.blender_keyframes import blender
-from envlights.sequence.csv_rows import csv
 from envlights.sequence.follow import RigStream, follow
+from envlights.sequence.formats import csv, json_lines
 from envlights.sequence.frame_rig import FrameRig
 from envlights.sequence.gltf_animation import gltf
-from envlights.sequence.json_lines import json_lines
 from envlights.sequence.rig_sequence import RigSequence
 from envlights.sequence.usd_samples import usd
 

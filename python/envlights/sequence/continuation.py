@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights.environment.envmap import AnyMap
-from envlights.fitting.arguments import FitArguments
-from envlights.fitting.continued_rig import continue_rig
-from envlights.fitting.map_fit import MapSamples, fit_reduction, reduce_for_fits
+from envlights.fitting.map_fit import MapSamples, continue_rig, fit_reduction, reduce_for_fits
 from envlights.fitting.reduction import Reduction
+from envlights.fitting.request import FitArguments
 from envlights.rigs.lights import Lights
 from envlights.rigs.rig import Rig
 from envlights.sequence.steps import Steps
@@ -124,7 +123,6 @@ class Continuation:
 
 
 def _of_search(rig: Rig, continued: Fit) -> Fit:
-    """Rig of a search, with its error at the normals of continued rigs."""
     measured_on = continued.rig.report.measured_on
     found = replace(
         rig,
@@ -135,13 +133,11 @@ def _of_search(rig: Rig, continued: Fit) -> Fit:
 
 
 def _error(rig: Rig) -> float:
-    """Error that the fit minimised."""
     error = rig.report.objective_error
     return rig.error if error is None else error
 
 
 def _above_horizon(directions: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Directions on the horizon instead of below it."""
     raised = directions.copy()
     raised[:, 1] = np.maximum(raised[:, 1], 0)
     return np.asarray(raised / np.linalg.norm(raised, axis=1, keepdims=True))

@@ -10,10 +10,8 @@ from envlights._common.progress import progress_bar
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import AnyMap
 from envlights.environment.fill import Fill
-from envlights.fitting.ambient_terms import AMBIENTS
-from envlights.fitting.arguments import FitArguments
 from envlights.fitting.map_fit import check_arguments
-from envlights.fitting.request import MOST_LIGHTS
+from envlights.fitting.request import AMBIENTS, MOST_LIGHTS, FitArguments
 from envlights.rigs.report import SHOWN_ROUGHNESS
 from envlights.sequence.continuation import Continuation
 from envlights.sequence.frame_rig import FrameRig
@@ -169,7 +167,6 @@ def follow(
 
 
 def _rigs(maps: Iterable[AnyMap], arguments: FitArguments, steadiness: int) -> Iterator[FrameRig]:
-    """Means of the fits over the window of each frame."""
     window: deque[FrameFit] = deque()
     middle = 0
     for fit in _fits(maps, arguments):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import glob
 import os
 import re
 from collections.abc import Iterable, Iterator, Sequence
@@ -14,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from envlights._common.check import describe
 from envlights._common.errors import MissingFileError
+from envlights._common.files import MAPS, matches
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import AnyMap
 from envlights.sequence.video import VIDEOS, video_frames
@@ -21,9 +21,6 @@ from envlights.sequence.video import VIDEOS, video_frames
 #: Pattern or folder of files, path of a video, array of the shape (n, height, 2 * height, 3), or
 #: maps one after another.
 AnyFrames = str | os.PathLike[str] | Iterable[AnyMap] | ArrayLike
-
-#: Suffixes of maps in a folder; other files are not looked at.
-_MAPS = (".exr", ".hdr", ".png", ".jpg", ".jpeg", ".tif", ".tiff")
 
 
 class Frames(NamedTuple):
@@ -81,16 +78,15 @@ def _of_path(path: str) -> Frames:
     if Path(path).suffix.lower() in VIDEOS:
         return Frames(*video_frames(path))
     if Path(path).is_dir():
-        found: list[str] = [
-            str(each) for each in Path(path).iterdir() if each.suffix.lower() in _MAPS
-        ]
+        every = [str(each) for each in Path(path).iterdir()]
+        found = [each for each in every if Path(each).suffix.lower() in MAPS]
     else:
-        # The glob of pathlib takes no absolute pattern.
-        found = [each for each in glob.glob(path) if Path(each).is_file()]  # noqa: PTH207
+        every = [path] if Path(path).is_file() else matches(path)
+        found = [each for each in every if Path(each).is_file()]
     if not found:
         raise MissingFileError(
             f"no map matches {path}; give a pattern such as 'frames/*.exr', a folder of maps"
-            f" ({', '.join(_MAPS)}), or a video ({', '.join(VIDEOS)})"
+            f" ({', '.join(MAPS)}), or a video ({', '.join(VIDEOS)})"
         )
     found.sort(key=natural_key)
     return Frames(found, len(found))

@@ -69,7 +69,6 @@ def gltf(rigs: Iterable[FrameRig], fps: float | None = None) -> dict[str, Any]:
 
 
 def _node(row: int, track: LightTrack) -> dict[str, Any]:
-    """Node of a light, in the pose of the first frame."""
     rotation = rotation_between(SHINES, -track.direction[0])
     light = {_LIGHTS: {"light": row}}
     return {"name": f"light_{track.id}", "rotation": rotation.tolist(), "extensions": light}
@@ -89,7 +88,6 @@ def _light(track: LightTrack) -> dict[str, Any]:
 
 
 def _animation(lights: tuple[LightTrack, ...], seconds: NDArray[np.float64]) -> dict[str, Any]:
-    """Animation with its accessors and their buffer."""
     arrays = [seconds[:, None]]
     samplers: list[dict[str, Any]] = []
     channels: list[dict[str, Any]] = []
@@ -121,7 +119,6 @@ def _rotations(directions: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _buffer(arrays: list[NDArray[np.float32]]) -> dict[str, Any]:
-    """Accessor and view of each array, and one buffer."""
     ends = np.cumsum([array.nbytes for array in arrays]).tolist()
     accessors = [
         {

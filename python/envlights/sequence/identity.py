@@ -24,8 +24,6 @@ _NEWEST = 0.3
 
 @dataclass
 class _Light:
-    """Last state of a light."""
-
     identity: int
     direction: NDArray[np.float64]
     flux: float

@@ -91,7 +91,6 @@ def checked_rigs(rigs: Iterable[FrameRig]) -> list[FrameRig]:
 
 
 def _track(rigs: list[FrameRig], identity: int, factor: float) -> LightTrack:
-    """Curve of one light."""
     present = [frame for frame, rig in enumerate(rigs) if identity in rig.ids]
     lights = [rigs[frame].light(identity) for frame in present]
     irradiance = np.zeros((len(rigs), 3))
@@ -109,7 +108,6 @@ def _track(rigs: list[FrameRig], identity: int, factor: float) -> LightTrack:
 
 
 def _nearest(present: list[int], count: int) -> NDArray[np.intp]:
-    """Index in `present` of the frame nearest to each of `count` frames."""
     distances = np.abs(np.arange(count)[:, None] - np.array(present))
     nearest: NDArray[np.intp] = distances.argmin(axis=1)
     return nearest

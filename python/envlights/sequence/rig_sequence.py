@@ -6,29 +6,25 @@ import os
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._common import html
 from envlights._common.check import count
-from envlights._common.result import Result
-from envlights._common.tables import MOST_ROWS, Table, frame_of
+from envlights._common.result import TableResult
+from envlights._common.tables import MOST_ROWS, Table
+from envlights._common.words import percent, quantity
 from envlights._native import EnvLightsError
 from envlights.kernels.image import LUMINANCE
-from envlights.sequence.formats import save
+from envlights.sequence.formats import read_json_lines, save
 from envlights.sequence.frame_rig import FrameRig
-from envlights.sequence.json_lines import read_json_lines
 from envlights.sequence.light_tracks import checked_rigs
 from envlights.sequence.steadiness import MOST_FRAMES, frame_rate
 
-if TYPE_CHECKING:
-    import pandas as pd
-
 
 @dataclass(frozen=True, eq=False, repr=False)
-class RigSequence(Result):
+class RigSequence(TableResult):
     """Rigs of the frames of a sequence; a light has the same `id` in all frames.
 
     Arrays have a row for each frame and a column for each identity in `ids`.
@@ -79,17 +75,17 @@ class RigSequence(Result):
     @property
     def direction(self) -> NDArray[np.float64]:
         """Unit vectors towards the lights, (frames, ids, 3); NaN in frames without the light."""
-        return self._table(lambda rig: rig.lights.direction, 3, np.nan)
+        return self._by_identity(lambda rig: rig.lights.direction, 3, np.nan)
 
     @property
     def irradiance(self) -> NDArray[np.float64]:
         """Irradiance of the lights at normal incidence, (frames, ids, 3); 0 without the light."""
-        return self._table(lambda rig: rig.lights.irradiance, 3, 0.0)
+        return self._by_identity(lambda rig: rig.lights.irradiance, 3, 0.0)
 
     @property
     def angular_radius(self) -> NDArray[np.float64]:
         """Angular radius in radians, (frames, ids); NaN in frames without the light."""
-        return self._table(lambda rig: rig.lights.angular_radius[:, None], 1, np.nan)[..., 0]
+        return self._by_identity(lambda rig: rig.lights.angular_radius[:, None], 1, np.nan)[..., 0]
 
     @property
     def ambient(self) -> NDArray[np.float64]:
@@ -142,7 +138,7 @@ class RigSequence(Result):
             return 0.0
         return float(np.sqrt((second**2).sum(axis=1).mean() / 6) / mean)
 
-    def _table(self, values_of: Any, width: int, missing: float) -> NDArray[np.float64]:
+    def _by_identity(self, values_of: Any, width: int, missing: float) -> NDArray[np.float64]:
         """Values of each light in its column, (frames, ids, width)."""
         table = np.full((len(self.rigs), len(self.ids), width), missing)
         for row, rig in enumerate(self.rigs):
@@ -186,10 +182,6 @@ class RigSequence(Result):
             "rigs": [rig.to_dict() for rig in self.rigs],
         }
 
-    def to_frame(self) -> pd.DataFrame:
-        """Data frame with a row for each light of each frame; needs pandas."""
-        return frame_of(self.columns())
-
     def columns(self) -> dict[str, NDArray[Any]]:
         """Columns with a value for each light of each frame, by name."""
         numbers = [len(rig.ids) for rig in self.rigs]
@@ -207,12 +199,9 @@ class RigSequence(Result):
 
     def in_short(self) -> str:
         """Number of frames and lights, mean error and flicker."""
-        lights = f"{len(self.ids)} light{'' if len(self.ids) == 1 else 's'}"
-        error, flicker = 100 * self.error.mean(), 100 * self.flicker
-        return f"{len(self)} frames, {lights}, mean error {error:.3g} %, flicker {flicker:.2g} %"
-
-    def __str__(self) -> str:
-        return "\n".join([str(self.table()) if self.ids else "no light", *self._lines()])
+        lights, error = quantity(len(self.ids), "light"), percent(self.error.mean())
+        frames, flicker = quantity(len(self), "frame"), f"flicker {100 * self.flicker:.2g} %"
+        return f"{frames}, {lights}, mean error {error}, {flicker}"
 
     def table(self) -> Table:
         """Table of the dozen lights with the most flux over all frames."""
@@ -221,7 +210,8 @@ class RigSequence(Result):
         columns = ["id", "frames", "fraction", "mean flux", "fastest motion"]
         rows = [self._cells(column, flux, motion) for column in order[:MOST_ROWS]]
         hidden = len(order) - MOST_ROWS
-        return Table(columns, rows, f"{hidden} more lights" if hidden > 0 else "")
+        rest = quantity(hidden, "more light") if hidden > 0 else ""
+        return Table(columns, rows, rest if rows else "no light")
 
     def _cells(
         self, column: int, flux: NDArray[np.float64], motion: NDArray[np.float64]
@@ -244,20 +234,16 @@ class RigSequence(Result):
         return [
             f"{len(self)} frames, steadiness {self.steadiness} frames"
             + (f" at {self.fps:g} frames in a second" if self.fps else ""),
-            f"relative RMS error {100 * self.error.mean():.3g} % on average, at most"
-            f" {100 * self.error[worst]:.3g} % in frame {self.rigs[worst].frame}; of the fits alone"
-            f" {100 * self.fit_error.mean():.3g} %",
+            f"relative RMS error {percent(self.error.mean())} on average, at most"
+            f" {percent(self.error[worst])} in frame {self.rigs[worst].frame}; of the fits alone"
+            f" {percent(self.fit_error.mean())}",
             f"flicker {100 * self.flicker:.2g} %",
             f"searches that changed the lights: {_some(searches)}; steps of the light:"
             f" {_some(steps)}",
         ]
 
-    def _html_parts(self) -> tuple[str, ...]:
-        return self.table().html(), html.lines("\n".join(self._lines()))
-
 
 def _some(frames: list[int]) -> str:
-    """First numbers of frames as text."""
     if not frames:
         return "none"
     rest = f" and {len(frames) - MOST_ROWS} more" if len(frames) > MOST_ROWS else ""

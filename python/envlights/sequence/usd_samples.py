@@ -72,7 +72,6 @@ def usd(rigs: Iterable[FrameRig], fps: float | None = None) -> str:
 
 
 def _light(track: LightTrack, frames: Sequence[int]) -> str:
-    """A distant light with samples."""
     matrices = [light_matrix(direction) for direction in track.direction]
     angles = [repr(float(2 * np.rad2deg(radius))) for radius in track.radius]
     return prim(
@@ -91,7 +90,6 @@ def _light(track: LightTrack, frames: Sequence[int]) -> str:
 def _colour(
     colour: NDArray[np.float64], intensity: NDArray[np.float64], frames: Sequence[int]
 ) -> list[str]:
-    """Samples of colour and intensity."""
     colours = [repr(tuple(each)) for each in colour.tolist()]
     intensities = [repr(each) for each in intensity.tolist()]
     return [

@@ -51,7 +51,6 @@ def video_frames(path: str) -> tuple[Iterable[EnvMap], int | None, float | None]
 
 
 def _frames(av: Any, path: str) -> Iterator[EnvMap]:
-    """Maps of the frames in order."""
     with _open(av, path) as file:
         try:
             for frame in file.decode(video=0):

@@ -5,11 +5,10 @@ A model is learnt from pairs of images of one scene under many lights. These are
 
 | step                                             | file               |
 |--------------------------------------------------|--------------------|
-| checks of the images; pairs at one scale         | `pairs.py`         |
+| checks of images; pairs, and their summary       | `pairs.py`         |
 | inner products of all indirect images, in blocks | `gram.py`          |
 | the directions that hold most of their energy    | `basis.py`         |
 | both as tasks of Dask, for more than one machine | `cluster.py`       |
-| the summary of the pairs that a model keeps      | `learnt.py`        |
 | from direct light to coefficients; the ridge     | `ridge.py`         |
 | blocks of texels in the basis                    | `blocks.py`        |
 | the non-negative operator to these blocks        | `nonnegative.py`   |
@@ -17,7 +16,6 @@ A model is learnt from pairs of images of one scene under many lights. These are
 | errors on lights outside the pairs               | `leave_one_out.py` |
 | all of these in order                            | `training.py`      |
 | indirect light from geometry, without pairs      | `prior.py`         |
-| one file for it                                  | `prior_file.py`    |
 | its sums with indirect images, part by part      | `mixtures.py`      |
 | regression that weighs direct texels by it       | `weights.py`       |
 | training around it                               | `around_prior.py`  |

@@ -15,8 +15,7 @@ from envlights._common.check import amount, check_progress, flag
 from envlights._native import EnvLightsError
 from envlights.transfer.compact import compress
 from envlights.transfer.files import archive
-from envlights.transfer.files.pair_summary import PairSummary
-from envlights.transfer.pairs import as_array, image_stack, pairs_of
+from envlights.transfer.pairs import PairSummary, as_array, image_stack, pairs_of
 from envlights.transfer.predictor import Predictor
 from envlights.transfer.prior import TransferPrior
 from envlights.transfer.training import grow
@@ -252,7 +251,6 @@ class TransferModel(Predictor):
 
 
 def _refuse_both(nonnegative: bool, notebook: bool, prior: object, virtual: object) -> None:
-    """Refuse arguments that exclude each other."""
     given = {
         "nonnegative=True": nonnegative,
         "notebook=True": notebook,
@@ -271,7 +269,6 @@ def _around(
     size: tuple[int, int],
     notes: tuple[str, ...],
 ) -> TransferModel:
-    """Model that was trained around a prior."""
     columns, lit, mean, learnt, _ = learning.training
     report = replace(learning.report, notes=_noting_black((*notes, *learning.report.notes), lit))
     chosen = {**parameters, "rank": report.rank}
@@ -294,7 +291,6 @@ def _solve(
     learnt: PairSummary,
     notes: tuple[str, ...],
 ) -> TransferModel:
-    """Model of a basis, with its transfer matrix and its errors."""
     notes = _noting_black(notes, lit)
     priors = nonnegative_priors(columns, lit, learnt) if parameters["nonnegative"] else None
     transfer, report = solve(learnt, parameters["ridge"], not len(mean), notes, priors)

@@ -13,13 +13,13 @@ from envlights._common import html
 from envlights._common.check import amount
 from envlights._common.check import count as whole_number
 from envlights._common.result import Result
+from envlights._common.tables import Table
 from envlights._native import EnvLightsError
 from envlights.environment import thumbnails
 from envlights.transfer.compact import CompactBasis
 from envlights.transfer.consistency import check_fields
 from envlights.transfer.expand import check_range, expand, project, region_mask, truncate
-from envlights.transfer.files.pair_summary import PairSummary
-from envlights.transfer.pairs import image_stack, rgb_rows
+from envlights.transfer.pairs import PairSummary, image_stack, rgb_rows
 from envlights.transfer.report import TransferReport
 from envlights.transfer.training import familiarity
 from envlights.transfer.training.basis import check_parameters
@@ -221,11 +221,9 @@ class Predictor(Result):
         return familiarity.most_unfamiliar(self.learnt.direct, rgb_rows(stack), count)
 
     def _noted(self, note: str) -> TransferReport:
-        """Report with one more note."""
         return replace(self.report, notes=(*self.report.notes, note))
 
     def _dense(self, what: str) -> NDArray[Any]:
-        """Uncompressed basis, or a refusal."""
         if isinstance(self.basis, CompactBasis):
             raise EnvLightsError(
                 f"a compressed model cannot {what}; use the model before the compression"
@@ -241,9 +239,14 @@ class Predictor(Result):
     def __str__(self) -> str:
         return str(self.report)
 
-    def _html_parts(self) -> tuple[str, ...]:
-        picture = html.picture(thumbnails.of_signed(self.directions(4)), "first directions")
-        return (picture, *self.report._html_parts())
+    def _table(self) -> Table:
+        return self.report._table()
+
+    def _lines(self) -> list[str]:
+        return [self.report.in_short(), *self.report._lines()]
+
+    def _pictures(self) -> tuple[str, ...]:
+        return (html.picture(thumbnails.of_signed(self.directions(4)), "first directions"),)
 
     def directions(self, most: int) -> NDArray[Any]:
         """First columns of the basis as images, black where all images are.

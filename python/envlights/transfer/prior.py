@@ -12,8 +12,10 @@ radiance, y = G V (I - rho_s F V)^-1 rho_s x.
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,13 +24,17 @@ from envlights._common.check import count, flag
 from envlights._common.result import Result
 from envlights._native import EnvLightsError
 from envlights.transfer.consistency import check_array, pixels_of
-from envlights.transfer.files import prior_file
+from envlights.transfer.files import npz_file
 from envlights.transfer.pairs import image_stack, pairs_of, rgb_rows
 
 #: Largest number of rays from a texel, which two bytes can count.
 MOST_RAYS = 65535
 #: Texels whose form factors are held as floats at once.
 _BLOCK = 4096
+_ARRAYS = ("hits", "between", "visible", "albedo", "covered", "direct_albedo")
+_KIND = npz_file.Kind(
+    "prior", "envlights transfer prior", 1, (1,), (*_ARRAYS, "rays", "size", "irradiance")
+)
 #: Assumptions of every prior.
 _ASSUMED = "diffuse surfaces, the same light over each direct texel"
 
@@ -41,6 +47,8 @@ class TransferPrior(Result):
     light as the same over each texel of the direct image. `TransferModel.fit` learns the remainder
     from pairs.
     """
+
+    _is_headed = True
 
     hits: NDArray[np.uint16]
     """Rays from each texel of `covered` that hit each direct texel, (texels, h * w)."""
@@ -190,25 +198,33 @@ class TransferPrior(Result):
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the prior as one .npz file with a version; a failure leaves no file behind."""
-        prior_file.save(path, vars(self))
+        arrays = {name: np.asarray(getattr(self, name)) for name in _KIND.names}
+        npz_file.write(path, _KIND, arrays)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> TransferPrior:
         """Read a prior that `save` wrote, or refuse a file of another kind or version."""
-        return prior_file.load(path, cls)
+        return npz_file.load(path, _KIND, _from_arrays)
 
     def in_short(self) -> str:
         """Sizes of the images, and rays."""
         (rows, columns), (height, width) = self.size, self.covered.shape
         return f"{columns}x{rows} to {width}x{height} pixels by {self.rays} rays a texel"
 
-    def __str__(self) -> str:
+    def _lines(self) -> list[str]:
         light = "irradiance" if self.irradiance else "reflected radiance"
         hidden = np.count_nonzero(self.visible < 1)
-        lines = [self.in_short(), f"images of {light}", f"assumed: {_ASSUMED}"]
-        if hidden:
-            lines.append(f"note: {hidden} direct texels are partly or wholly hidden or empty")
-        return "\n".join(lines)
+        note = f"note: {hidden} direct texels are partly or wholly hidden or empty"
+        return [f"images of {light}", f"assumed: {_ASSUMED}", *([note] if hidden else [])]
+
+
+def _from_arrays(data: Mapping[str, NDArray[Any]]) -> TransferPrior:
+    return TransferPrior(
+        **{name: data[name] for name in _ARRAYS},
+        rays=int(data["rays"]),
+        size=tuple(data["size"].tolist()),
+        irradiance=bool(data["irradiance"]),
+    )
 
 
 def _check_albedo(albedo: NDArray[np.float64]) -> None:

@@ -12,6 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from envlights._common.srgb import code_step
+
 #: Ramp of weights towards white, in exposures relative to the clip level: full weight below the
 #: first, none above the second. JPEG of quality 90 moves white to 0.9.
 _FULL, _NONE = 0.5, 0.92
@@ -182,9 +184,3 @@ def _contradictions(
     is_good &= np.take_along_axis(is_good, best, axis=0)
     is_moved: NDArray[np.bool_] = np.asarray((differs & is_good).any(axis=(0, 3)))
     return is_moved, alone[0]
-
-
-def code_step(linear: NDArray[np.floating]) -> NDArray[np.float64]:
-    """Derivative of the linear value by its sRGB code."""
-    power = np.maximum(linear, 0.0031308).astype(np.float64) ** (1 - 1 / 2.4)
-    return np.where(linear <= 0.0031308, 1 / 12.92, 2.4 / 1.055 * power)

@@ -14,7 +14,7 @@ from envlights._common.printable import printable_parts
 from envlights.transfer.compact import CompactBasis, places_of
 from envlights.transfer.files import npz_file
 from envlights.transfer.files.npz_file import Kind
-from envlights.transfer.files.pair_summary import PairSummary
+from envlights.transfer.pairs import PairSummary
 from envlights.transfer.report import TransferReport
 
 #: Arrays of a `PairSummary`, in the order of its fields.

@@ -209,7 +209,6 @@ def _read(paths: list[PathPair], spool: BinaryIO, progress: bool | None) -> File
 def _checked_pixels(
     path: str | os.PathLike[str], pixels: NDArray[np.float32], size: tuple[int, ...]
 ) -> NDArray[np.float32]:
-    """The pixels of a file, or a refusal that names it."""
     if pixels.shape != size:
         given, wanted = (f"{shape[1]}x{shape[0]}" for shape in (pixels.shape, size))
         raise EnvLightsError(f"{path} has {given} pixels, the first of its kind {wanted}")

@@ -22,16 +22,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights._native import EnvLightsError
-from envlights.transfer.files.pair_summary import PairSummary
-from envlights.transfer.pairs import Pairs, image_stack, rgb_rows
+from envlights.transfer.pairs import Pairs, PairSummary, image_stack, rgb_rows
 from envlights.transfer.prior import TransferPrior
 from envlights.transfer.report import TransferReport
 from envlights.transfer.training import leave_one_out
 from envlights.transfer.training.basis import BasisSize, Directions, basis, directions, outside
 from envlights.transfer.training.familiarity import at_norm_1
-from envlights.transfer.training.gram import Gram, gram
+from envlights.transfer.training.gram import Gram, gram, product
 from envlights.transfer.training.mixtures import mixtures
-from envlights.transfer.training.products import product
 from envlights.transfer.training.ridge import RIDGES, Regression, regression
 from envlights.transfer.training.train import Training
 from envlights.transfer.training.weights import WeightedRegression, weighted_regression
@@ -140,7 +138,6 @@ def _blocks_alone(direct: NDArray[np.float64], size: tuple[int, int]) -> NDArray
 def _remainder(
     pairs: Pairs, prior: TransferPrior, energy: NDArray[np.float64], ridge: float | str
 ) -> _Remainder:
-    """Ridge of the remainder, and its errors for new lights."""
     k = len(pairs.scale)
     identity = np.broadcast_to(np.eye(k), (3, k, k))
     missed = gram(mixtures(pairs, prior, identity, -pairs.direct), centred=False)

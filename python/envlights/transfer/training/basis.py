@@ -20,8 +20,14 @@ from envlights import _native
 from envlights._common.check import amount, check_choice, count, flag
 from envlights._native import EnvLightsError
 from envlights.transfer.pairs import Pairs
-from envlights.transfer.training.gram import Gram, is_for_kernels, parts, texel_rows
-from envlights.transfer.training.products import eigensystem, product
+from envlights.transfer.training.gram import (
+    Gram,
+    eigensystem,
+    is_for_kernels,
+    parts,
+    product,
+    texel_rows,
+)
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights.transfer.training.products import product
+from envlights.transfer.training.gram import product
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +66,6 @@ def _side(shape: tuple[int, ...], most: int) -> int:
 
 
 def _block_rows(basis: NDArray[Any], lit: NDArray[np.bool_], side: int) -> Iterator[NDArray[Any]]:
-    """Basis in the texels of each block of a row of blocks, 0 where black."""
     across, rank = -(-lit.shape[1] // side), basis.shape[1]
     end = 0
     for first in range(0, len(lit), side):

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights.transfer.files.pair_summary import PairSummary
+from envlights.transfer.pairs import PairSummary
 
 #: Relative difference of the numbers of two copies: that of rounding in single precision.
 _SAME = 1e-6

@@ -15,7 +15,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights.transfer.training.products import product
+from envlights.transfer.training.gram import product
 from envlights.transfer.training.ridge import regression
 
 #: Ridge for direct images of norm 1.

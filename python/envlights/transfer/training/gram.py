@@ -18,10 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _native
+from envlights._common.interruptible import interruptible
 from envlights._common.progress import progress_bar
 from envlights._native import EnvLightsError
 from envlights.transfer.pairs import Pairs, check_finite
-from envlights.transfer.training.products import product
 
 #: Texels of a part, rounded to rows of the image. For the kernels: enough for several threads. For
 #: NumPy, which needs them in float64 and reordered: as many as stay in the cache.
@@ -107,3 +107,17 @@ def _refuse(pairs: Pairs) -> None:
     raise EnvLightsError(
         f"the squares of indirect overflow {pairs.dtype}; scale the images down or give float64"
     )
+
+
+def product(left: NDArray[Any], right: NDArray[Any]) -> NDArray[Any]:
+    """``left @ right``."""
+    whole: NDArray[Any] = interruptible(lambda: left @ right, left.size * right.shape[-1])
+    return whole
+
+
+def eigensystem(symmetric: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Eigenvalues, least first, and eigenvectors as columns, of one matrix or a stack."""
+    values, vectors = interruptible(
+        lambda: np.linalg.eigh(symmetric), 10 * symmetric.size * symmetric.shape[-1]
+    )
+    return values, vectors

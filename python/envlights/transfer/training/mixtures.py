@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from envlights.transfer.pairs import Pairs
 from envlights.transfer.prior import TransferPrior
-from envlights.transfer.training.products import product
+from envlights.transfer.training.gram import product
 
 
 @dataclass(frozen=True, eq=False)

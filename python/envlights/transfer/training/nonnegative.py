@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights.transfer.training.blocks import Blocks
-from envlights.transfer.training.products import product
+from envlights.transfer.training.gram import product
 from envlights.transfer.training.ridge import Regression
 
 #: Added to the squared norm of each direct texel over all images; direct images have norm 1. 1e-4

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights.transfer.training.products import eigensystem, product
+from envlights.transfer.training.gram import eigensystem, product
 
 #: Where "loo" looks for the ridge: from clean to noisy images. Direct images have norm 1.
 RIDGES = tuple(10.0 ** (exponent / 2) for exponent in range(-16, 1))

@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights._native import EnvLightsError
-from envlights.transfer.files.pair_summary import PairSummary
-from envlights.transfer.pairs import Pairs
+from envlights.transfer.pairs import Pairs, PairSummary
 from envlights.transfer.report import TransferReport
 from envlights.transfer.training import cluster, leave_one_out
 from envlights.transfer.training.basis import BasisSize, basis, directions, outside

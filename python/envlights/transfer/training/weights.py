@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights.transfer.training.products import product
+from envlights.transfer.training.gram import product
 from envlights.transfer.training.ridge import Regression, regression
 
 

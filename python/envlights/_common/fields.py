@@ -1,0 +1,104 @@
+"""Fields of results in JSON: written as plain values, and read by the types of the class."""
+
+from __future__ import annotations
+
+import enum
+import math
+from collections.abc import Mapping
+from dataclasses import fields
+from functools import cache
+from typing import Any, TypeVar, get_args, get_origin, get_type_hints
+
+import numpy as np
+
+from envlights._common.check import amount, check_choice, count, describe, texts
+from envlights._native import EnvLightsError
+
+#: Word for infinity in files, because JSON has none.
+INFINITE = "infinite"
+
+
+def plain(value: Any, infinity: str | None = INFINITE) -> Any:
+    """`value` as numbers, texts, lists and dictionaries alone; NaN becomes None.
+
+    Raises
+    ------
+    EnvLightsError
+        If it holds anything else.
+    """
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    if isinstance(value, enum.Enum):
+        return value.name
+    if value is None or isinstance(value, str | bool | int):
+        return value
+    if isinstance(value, float):
+        return value if math.isfinite(value) else infinity if math.isinf(value) else None
+    if hasattr(value, "_asdict"):
+        value = value._asdict()
+    if isinstance(value, Mapping):
+        return {str(name): plain(each, infinity) for name, each in value.items()}
+    if isinstance(value, list | tuple | range | set | frozenset):
+        return [plain(each, infinity) for each in value]
+    if hasattr(value, "to_dict"):
+        return plain(value.to_dict(), infinity)
+    raise EnvLightsError(
+        f"a row holds numbers, texts, lists and dictionaries of them; got {describe(value)};"
+        " return its numbers instead"
+    )
+
+
+_Class = TypeVar("_Class")
+
+
+def fields_of(result: Any, *left_out: str) -> dict[str, Any]:
+    """Fields as plain values, without those that do not count for equality, such as wall times."""
+    names = [each.name for each in fields(result) if each.compare and each.name not in left_out]
+    return {name: plain(getattr(result, name)) for name in names}
+
+
+def read_fields(cls: type[_Class], data: Mapping[str, Any]) -> _Class:
+    """Object of a dataclass from what `fields_of` wrote, or a refusal of impossible values.
+
+    A field that the data do not hold gets its default; without one, its name is a `KeyError`.
+    """
+    kinds = _kinds(cls)  # type: ignore[arg-type]
+    needed = {name for name, (_, is_needed) in kinds.items() if is_needed}
+    names = [name for name in kinds if name in data or name in needed]
+    return cls(**{name: _read(name, kinds[name][0], data[name]) for name in names})
+
+
+@cache
+def _kinds(cls: type[Any]) -> dict[str, tuple[Any, bool]]:
+    """Type of each field, and True if it has no default."""
+    hints = get_type_hints(cls)
+    return {
+        each.name: (hints[each.name], each.default is each.default_factory) for each in fields(cls)
+    }
+
+
+def _read(name: str, kind: Any, value: Any) -> Any:
+    """Value of a type, or a refusal that names its field."""
+    parts = get_args(kind)
+    if type(None) in parts:
+        return None if value is None else _read(name, parts[0], value)
+    if get_origin(kind) is tuple:
+        if parts == (str, ...):
+            return tuple(texts(name, value))
+        each = [parts[0]] * len(value) if parts[-1] is ... else parts
+        return tuple(_read(name, part, one) for part, one in zip(each, value, strict=True))
+    if parts:  # a mapping, whose keys are text in JSON
+        return {_key(name, parts[0], key): _read(name, parts[1], one) for key, one in value.items()}
+    if issubclass(kind, enum.Enum):
+        check_choice(name, value, tuple(kind.__members__))
+        return kind[value]
+    if kind is float:
+        return np.inf if value == INFINITE else amount(name, value)
+    if kind is int:
+        return count(name, value)
+    (text,) = texts(name, value)
+    return text
+
+
+def _key(name: str, kind: Any, key: str) -> Any:
+    return count(name, int(key)) if kind is int else key
