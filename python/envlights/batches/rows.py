@@ -12,7 +12,7 @@ from envlights._common.check import describe
 from envlights._common.result import Result
 from envlights._native import EnvLightsError
 from envlights.detection.lights import DetectedLights
-from envlights.rigs.capabilities import HARMONIC_MEAN
+from envlights.export.capabilities import HARMONIC_MEAN
 from envlights.rigs.lights import Lights
 from envlights.rigs.rig import Rig
 

@@ -12,8 +12,8 @@ from envlights.cli.outputs import check_output, print_losses, say_written, stric
 from envlights.cli.standard_streams import STANDARD_INPUT
 from envlights.detection.lights_file import load_lights
 from envlights.environment.envmap import EnvMap
+from envlights.export.saving import save
 from envlights.export.targets import SUFFIXES, TARGETS
-from envlights.rigs.targets import save
 
 
 def _table() -> str:

@@ -37,11 +37,10 @@ from envlights.cli.outputs import (
 )
 from envlights.cli.sun_input import sun_options
 from envlights.environment.envmap import EnvMap
-from envlights.export.targets import SUFFIXES
+from envlights.export.targets import SUFFIXES, target_of
 from envlights.fitting.ambient_terms import AMBIENTS, AUTO
 from envlights.fitting.fit import fit
 from envlights.rigs.rig import Rig
-from envlights.rigs.targets import target_of
 from envlights.sun.choice import AnySun
 
 

@@ -32,8 +32,8 @@ from envlights.detection.detect import detect
 from envlights.environment.envmap import EnvMap
 from envlights.environment.files.image_output import MAP_SUFFIXES
 from envlights.environment.map_pixels import PROJECTION
+from envlights.export.links import paths_of, plan, save_with_map
 from envlights.export.targets import SUFFIXES
-from envlights.rigs.links import paths_of, plan, save_with_map
 from envlights.splitting.limit import Limit, limit
 from envlights.splitting.split import Split, split
 from envlights.sun.choice import AnySun, sun_of

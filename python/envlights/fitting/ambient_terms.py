@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from envlights._common.check import check_choice
 from envlights._native import EnvLightsError
+from envlights.export.capabilities import Capabilities
 from envlights.fitting.request import Request
-from envlights.rigs.capabilities import Capabilities
 
 #: Ambient terms with their number of coefficients in each channel, the simplest first.
 AMBIENTS = {"none": 0, "constant": 1, "sh2": 9}

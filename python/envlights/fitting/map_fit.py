@@ -14,6 +14,7 @@ from envlights._common.notes import LOG, log
 from envlights._native import FitAnswer
 from envlights.environment.envmap import AnyMap, EnvMap, apply_to_map
 from envlights.environment.fill import checked_unseen
+from envlights.export.targets import shown_by, target_names
 from envlights.fitting import wording
 from envlights.fitting.ambient_terms import (
     AMBIENTS,
@@ -29,7 +30,6 @@ from envlights.fitting.reduction import Reduction, is_file, reduction_of, reduct
 from envlights.fitting.request import Request, check_radius, request_for
 from envlights.fitting.result import rig_of
 from envlights.rigs.rig import Rig
-from envlights.rigs.targets import shown_by, target_names
 
 #: Errors that lights with sizes can minimise.
 OBJECTIVES = ("mixed", "shadows", "probe")

@@ -1,4 +1,4 @@
-"""Lights, and rigs: an ambient term and lights, with their report, tables and files.
+"""Lights, and rigs: an ambient term and lights, with their report and tables.
 
 | noun                                     | file                                       |
 |------------------------------------------|--------------------------------------------|
@@ -7,8 +7,6 @@
 | report of a fit                          | `report.py`, `report_fields.py`            |
 | checks of arrays of lights               | `light_arrays.py`                          |
 | lights as spherical Gaussians            | `lobes.py`                                 |
-| JSON and CSV files                       | `own_json.py`, `csv_table.py`              |
-| capabilities and registry of the targets | `capabilities.py`, `targets.py`, `links.py` |
 """
 
 from envlights.rigs.light import Light

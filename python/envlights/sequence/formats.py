@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from envlights._common.files import as_path
 from envlights._native import EnvLightsError
 from envlights.export.files import save_scene
-from envlights.export.usd import crate
+from envlights.export.formats.usd import crate
 from envlights.sequence.blender_keyframes import blender
 from envlights.sequence.csv_rows import csv
 from envlights.sequence.frame_rig import FrameRig

@@ -13,9 +13,9 @@ from envlights._common.former import former_attributes
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
 from envlights.environment.fill import Fill
+from envlights.export.links import LinkedParts
 from envlights.kernels.image import LUMINANCE
 from envlights.rigs.lights import Lights
-from envlights.rigs.links import LinkedParts
 from envlights.splitting.split import split
 from envlights.sun.choice import AUTO, AnySun, is_of_map, sun_of
 from envlights.sun.result import Sun

@@ -11,7 +11,8 @@ from envlights._common.files import as_path, check_writable
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import EnvMap
 from envlights.environment.files.image_output import MAP_SUFFIXES
-from envlights.rigs.targets import PANORAMA, Target, save_for, target_of
+from envlights.export.saving import save_for
+from envlights.export.targets import PANORAMA, Target, target_of
 
 
 class LinkedFile(NamedTuple):
@@ -69,7 +70,7 @@ def save_with_map(
 
 
 class LinkedParts:
-    """Lights, `lights`, and the map around them, `remainder`, which are saved and shown together."""
+    """Lights, `lights`, and the map around them, `remainder`, saved and shown together."""
 
     __slots__ = ()
 

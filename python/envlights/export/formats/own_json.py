@@ -1,4 +1,4 @@
-"""Reader of the package's own JSON files, which `envlights.export` writes."""
+"""Lossless JSON of the package, with format, version, frame and units: reader and writer."""
 
 from __future__ import annotations
 
@@ -10,9 +10,29 @@ from envlights._common.check import describe
 from envlights._common.errors import DamagedFileError, FileError, unreadable
 from envlights._common.files import as_path
 from envlights._common.printable import printable_parts
+from envlights._common.units import statement
 from envlights._native import EnvLightsError
+from envlights.export.files import json_text, save_scene
+from envlights.kernels.sphere import FRAME
 
 _T = TypeVar("_T")
+
+#: Header of a file of lights. `Lights.to_dict` holds only arrays, as a part of a rig.
+LIGHTS_HEADER: dict[str, str | int] = {
+    "format": "envlights lights",
+    "version": 2,
+    "frame": FRAME,
+    "units": "irradiance: at normal incidence; linear Rec.709 RGB; angular_radius: radians",
+}
+
+
+def save_json(rig: Any, path: str | os.PathLike[str]) -> None:
+    """Write the result of `to_dict`, which `load` of the same class reads."""
+    data = rig.to_dict()
+    if "format" not in data:
+        units = f"{LIGHTS_HEADER['units']}; {statement(data['scale'])}"
+        data = {**LIGHTS_HEADER, "units": units, **data}
+    save_scene(path, json_text(data))
 
 
 def read_json(

@@ -11,13 +11,13 @@ from numpy.typing import ArrayLike, NDArray
 from envlights._common.srgb import encode_srgb
 from envlights.environment.envmap import EnvMap
 from envlights.export.axes import AXES
-from envlights.export.files import CONTROLS, check_link, panorama, save_scene
-from envlights.export.scene import CASTERS, Scene, at_most, scene_of
-from envlights.rigs.lights import Lights
-from envlights.rigs.rig import Rig
+from envlights.export.files import CONTROLS, check_link
+from envlights.export.scene import Exportable, Scene, at_most, scene_of
+from envlights.export.targets import CASTERS, target_named
+from envlights.export.textures import Beside, save_beside
 
-#: Directional lights that Godot draws; it drops any others.
-DIRECTIONAL_LIGHTS = 8
+#: Directional lights that Godot draws.
+_LIGHTS = target_named("godot").shows.lights
 #: Largest angular size that is written, in degrees. Godot adds 1 minus its cosine to the cosine of
 #: each surface, which adds 0.07 % to the flux here, and 27 % for a lamp of 30 degrees.
 _WIDEST = 1.5
@@ -28,7 +28,7 @@ _COLOUR_BACKGROUND, _SKY_BACKGROUND, _COLOUR_LIGHT, _SKY_LIGHT = 1, 2, 2, 3
 
 
 def godot(
-    rig: Rig | Lights,
+    rig: Exportable,
     environment: EnvMap | ArrayLike | None = None,
     texture: str = "ambient.exr",
 ) -> str:
@@ -75,11 +75,11 @@ def godot(
     >>> [line for line in scene.splitlines() if line.startswith("light_")]
     ['light_color = Color(1, 0, 0, 1)', 'light_energy = 1.0']
     """
-    return _text(at_most(scene_of(rig, environment, target="godot"), DIRECTIONAL_LIGHTS), texture)
+    return _text(at_most(scene_of(rig, environment, target="godot"), _LIGHTS), Beside(texture))
 
 
 def save_godot(
-    rig: Rig | Lights,
+    rig: Exportable,
     path: str | os.PathLike[str],
     environment: EnvMap | ArrayLike | None = None,
     *,
@@ -90,14 +90,13 @@ def save_godot(
     With more lights than Godot draws, the map holds the others, so it is never that file.
     """
     every = scene_of(rig, environment, target="godot")
-    scene = at_most(every, DIRECTIONAL_LIGHTS)
+    scene = at_most(every, _LIGHTS)
     is_whole = len(scene.lights) == len(every.lights)
-    name, textures = panorama(path, scene.environment, texture if is_whole else None)
-    save_scene(path, _text(scene, name), textures)
+    save_beside(path, scene, "godot", _text, texture if is_whole else None)
 
 
-def _text(scene: Scene, texture: str) -> str:
-    parts = ["[gd_scene format=3]", *_environment(scene, texture)]
+def _text(scene: Scene, names: Beside) -> str:
+    parts = ["[gd_scene format=3]", *_environment(scene, names.map)]
     units = json.dumps(scene.statement, ensure_ascii=False)
     parts.append(f'[node name="envlights" type="Node3D"]\nmetadata/units = {units}')
     parts.append(
@@ -114,8 +113,7 @@ def _text(scene: Scene, texture: str) -> str:
 def _environment(scene: Scene, texture: str) -> list[str]:
     """Resources of the environment: a sky of the map, or one colour."""
     if scene.environment is None:
-        ambient = np.zeros(3) if scene.ambient is None else scene.ambient
-        return [_colour_environment(ambient)]
+        return [_colour_environment(scene.constant)]
     check_link(texture, "Godot", ("\\", *CONTROLS))
     name = json.dumps(texture, ensure_ascii=False)
     return [
