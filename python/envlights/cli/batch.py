@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from inspect import signature
 
@@ -14,7 +13,7 @@ from envlights.batches.executors import NAMES
 from envlights.batches.result import Batch
 from envlights.batches.tables import SUFFIXES, check_table
 from envlights.batches.work import METHODS
-from envlights.cli.outputs import default_of
+from envlights.cli.outputs import default_of, json_option, print_result
 from envlights.cli.settings import settings_from, settings_option
 
 
@@ -55,7 +54,7 @@ from envlights.cli.settings import settings_from, settings_option
     show_default=True,
     help="Rows of TABLE: one for each light, or for each map, also for those that failed.",
 )
-@click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON.")
+@json_option("summary")
 @click.pass_context
 def command(
     context: click.Context,
@@ -81,6 +80,6 @@ def command(
     result = batch(maps, out, what=what, suffix=suffix, executor=executor, jobs=jobs, **options)
     if table is not None:
         result.save(table, rows)
-    click.echo(json.dumps(result.to_dict(), indent=2) if as_json else str(result))
+    print_result(result, as_json)
     if result.failures:
         context.exit(1)

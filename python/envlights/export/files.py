@@ -16,6 +16,9 @@ from envlights._common.files import as_path, check_writable, write_atomically
 from envlights._native import EnvLightsError
 from envlights.environment.files.image_output import write_exr, write_hdr
 
+#: Name of a file.
+AnyPath = str | os.PathLike[str]
+
 #: Control characters of ASCII and of Latin 1.
 CONTROLS = tuple(map(chr, (*range(32), *range(127, 160))))
 
@@ -51,7 +54,7 @@ def json_text(data: Any, indent: int | None = 2) -> str:
 
 
 def save_scene(
-    path: str | os.PathLike[str],
+    path: AnyPath,
     content: str | bytes,
     textures: Mapping[str, NDArray[Any]] | None = None,
 ) -> None:

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import os
 import warnings
 from typing import Any
 
-from numpy.typing import ArrayLike
-
 from envlights._native import EnvLightsError
-from envlights.environment.envmap import EnvMap
+from envlights.environment.envmap import AnyMap
+from envlights.export.files import AnyPath
 from envlights.export.targets import Target, target_of
 
 #: Error in a file up to which `save` does not warn, and largest ratio to the error of the rig: a
@@ -17,11 +15,7 @@ from envlights.export.targets import Target, target_of
 _SMALL_ERROR, _SAME_ERROR = 1e-3, 1.1
 
 
-def save(
-    rig: Any,
-    path: str | os.PathLike[str],
-    environment: EnvMap | ArrayLike | None = None,
-) -> None:
+def save(rig: Any, path: AnyPath, environment: AnyMap | None = None) -> None:
     """Write a rig, or lights alone, in the format that the suffix of `path` names.
 
     Parameters
@@ -50,11 +44,7 @@ def save(
 
 
 def save_for(
-    target: Target,
-    rig: Any,
-    path: str | os.PathLike[str],
-    environment: EnvMap | ArrayLike | None = None,
-    **options: Any,
+    target: Target, rig: Any, path: AnyPath, environment: AnyMap | None = None, **options: Any
 ) -> None:
     """Write a file for a target, with a warning if it shows the rig with a larger error."""
     shown = getattr(rig, "distant", rig) if target.shows.cards else rig

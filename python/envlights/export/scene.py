@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from envlights._common.blocks import in_blocks
 from envlights._common.check import describe
@@ -15,7 +15,7 @@ from envlights._common.printable import printable
 from envlights._common.units import PHOTOMETRIC
 from envlights._native import EnvLightsError
 from envlights.environment.decoders.source import is_source
-from envlights.environment.envmap import EnvMap, as_envmap
+from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
 from envlights.export.capabilities import HARMONIC_MEAN, ROWS
 from envlights.export.panels import Panel, distant_and_panels
 from envlights.export.targets import TARGETS
@@ -113,9 +113,7 @@ class Scene(NamedTuple):
         return np.zeros(3) if self.ambient is None else self.ambient
 
 
-def scene_of(
-    rig: Exportable, environment: EnvMap | ArrayLike | None = None, *, target: str
-) -> Scene:
+def scene_of(rig: Exportable, environment: AnyMap | None = None, *, target: str) -> Scene:
     """Parts of a rig, or of lights alone, in the units of a target.
 
     Parameters
@@ -164,10 +162,11 @@ def _plain(note: str) -> str:
     return re.sub("--+", "-", text)
 
 
-def _environment(lights: Discs, environment: EnvMap | ArrayLike) -> EnvMap:
+def _environment(lights: Discs, environment: AnyMap) -> EnvMap:
     """Cell-centred map around the lights, or a refusal if its scale is not theirs."""
     if not isinstance(environment, EnvMap) and not is_source(environment):
-        return EnvMap(environment, units=lights.units)
+        array: Any = environment
+        return EnvMap(array, units=lights.units)
     env = as_envmap(environment)
     if len(lights) and env.units != lights.units:
         raise EnvLightsError(

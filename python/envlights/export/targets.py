@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterable
 from importlib import import_module
 from typing import Any, NamedTuple
@@ -11,6 +10,7 @@ from envlights._common.check import check_choice, describe
 from envlights._common.files import PICTURES, as_path
 from envlights._native import EnvLightsError
 from envlights.export.capabilities import Capabilities, common
+from envlights.export.files import AnyPath
 from envlights.export.units import UNITS
 
 #: End of the name of a map that a program reads as a panorama in our axes.
@@ -64,9 +64,7 @@ class Target(NamedTuple):
     crop: Crops | None = None
     """Textures of cards beside a file; None if there are none."""
 
-    def save(
-        self, rig: Any, path: str | os.PathLike[str], *environment: Any, **options: Any
-    ) -> None:
+    def save(self, rig: Any, path: AnyPath, *environment: Any, **options: Any) -> None:
         """Write a rig or lights, with an `environment` map if the target shows one."""
         function_named(f"save_{self.name}")(rig, path, *environment, **options)
 
@@ -252,7 +250,7 @@ _INSTEAD = {
 }
 
 
-def target_of(path: str | os.PathLike[str]) -> Target:
+def target_of(path: AnyPath) -> Target:
     """Target of a file name; the longest matching suffix decides."""
     name = as_path(path).name.lower()[1:]
     fits = [

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -10,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights._common.files import as_path
-from envlights.export.files import save_scene
+from envlights.export.files import AnyPath, save_scene
 from envlights.export.panels import Panel, crop_names
 from envlights.export.scene import Scene
 from envlights.export.targets import PANORAMA, TARGETS
@@ -31,7 +30,7 @@ def _cells(scene: Scene) -> NDArray[np.float32] | None:
 
 
 def save_beside(
-    path: str | os.PathLike[str],
+    path: AnyPath,
     scene: Scene,
     target: str,
     content_of: Callable[[Scene, Beside], str | bytes],

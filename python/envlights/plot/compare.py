@@ -52,7 +52,7 @@ def rigs_picture(env: AnyMap, *rigs: Rig, **where: Unpack[Placement]) -> Figure:
     """
     check_are_rigs(rigs)
     env = as_envmap(env)
-    where, size = where, (13, 2.5 * len(rigs) + 0.3)
+    size = (13, 2.5 * len(rigs) + 0.3)
     page = open_page(where, grid(len(rigs), 4), size, width_ratios=(2.3, 1, 1, 1))
     rows = [page.panels[first : first + 4] for first in range(0, len(page.panels), 4)]
     ground, eye = expose(working(env)), viewpoint(rigs[0])

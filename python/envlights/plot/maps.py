@@ -97,11 +97,6 @@ def picture(env: AnyMap, rig: Rig, **where: Unpack[Placement]) -> Figure:
         `ax`: of the map, and of the three balls; `figsize`, `dpi`, `transparent`: see
         `envlights.plot`.
 
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Jupyter shows it; `save` and `savefig` write it.
-
     Examples
     --------
     >>> import envlights as el

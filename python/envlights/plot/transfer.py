@@ -49,11 +49,6 @@ def transfer_picture(
     **where
         `ax`: axes, five for each frame; `figsize`, `dpi`, `transparent`: see `envlights.plot`.
 
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Jupyter shows it; `envlights.plot.save` writes it.
-
     Raises
     ------
     EnvLightsError

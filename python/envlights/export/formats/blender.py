@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import os
 import tempfile
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from envlights._common.template import fill_template
 from envlights._native import EnvLightsError
-from envlights.environment.envmap import EnvMap
+from envlights.environment.envmap import AnyMap
 from envlights.export.axes import AXES
-from envlights.export.files import check_link
+from envlights.export.files import AnyPath, check_link
 from envlights.export.formats import blender_cards
 from envlights.export.scene import Exportable, Scene, scene_of
 from envlights.export.textures import Beside, save_beside
@@ -97,9 +96,7 @@ main()
 
 
 def blender(
-    rig: Exportable,
-    environment: EnvMap | ArrayLike | None = None,
-    texture: str = "ambient.exr",
+    rig: Exportable, environment: AnyMap | None = None, texture: str = "ambient.exr"
 ) -> str:
     """A Python script that makes sun lamps and a world; it replaces those of its last run.
 
@@ -124,10 +121,6 @@ def blender(
     texture : str
         Name of the map's file beside the script, if there is a map; `save_blender` writes it.
 
-    Returns
-    -------
-    str
-
     See Also
     --------
     add_to_blender : add the lights to a running Blender.
@@ -143,18 +136,14 @@ def blender(
 
 
 def save_blender(
-    rig: Exportable,
-    path: str | os.PathLike[str],
-    environment: EnvMap | ArrayLike | None = None,
-    *,
-    texture: str | None = None,
+    rig: Exportable, path: AnyPath, environment: AnyMap | None = None, *, texture: str | None = None
 ) -> None:
     """Write `blender` at `path`, and its map beside it, unless the map is the file `texture`."""
     scene = scene_of(rig, environment, target="blender")
     save_beside(path, scene, "blender", _script, texture, crop_of=lambda panel: panel.texture)
 
 
-def add_to_blender(rig: Exportable, environment: EnvMap | ArrayLike | None = None) -> None:
+def add_to_blender(rig: Exportable, environment: AnyMap | None = None) -> None:
     """Run the script of `blender` in this process: in Blender, or with `bpy` from PyPI.
 
     The open scene gets a collection "envlights" of sun lamps, and a new world; a map is packed.

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import os
-
 import numpy as np
 
 from envlights._common.printable import printable
-from envlights.export.files import save_scene
+from envlights.export.files import AnyPath, save_scene
 from envlights.export.formats.csv_table import AMBIENTS, FORMAT, HEADER, SCALE
 from envlights.export.scene import Exportable, check_rig
 
@@ -52,6 +50,6 @@ def csv(rig: Exportable) -> str:
     return "\n".join(lines) + "\n"
 
 
-def save_csv(rig: Exportable, path: str | os.PathLike[str]) -> None:
+def save_csv(rig: Exportable, path: AnyPath) -> None:
     """Write `csv` at `path`."""
     save_scene(path, csv(rig))

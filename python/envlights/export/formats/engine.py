@@ -7,17 +7,16 @@ it is left-handed.
 
 from __future__ import annotations
 
-import os
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from envlights._common.check import describe
 from envlights._native import EnvLightsError
-from envlights.environment.envmap import EnvMap
+from envlights.environment.envmap import AnyMap
 from envlights.export.axes import AXES, Axes, Matrix
-from envlights.export.files import check_link, json_text
+from envlights.export.files import AnyPath, check_link, json_text
 from envlights.export.scene import Exportable, Scene, scene_of
 from envlights.export.textures import Beside, save_beside
 from envlights.kernels.ambient import turned_ambient
@@ -31,7 +30,7 @@ _UNITS = (
 
 def engine(
     rig: Exportable,
-    environment: EnvMap | ArrayLike | None = None,
+    environment: AnyMap | None = None,
     *,
     right: str,
     up: str,
@@ -73,10 +72,7 @@ def engine(
 
 
 def unity(
-    rig: Exportable,
-    environment: EnvMap | ArrayLike | None = None,
-    *,
-    texture: str = "ambient.exr",
+    rig: Exportable, environment: AnyMap | None = None, *, texture: str = "ambient.exr"
 ) -> dict[str, Any]:
     """`engine` for Unity: left-handed, +x right, +y up, +z forward; our x is mirrored.
 
@@ -110,10 +106,7 @@ def _unity(parts: Scene, names: Beside) -> dict[str, Any]:
 
 
 def unreal(
-    rig: Exportable,
-    environment: EnvMap | ArrayLike | None = None,
-    *,
-    texture: str = "ambient.exr",
+    rig: Exportable, environment: AnyMap | None = None, *, texture: str = "ambient.exr"
 ) -> dict[str, Any]:
     """`engine` for Unreal: left-handed, +x forward, +y right, +z up.
 
@@ -144,8 +137,8 @@ def _unreal(parts: Scene, names: Beside) -> dict[str, Any]:
 
 def save_engine(
     rig: Exportable,
-    path: str | os.PathLike[str],
-    environment: EnvMap | ArrayLike | None = None,
+    path: AnyPath,
+    environment: AnyMap | None = None,
     *,
     right: str,
     up: str,
@@ -162,11 +155,7 @@ def save_engine(
 
 
 def save_unity(
-    rig: Exportable,
-    path: str | os.PathLike[str],
-    environment: EnvMap | ArrayLike | None = None,
-    *,
-    texture: str | None = None,
+    rig: Exportable, path: AnyPath, environment: AnyMap | None = None, *, texture: str | None = None
 ) -> None:
     """Write `unity` as JSON; a map goes beside it, unless it is the file `texture`."""
     scene = scene_of(rig, environment, target="unity")
@@ -174,11 +163,7 @@ def save_unity(
 
 
 def save_unreal(
-    rig: Exportable,
-    path: str | os.PathLike[str],
-    environment: EnvMap | ArrayLike | None = None,
-    *,
-    texture: str | None = None,
+    rig: Exportable, path: AnyPath, environment: AnyMap | None = None, *, texture: str | None = None
 ) -> None:
     """Write `unreal` as JSON; a map goes beside it, unless it is the file `texture`."""
     scene = scene_of(rig, environment, target="unreal")

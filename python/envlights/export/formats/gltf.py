@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import os
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from envlights.environment.envmap import EnvMap
+from envlights.environment.envmap import AnyMap
 from envlights.export.axes import AXES
-from envlights.export.files import check_link, json_text
+from envlights.export.files import AnyPath, check_link, json_text
 from envlights.export.formats import gltf_cards
 from envlights.export.scene import Exportable, Scene, scene_of
 from envlights.export.textures import Beside, save_beside
@@ -32,10 +31,7 @@ _MAP_NOTE = (
 
 
 def gltf(
-    rig: Exportable,
-    environment: EnvMap | ArrayLike | None = None,
-    *,
-    texture: str = "ambient.exr",
+    rig: Exportable, environment: AnyMap | None = None, *, texture: str = "ambient.exr"
 ) -> dict[str, Any]:
     """A glTF 2.0 asset: a node for each light.
 
@@ -79,11 +75,7 @@ def gltf(
 
 
 def save_gltf(
-    rig: Exportable,
-    path: str | os.PathLike[str],
-    environment: EnvMap | ArrayLike | None = None,
-    *,
-    texture: str | None = None,
+    rig: Exportable, path: AnyPath, environment: AnyMap | None = None, *, texture: str | None = None
 ) -> None:
     """Write `gltf` at `path`; a map goes beside it, unless it is the file `texture`."""
     scene = scene_of(rig, environment, target="gltf")

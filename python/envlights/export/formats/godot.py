@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import json
-import os
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from envlights._common.srgb import encode_srgb
-from envlights.environment.envmap import EnvMap
+from envlights.environment.envmap import AnyMap
 from envlights.export.axes import AXES
-from envlights.export.files import CONTROLS, check_link
+from envlights.export.files import CONTROLS, AnyPath, check_link
 from envlights.export.scene import Exportable, Scene, at_most, scene_of
 from envlights.export.targets import CASTERS, target_named
 from envlights.export.textures import Beside, save_beside
@@ -27,11 +26,7 @@ _WIDEST = 1.5
 _COLOUR_BACKGROUND, _SKY_BACKGROUND, _COLOUR_LIGHT, _SKY_LIGHT = 1, 2, 2, 3
 
 
-def godot(
-    rig: Exportable,
-    environment: EnvMap | ArrayLike | None = None,
-    texture: str = "ambient.exr",
-) -> str:
+def godot(rig: Exportable, environment: AnyMap | None = None, texture: str = "ambient.exr") -> str:
     """A scene for Godot 4, with the suffix ``.tscn``, of lights and a `WorldEnvironment`.
 
     Put it and its map into a project, and add it to your scene as a child. A scene may have only
@@ -57,10 +52,6 @@ def godot(
     texture : str
         Name of the map's file beside the scene, if there is a map; `save_godot` writes it.
 
-    Returns
-    -------
-    str
-
     Notes
     -----
     A larger angular size would brighten surfaces that face away from the light. The renderer
@@ -79,11 +70,7 @@ def godot(
 
 
 def save_godot(
-    rig: Exportable,
-    path: str | os.PathLike[str],
-    environment: EnvMap | ArrayLike | None = None,
-    *,
-    texture: str | None = None,
+    rig: Exportable, path: AnyPath, environment: AnyMap | None = None, *, texture: str | None = None
 ) -> None:
     """Write `godot` at `path`; a map goes beside it, unless it is the file `texture`.
 

@@ -8,18 +8,17 @@ the ambient term. The first and the last row of that map lie on the poles.
 from __future__ import annotations
 
 import importlib
-import os
 from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from envlights import kernels
 from envlights._native import EnvLightsError
-from envlights.environment.envmap import EnvMap
+from envlights.environment.envmap import AnyMap, EnvMap
 from envlights.export.discs import MOST_ROWS, rows_for, split_by_size
-from envlights.export.files import check_link
+from envlights.export.files import AnyPath, check_link
 from envlights.export.formats import mitsuba_cards
 from envlights.export.panels import crop_names
 from envlights.export.scene import Discs, Exportable, Scene, scene_of
@@ -35,7 +34,7 @@ _NORMALS = kernels.pixel_directions(8, 16).reshape(-1, 3)
 _LEAST_WEIGHT = 0.01
 
 
-def mitsuba(rig: Exportable, environment: EnvMap | ArrayLike | None = None) -> dict[str, Any]:
+def mitsuba(rig: Exportable, environment: AnyMap | None = None) -> dict[str, Any]:
     r"""The emitters of a rig, to be merged into the dictionary of a scene.
 
     Parameters
@@ -83,11 +82,7 @@ def mitsuba(rig: Exportable, environment: EnvMap | ArrayLike | None = None) -> d
     return add_weights(emitters, largest_irradiance(radiance, scene.ambient), cards)
 
 
-def save_mitsuba(
-    rig: Exportable,
-    path: str | os.PathLike[str],
-    environment: EnvMap | ArrayLike | None = None,
-) -> None:
+def save_mitsuba(rig: Exportable, path: AnyPath, environment: AnyMap | None = None) -> None:
     """Write `mitsuba` as XML: a scene of emitters, to be loaded or included in another scene.
 
     A map goes beside it, ``scene.ambient.mitsuba.exr``, with its rows as Mitsuba reads them.

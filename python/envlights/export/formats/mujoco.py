@@ -7,18 +7,17 @@ lights, and the headlight is one of them.
 
 from __future__ import annotations
 
-import os
 from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from envlights._common.check import amount
 from envlights._common.template import fill_template
-from envlights.environment.envmap import EnvMap
+from envlights.environment.envmap import AnyMap
 from envlights.export.axes import AXES
-from envlights.export.files import save_scene
+from envlights.export.files import AnyPath, save_scene
 from envlights.export.scene import Discs, Exportable, at_most, mean_radiance, scene_of
 from envlights.export.targets import CASTERS, target_named
 from envlights.kernels.sampling import icosphere
@@ -40,10 +39,7 @@ _COMMENT = """
 
 
 def mujoco(
-    rig: Exportable,
-    environment: EnvMap | ArrayLike | None = None,
-    *,
-    scale: float | None = None,
+    rig: Exportable, environment: AnyMap | None = None, *, scale: float | None = None
 ) -> str:
     """MJCF of up to seven directional lights, and an ambient term in the headlight.
 
@@ -115,11 +111,7 @@ def mujoco(
 
 
 def save_mujoco(
-    rig: Exportable,
-    path: str | os.PathLike[str],
-    environment: EnvMap | ArrayLike | None = None,
-    *,
-    scale: float | None = None,
+    rig: Exportable, path: AnyPath, environment: AnyMap | None = None, *, scale: float | None = None
 ) -> None:
     """Write `mujoco` at `path`."""
     save_scene(path, mujoco(rig, environment, scale=scale))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from typing import Any, TypeVar
 
@@ -12,7 +11,7 @@ from envlights._common.files import as_path
 from envlights._common.printable import printable_parts
 from envlights._common.units import statement
 from envlights._native import EnvLightsError
-from envlights.export.files import json_text, save_scene
+from envlights.export.files import AnyPath, json_text, save_scene
 from envlights.kernels.sphere import FRAME
 
 _T = TypeVar("_T")
@@ -26,7 +25,7 @@ LIGHTS_HEADER: dict[str, str | int] = {
 }
 
 
-def save_json(rig: Any, path: str | os.PathLike[str]) -> None:
+def save_json(rig: Any, path: AnyPath) -> None:
     """Write the result of `to_dict`, which `load` of the same class reads."""
     data = rig.to_dict()
     if "format" not in data:
@@ -36,10 +35,7 @@ def save_json(rig: Any, path: str | os.PathLike[str]) -> None:
 
 
 def read_json(
-    path: str | os.PathLike[str],
-    kind: str,
-    versions: tuple[int, ...],
-    build: Callable[[dict[str, Any]], _T],
+    path: AnyPath, kind: str, versions: tuple[int, ...], build: Callable[[dict[str, Any]], _T]
 ) -> _T:
     """Read a file of a `kind`, such as "rig", and pass its content to `build`.
 

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import os
-
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from envlights.environment.envmap import EnvMap
+from envlights.environment.envmap import AnyMap
 from envlights.environment.layouts.layout import Layout, equirectangular
 from envlights.environment.resample import resample
 from envlights.export.axes import AXES
 from envlights.export.discs import split_by_size, with_discs
-from envlights.export.files import check_link
+from envlights.export.files import AnyPath, check_link
 from envlights.export.panels import Panel, crop_names
 from envlights.export.scene import Exportable, Scene, scene_of
 from envlights.export.textures import Beside, save_beside
@@ -42,9 +40,7 @@ _HEADER = "# Lights of envlights for pbrt-v4: Include this file after WorldBegin
 
 
 def pbrt(
-    rig: Exportable,
-    environment: EnvMap | ArrayLike | None = None,
-    texture: str = "ambient.pbrt.exr",
+    rig: Exportable, environment: AnyMap | None = None, texture: str = "ambient.pbrt.exr"
 ) -> str:
     """Light sources for pbrt-v4, to be included after ``WorldBegin``.
 
@@ -69,10 +65,6 @@ def pbrt(
     texture : str
         Name of the map's file, if there is an infinite light with a map; `save_pbrt` writes it.
 
-    Returns
-    -------
-    str
-
     Examples
     --------
     >>> import envlights as el
@@ -82,11 +74,7 @@ def pbrt(
     return _sources(_scene(rig, environment), Beside(texture))
 
 
-def save_pbrt(
-    rig: Exportable,
-    path: str | os.PathLike[str],
-    environment: EnvMap | ArrayLike | None = None,
-) -> None:
+def save_pbrt(rig: Exportable, path: AnyPath, environment: AnyMap | None = None) -> None:
     """Write `pbrt` at `path`, and the map of an infinite light beside it, if there is one."""
     scene = _scene(rig, environment)
     save_beside(path, scene, "pbrt", _sources, map_of=_equal_area, crop_of=_crop)
@@ -97,7 +85,7 @@ def _crop(panel: Panel) -> NDArray[np.float32]:
     return panel.opaque_texture
 
 
-def _scene(rig: Exportable, environment: EnvMap | ArrayLike | None) -> Scene:
+def _scene(rig: Exportable, environment: AnyMap | None) -> Scene:
     """Distant lights, with the larger lights in the map around them."""
     scene = scene_of(rig, environment, target="pbrt")
     narrow, wide = split_by_size(scene.lights, least=_NARROW)

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import os
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights._common.check import describe
 from envlights._common.template import fill_template
 from envlights._native import EnvLightsError
-from envlights.environment.envmap import EnvMap
+from envlights.environment.envmap import AnyMap, EnvMap
 from envlights.export.axes import AXES
 from envlights.export.discs import split_by_size, with_discs
-from envlights.export.files import CONTROLS, check_link
+from envlights.export.files import CONTROLS, AnyPath, check_link
 from envlights.export.look_up import looked_up
 from envlights.export.scene import Exportable, Scene, scene_of
 from envlights.export.textures import Beside, save_beside
@@ -32,9 +30,7 @@ _HEADER = """\
 
 
 def radiance(
-    rig: Exportable,
-    environment: EnvMap | ArrayLike | None = None,
-    texture: str = "ambient.hdr",
+    rig: Exportable, environment: AnyMap | None = None, texture: str = "ambient.hdr"
 ) -> str:
     r"""A description with a `source` for each light, and one for the sky.
 
@@ -62,10 +58,6 @@ def radiance(
         Name of the picture of the sky, if there is one; `save_radiance` writes it. Radiance looks
         for it in the working directory, then in the folders of RAYPATH.
 
-    Returns
-    -------
-    str
-
     Examples
     --------
     >>> import envlights as el
@@ -83,16 +75,12 @@ def radiance(
     return _description(_scene(rig, environment), Beside(texture))
 
 
-def save_radiance(
-    rig: Exportable,
-    path: str | os.PathLike[str],
-    environment: EnvMap | ArrayLike | None = None,
-) -> None:
+def save_radiance(rig: Exportable, path: AnyPath, environment: AnyMap | None = None) -> None:
     """Write `radiance` at `path`, and the picture of the sky beside it, if there is one."""
     save_beside(path, _scene(rig, environment), "radiance", _description, map_of=_picture)
 
 
-def _scene(rig: Exportable, environment: EnvMap | ArrayLike | None) -> Scene:
+def _scene(rig: Exportable, environment: AnyMap | None) -> Scene:
     """Lights that are sampled one by one, with the wide lights in the sky around them."""
     scene = scene_of(rig, environment, target="radiance")
     narrow, wide = split_by_size(scene.lights, least=_WIDE)

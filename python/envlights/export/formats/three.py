@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import os
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from envlights.environment.envmap import EnvMap
+from envlights.environment.envmap import AnyMap, EnvMap
 from envlights.export.axes import AXES
-from envlights.export.files import json_text, save_scene
+from envlights.export.files import AnyPath, json_text, save_scene
 from envlights.export.formats import three_cards
 from envlights.export.formats.three_things import colour_of, image_of, texture_of, thing_of
 from envlights.export.scene import Exportable, Scene, scene_of
@@ -26,7 +25,7 @@ _COLUMNS = 1024
 _VERSION = {"version": 4.7, "type": "Object", "generator": "envlights"}
 
 
-def three(rig: Exportable, environment: EnvMap | ArrayLike | None = None) -> dict[str, Any]:
+def three(rig: Exportable, environment: AnyMap | None = None) -> dict[str, Any]:
     """A scene of lights, for ``new THREE.ObjectLoader().parse(json)``.
 
     Axes: our +x, +y, +z are -z, +y, +x in three.js, so the lights fit the panorama as an
@@ -81,11 +80,7 @@ def three(rig: Exportable, environment: EnvMap | ArrayLike | None = None) -> dic
     return {**written, "object": root}
 
 
-def save_three(
-    rig: Exportable,
-    path: str | os.PathLike[str],
-    environment: EnvMap | ArrayLike | None = None,
-) -> None:
+def save_three(rig: Exportable, path: AnyPath, environment: AnyMap | None = None) -> None:
     """Write `three` at `path`."""
     save_scene(path, json_text(three(rig, environment), indent=None))
 

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import importlib
-import os
 import tempfile
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from envlights._common.files import as_path
 from envlights._common.template import fill_template
 from envlights._native import EnvLightsError
-from envlights.environment.envmap import EnvMap
+from envlights.environment.envmap import AnyMap
 from envlights.export.axes import AXES
+from envlights.export.files import AnyPath
 from envlights.export.formats import usd_cards
 from envlights.export.formats.usd_text import asset, colour, prim
 from envlights.export.scene import Exportable, Scene, scene_of
@@ -33,12 +33,7 @@ def Xform "rig"
 """
 
 
-def usd(
-    rig: Exportable,
-    environment: EnvMap | ArrayLike | None = None,
-    *,
-    texture: str = "ambient.exr",
-) -> str:
+def usd(rig: Exportable, environment: AnyMap | None = None, *, texture: str = "ambient.exr") -> str:
     r"""A stage of lights as text, to be referenced or opened.
 
     Parameters
@@ -69,11 +64,7 @@ def usd(
 
 
 def save_usd(
-    rig: Exportable,
-    path: str | os.PathLike[str],
-    environment: EnvMap | ArrayLike | None = None,
-    *,
-    texture: str | None = None,
+    rig: Exportable, path: AnyPath, environment: AnyMap | None = None, *, texture: str | None = None
 ) -> None:
     """Write `usd` as text (.usda, .usd), or as a crate (.usdc), which needs the extra `usd`.
 
