@@ -9,8 +9,8 @@ import pytest
 from click.testing import CliRunner
 
 import envlights as el
-from envlights import io
 from envlights.cli import main
+from envlights.environment.files import image_output
 
 #: Files that are no maps, and their bytes.
 FILES = {
@@ -156,8 +156,8 @@ def folder(tmp_path_factory):
     env = el.EnvMap(el.synthetic.hall(64).radiance)
     env.save(folder / "hall.exr")
     (folder / "cut.exr").write_bytes((folder / "hall.exr").read_bytes()[:-3000])
-    io.image_output.write_png(folder / "square.png", np.full((64, 64, 3), 0.5, np.float32))
-    io.image_output.write_png(folder / "cross.png", np.full((48, 64, 3), 0.5, np.float32))
+    image_output.write_png(folder / "square.png", np.full((64, 64, 3), 0.5, np.float32))
+    image_output.write_png(folder / "cross.png", np.full((48, 64, 3), 0.5, np.float32))
     el.fit(env, 2).save(folder / "rig.json")
     return folder
 
