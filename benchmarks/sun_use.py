@@ -42,8 +42,8 @@ def main():
         maps = (
             env,
             env.repaired(),
-            env.repaired(sun="auto"),
-            env.repaired(sun="auto", ratio=ratio),
+            el.with_sun(env, "auto").to_map(),
+            el.with_sun(env, "auto", ratio=ratio).to_map(),
         )
         cells = ("{:.2f} ({:.2f})".format(*errors(each, white, truth)) for each in maps)
         print(f"| {degrees}°, {100 * share:g} % | {' | '.join(cells)} |")

@@ -39,8 +39,8 @@ SUN_CALLS = {
         {"env": IMAGE, "sun": SUNS, "irradiance": st.one_of(st.none(), st.floats(0, 1e6))},
     ),
     "with_sun by a ratio": (el.with_sun, {"env": IMAGE, "sun": SUNS, "ratio": SMALL}),
-    "EnvMap.repaired with a sun": (
-        lambda env, **options: el.EnvMap(env, clip_level=0.9).repaired(**options),
+    "SunSplit.to_map": (
+        lambda env, **options: el.with_sun(el.EnvMap(env, clip_level=0.9), **options).to_map(),
         {"env": IMAGE, "sun": SUNS, "irradiance": st.one_of(st.none(), SMALL)},
     ),
     "fit with a sun": (

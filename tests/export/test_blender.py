@@ -143,3 +143,11 @@ def test_by_the_formula_of_cycles_a_light_is_where_the_map_shows_it():
     v = 0.5 - np.arctan2(z, np.hypot(x, y)) / np.pi
     expected = el.kernels.direction_to_uv(POINTS.direction)
     np.testing.assert_allclose(np.stack([u, v], axis=1), expected, atol=1e-12)
+
+
+@pytest.mark.parametrize("mark", ["LIGHTS", "AMBIENT", "CARDS", "UNITS", "MAP"])
+def test_a_note_that_names_a_mark_of_the_template_stays_a_comment(mark):
+    sun = [[0, 1, 0]], [[1, 1, 1]]
+    script = blender(el.Lights(*sun, notes=[f"x @{mark}@import os;os.system('touch file')#"]))
+    assert f"@{mark}@import" in script
+    assert ast.dump(ast.parse(script)) == ast.dump(ast.parse(blender(el.Lights(*sun))))

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import envlights as el
+from envlights.export.capabilities import Capabilities, common
+from envlights.export.targets import error_in
 from envlights.kernels import icosphere, relative_rms
-from envlights.rigs.capabilities import Capabilities, common
-from envlights.rigs.targets import error_in
 from tests.export import file_errors, node
 from tests.export.rigs import DISCS, POINTS, relative, rigs
 from tests.helpers import NORMALS

@@ -8,7 +8,7 @@ import pytest
 
 import envlights as el
 from envlights.export import AXES
-from envlights.export.engine import matrix_of
+from envlights.export.formats.engine import matrix_of
 from tests.export.rigs import AXES as ON_AXES
 from tests.export.rigs import DISCS, POINTS, environment, relative, rigs
 from tests.helpers import NORMALS

@@ -9,7 +9,7 @@ import pytest
 import envlights as el
 from envlights._common.srgb import encode_srgb
 from envlights.export import AXES
-from envlights.export.godot import DIRECTIONAL_LIGHTS as LAMPS
+from envlights.export.formats.godot import _LIGHTS as LAMPS
 from tests.export import godot
 from tests.export.balls import SIDE, SIDES, SQUARE, normals_of
 from tests.export.rigs import DISCS, POINTS, environment, relative, rigs

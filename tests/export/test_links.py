@@ -10,8 +10,8 @@ import pytest
 
 import envlights as el
 from envlights.export import TARGETS
-from envlights.rigs.links import relative_name
-from envlights.rigs.targets import PANORAMA
+from envlights.export.links import relative_name
+from envlights.export.targets import PANORAMA
 
 pytestmark = pytest.mark.filterwarnings("ignore:.* shows lights as points:UserWarning")
 

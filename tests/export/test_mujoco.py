@@ -8,7 +8,7 @@ import pytest
 
 import envlights as el
 from envlights.export import AXES
-from envlights.export.mujoco import LAMPS
+from envlights.export.formats.mujoco import _LIGHTS as LAMPS
 from tests.export.balls import SIDE, SIDES, SQUARE, normals_of
 from tests.export.rigs import AXES as ON_AXES
 from tests.export.rigs import DISCS, POINTS, environment, relative, rigs

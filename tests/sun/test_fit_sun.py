@@ -50,7 +50,7 @@ def test_energies_of_sky_and_sun_are_those_of_a_map_that_holds_both():
     env, plateau = clipped(256)
     sun = sun_of(plateau)
     energies, _ = el.fit(env, 1, sun=sun).report.gloss_bands
-    wanted, _ = el.fit(env.repaired(sun=sun), 0).report.gloss_bands
+    wanted, _ = el.fit(el.with_sun(env, sun).to_map(), 0).report.gloss_bands
     # In the map the disc is spread over pixels of 1.4 degrees: 2 % less in degree 17, 4 % in 23.
     np.testing.assert_allclose(energies[:16], wanted[:16], rtol=0.02)
 
@@ -126,7 +126,7 @@ def test_the_error_with_shadows_agrees_with_a_fit_to_the_drawn_sun():
     env, plateau = clipped(512)
     sun = sun_of(plateau)
     rig = el.fit(env, 1, sun=sun, ambient="constant")
-    drawn = el.fit(env.repaired(sun=sun), 1, fixed=[TOWARDS], ambient="constant")
+    drawn = el.fit(el.with_sun(env, sun).to_map(), 1, fixed=[TOWARDS], ambient="constant")
     assert rig.report.shadow_error == pytest.approx(drawn.report.shadow_error, rel=0.1)
     # That fit may change the irradiance of the sun, so its error is lower.
     assert drawn.error <= rig.error < 1.5 * drawn.error

@@ -80,7 +80,7 @@ def test_repair_draws_the_sun(picture, searches, tmp_path):
     result = run("repair", picture, "--sun", "-o", repaired)
     assert result.exit_code == 0, result.output
     assert "added as a disc" in result.stdout
-    expected = clipped()[0].repaired(sun=sun_of(clipped()[1]))
+    expected = el.with_sun(clipped()[0], sun_of(clipped()[1])).to_map()
     np.testing.assert_array_equal(el.EnvMap.open(repaired).radiance, expected.radiance)
 
 

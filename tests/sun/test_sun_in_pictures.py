@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import envlights as el
+from envlights.cli.repair import repair_with_sun
 from tests.helpers import NORMALS
 from tests.sun.suns import photograph
 
@@ -36,7 +37,7 @@ def error(env, truth):
 def test_sky_and_sun_light_a_probe_better_than_a_repair_without_one(white_share):
     sky, env, _ = picture_of(white_share)
     truth = el.EnvMap(sky.radiance)
-    with_sun = error(env.repaired(sun="auto"), truth)
+    with_sun = error(el.with_sun(env, "auto").to_map(), truth)
     assert with_sun < 0.5 * error(env.repaired(), truth)
     assert with_sun < 0.1
 
@@ -117,7 +118,7 @@ def test_its_direction_gives_the_same():
 
 
 def test_its_repair_changes_nothing():
-    repaired = whole().repaired(sun="auto")
+    repaired = repair_with_sun(whole(), "auto")
     np.testing.assert_array_equal(repaired.radiance, whole().radiance)
     assert "holds its own" in repaired.notes[-2]
 

@@ -8,6 +8,7 @@ import pytest
 
 import envlights as el
 from envlights import kernels
+from envlights.cli.repair import repair_with_sun
 from envlights.kernels.image import LUMINANCE
 from tests.helpers import NORMALS
 from tests.sun.suns import IRRADIANCE, TOWARDS, clipped, sky, sun_of
@@ -128,9 +129,6 @@ def test_a_calibrated_map_has_a_sun_in_lux():
 def test_an_impossible_sun_is_refused(sun, message):
     with pytest.raises(el.EnvLightsError, match=message):
         el.with_sun(sky(), sun)
-    if sun is not None:
-        with pytest.raises(el.EnvLightsError, match=message):
-            sky().repaired(sun=sun)
 
 
 @pytest.mark.parametrize(
@@ -142,10 +140,9 @@ def test_an_impossible_sun_is_refused(sun, message):
         ({"ratio": 2.0, "irradiance": 3.0}, "give irradiance or ratio, not both"),
     ],
 )
-@pytest.mark.parametrize("work", [el.with_sun, lambda env, sun, **r: env.repaired(sun=sun, **r)])
-def test_an_impossible_reading_is_refused(work, reading, message):
+def test_an_impossible_reading_is_refused(reading, message):
     with pytest.raises(el.EnvLightsError, match=message):
-        work(sky(), sun_of(), **reading)
+        el.with_sun(sky(), sun_of(), **reading)
 
 
 def test_a_time_gives_the_direction_or_the_elevation(monkeypatch):
@@ -187,7 +184,7 @@ def test_a_time_gives_the_direction_or_the_elevation(monkeypatch):
 def test_the_pixels_of_the_disc_have_its_irradiance(height, registration, direction):
     env = sky(height, registration)
     direction = np.array(direction) / np.linalg.norm(direction)
-    repaired = env.repaired(sun=sun_of(direction=direction))
+    repaired = el.with_sun(env, sun_of(direction=direction)).to_map()
     added = repaired.probe(direction) - env.probe(direction)
     np.testing.assert_allclose(added, IRRADIANCE, rtol=1e-6)
     assert repaired.registration == registration
@@ -196,7 +193,7 @@ def test_the_pixels_of_the_disc_have_its_irradiance(height, registration, direct
 @pytest.mark.slow
 def test_so_have_those_of_a_map_of_8192_rows():
     dark = el.EnvMap(np.zeros((8192, 16384, 3), np.float32))
-    repaired = dark.repaired(sun=sun_of())
+    repaired = el.with_sun(dark, sun_of()).to_map()
     np.testing.assert_allclose(repaired.probe(TOWARDS), IRRADIANCE, rtol=1e-6)
 
 
@@ -206,7 +203,7 @@ def test_the_probe_is_that_of_sky_and_sun():
     lights, rest = el.with_sun(env, sun)
     rig = el.Rig([0, 0, 0], lights, error=0.0)
     together = rest.probe(NORMALS) + rig.probe(NORMALS)
-    drawn = env.repaired(sun=sun).probe(NORMALS)
+    drawn = el.with_sun(env, sun).to_map().probe(NORMALS)
     # At normals whose horizon cuts the disc, its pixels differ from a circle: 1e-4 of the sun.
     cut = np.abs(NORMALS @ TOWARDS) < np.radians(0.6)
     np.testing.assert_allclose(drawn[~cut], together[~cut], rtol=1e-6)
@@ -216,7 +213,7 @@ def test_the_probe_is_that_of_sky_and_sun():
 def test_the_disc_is_as_wide_as_the_sun_or_as_a_pixel():
     for height in (128, 2048):
         dark = el.EnvMap(np.zeros((height, 2 * height, 3), np.float32))
-        drawn = dark.repaired(sun=sun_of()).radiance[..., 0]
+        drawn = el.with_sun(dark, sun_of()).to_map().radiance[..., 0]
         solid_angle = kernels.pixel_solid_angles(height, 2 * height)
         covered = solid_angle[drawn > 0.5 * drawn.max()].sum()
         radius = np.degrees(np.sqrt(covered / np.pi))
@@ -225,7 +222,7 @@ def test_the_disc_is_as_wide_as_the_sun_or_as_a_pixel():
 
 def test_the_drawn_disc_agrees_with_that_of_lights():
     dark = el.EnvMap(np.zeros((2048, 4096, 3), np.float32))
-    drawn = dark.repaired(sun=sun_of()).radiance
+    drawn = el.with_sun(dark, sun_of()).to_map().radiance
     reference = sun_of().lights.to_map(2048).radiance
     is_inside = reference[..., 0] > 0.99 * reference.max()
     # Both blur the rim over a pixel, a third of the radius here, in different ways.
@@ -236,7 +233,7 @@ def test_the_drawn_disc_agrees_with_that_of_lights():
 
 def test_a_reading_is_that_of_the_repaired_map():
     env, plateau = clipped()
-    repaired = env.repaired(sun=sun_of(plateau), irradiance=20.0)
+    repaired = el.with_sun(env, sun_of(plateau), irradiance=20.0).to_map()
     assert float(repaired.probe(UP) @ LUMINANCE) == pytest.approx(20.0, rel=1e-6)
     assert repaired.clip_level is None
     assert "added as a disc" in repaired.notes[-1]
@@ -251,12 +248,16 @@ def test_without_a_sun_the_repair_is_that_of_the_kernel():
     assert repaired.radiance.tobytes() == expected.radiance.tobytes()
     assert repaired.notes == (*env.notes, expected.note)
     assert env.repaired(sun=None) == repaired
+    with pytest.raises(el.EnvLightsError, match=r"takes no sun; el\.with_sun\(env, sun\)\.to_map"):
+        env.repaired(sun="auto")
 
 
 @pytest.mark.parametrize("answer", ["perhaps", "no"])
 def test_without_the_answer_sun_the_repair_is_that_without_a_sun(answer):
     env, plateau = clipped()
-    repaired = env.repaired(sun=sun_of(plateau, answer))
+    parts = el.with_sun(env, sun_of(plateau, answer))
+    assert parts.to_map() is parts.remainder
+    repaired = repair_with_sun(env, sun_of(plateau, answer))
     assert repaired == env.repaired()
     assert "no sun was added" in repaired.notes[-2]
     assert repaired.notes[-1] == env.repaired().notes[-1]
@@ -269,4 +270,4 @@ def test_an_unseen_sun_is_a_light_but_no_pixels():
     sun = sun_of(direction=[0, 1, 0])
     assert len(el.with_sun(env, sun).lights) == 1
     with pytest.raises(el.EnvLightsError, match="sun must be in the part that the map shows"):
-        env.repaired(sun=sun)
+        el.with_sun(env, sun).to_map()

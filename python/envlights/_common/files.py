@@ -23,7 +23,7 @@ except ImportError:  # Windows
 #: Suffixes of the maps that are taken from a folder.
 MAPS = (".exr", ".hdr", ".pic", ".rgbe", ".png", ".jpg", ".jpeg", ".tif", ".tiff")
 #: Formats of pictures, for checks without Matplotlib.
-PICTURES = (".png", ".pdf", ".svg")
+PICTURES: tuple[str, ...] = (".png", ".pdf", ".svg")
 #: End of a refusal to draw without the library that draws.
 NO_MATPLOTLIB = (
     "needs Matplotlib, which is not installed; install it with `pip install 'envlights[plot]'`"

@@ -10,7 +10,7 @@ from envlights._common.fields import plain as plain_values
 from envlights._common.result import Result
 from envlights._native import EnvLightsError
 from envlights.detection.lights import DetectedLights
-from envlights.rigs.capabilities import HARMONIC_MEAN
+from envlights.export.capabilities import HARMONIC_MEAN
 from envlights.rigs.lights import Lights
 from envlights.rigs.rig import Rig
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from envlights._common.result import Result
 from envlights.cards import geometry
-from envlights.rigs.light import azimuths, elevations
+from envlights.kernels.angles import azimuths, elevations
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -10,7 +10,7 @@ from envlights._common.former import former_attributes
 from envlights._native import EnvLightsError
 from envlights.cards.cards import Cards
 from envlights.environment.envmap import EnvMap
-from envlights.rigs.links import LinkedParts, save_with_map
+from envlights.export.links import LinkedParts, save_with_map
 
 
 class _Fields(NamedTuple):

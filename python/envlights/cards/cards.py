@@ -32,7 +32,7 @@ from envlights.cards.arrays import (
 from envlights.cards.card import Card
 from envlights.environment import thumbnails
 from envlights.environment.envmap import EnvMap
-from envlights.rigs.light import azimuths, elevations
+from envlights.kernels.angles import azimuths, elevations
 from envlights.rigs.light_arrays import amounts, row_of, rows_of
 from envlights.rigs.lights import Lights, Rows, brightest_first, rgb_cell, rgb_heading
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from inspect import signature
 
@@ -13,7 +12,7 @@ from envlights.batches.columns import COLUMNS, SUFFIXES, check_table
 from envlights.batches.executors import NAMES
 from envlights.batches.result import Batch
 from envlights.batches.work import METHODS
-from envlights.cli.outputs import default_of
+from envlights.cli.outputs import default_of, json_option, print_result
 from envlights.cli.settings import settings_from, settings_option
 
 
@@ -54,7 +53,7 @@ from envlights.cli.settings import settings_from, settings_option
     show_default=True,
     help="Rows of TABLE: one for each light, or for each map, also for those that failed.",
 )
-@click.option("--json", "as_json", is_flag=True, help="Print the summary as JSON.")
+@json_option("summary")
 @click.pass_context
 def command(
     context: click.Context,
@@ -80,6 +79,6 @@ def command(
     result = batch(maps, out, what=what, suffix=suffix, executor=executor, jobs=jobs, **options)
     if table is not None:
         result.save(table, rows)
-    click.echo(json.dumps(result.to_dict(), indent=2) if as_json else str(result))
+    print_result(result, as_json)
     if result.failures:
         context.exit(1)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import click
 
 from envlights._common.tables import json_text, save_table
 from envlights._native import EnvLightsError
-from envlights.cli.outputs import check_output, default_of, say_written
+from envlights.cli.outputs import check_output, default_of, json_option, print_result, say_written
 from envlights.comparison.compare import Comparison, compare
 from envlights.comparison.folders import FolderComparison, compare_folders
 from envlights.comparison.protocol import PROTOCOLS
@@ -26,7 +25,7 @@ from envlights.comparison.protocol import PROTOCOLS
     help=f"Rules of the comparison: {', '.join(PROTOCOLS)}.",
 )
 @click.option("-o", "--output", metavar="OUT", help="Table to write (.csv, .json).")
-@click.option("--json", "as_json", is_flag=True, help="Print the comparison as JSON.")
+@json_option("comparison")
 def command(truth: str, guess: str, protocol: str, output: str | None, as_json: bool) -> None:
     """Compare the lighting GUESS with TRUTH.
 
@@ -44,7 +43,7 @@ def command(truth: str, guess: str, protocol: str, output: str | None, as_json: 
         table = FolderComparison(result.protocol, {Path(truth).stem: result}, {})
     if output is not None:
         save_table(output, {".csv": table.to_csv, ".json": lambda: json_text(result.to_dict())})
-    click.echo(json.dumps(result.to_dict(), indent=2) if as_json else str(result))
+    print_result(result, as_json)
     say_written([] if output is None else [output])
     if table.failures:
         raise SystemExit(1)

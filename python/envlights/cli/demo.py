@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from envlights._common.files import NO_MATPLOTLIB, PICTURES, can_draw
-from envlights.cli.outputs import print_rig, say_written, verbose_option
+from envlights.cli.outputs import print_result, say_written, verbose_option
 
 
 @click.command("demo")
@@ -33,7 +33,7 @@ def command(what: str, folder: str, verbose: bool, as_json: bool) -> None:
     from envlights.cli.demonstration import demo, demo_transfer
 
     if what == "map":
-        print_rig(demo(folder), as_json, verbose)
+        print_result(demo(folder), as_json, verbose)
         names = [f"hall.{suffix}" for suffix in ("exr", "json", "png")]
     else:
         model = demo_transfer(folder, progress=True)

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
-from pathlib import Path
 
 import click
 
@@ -15,15 +13,15 @@ from envlights.cli.detection_input import METHODS, SETTINGS, detection_settings
 from envlights.cli.map_input import MapCommand, MapFile, map_argument
 from envlights.cli.outputs import (
     OUTPUTS,
-    check_output,
+    check_outputs,
+    json_option,
     output_option,
-    print_losses,
+    print_result,
     say_written,
     verbose_option,
+    write,
 )
 from envlights.cli.settings import settings_option
-from envlights.detection.lights import DetectedLights
-from envlights.environment.envmap import EnvMap
 from envlights.export.targets import SUFFIXES
 from envlights.papers.loghin_steps import SAMPLINGS
 
@@ -51,7 +49,7 @@ from envlights.papers.loghin_steps import SAMPLINGS
 @settings_option("method", SETTINGS)
 @output_option(OUTPUTS)
 @verbose_option()
-@click.option("--json", "as_json", is_flag=True, help="Print the lights as JSON.")
+@json_option("lights")
 def command(
     map_file: MapFile,
     max_lights: int | None,
@@ -63,8 +61,7 @@ def command(
     as_json: bool,
 ) -> None:
     """Find the lights of MAP (.hdr, .exr, .png, .jpg, .tif)."""
-    for output in outputs:
-        check_output(output, (*SUFFIXES, *PICTURES), {"the map": map_file.path})
+    check_outputs(outputs, (*SUFFIXES, *PICTURES), {"the map": map_file.path})
     if sampling is not None and method != "loghin":
         raise EnvLightsError(f"--sampling is an option of --method loghin; got {method}")
     options = {"max_lights": max_lights, **detection_settings(settings, method)}
@@ -72,18 +69,6 @@ def command(
     check_options("detect", options, METHODS[method])
     env = map_file.open()
     lights = METHODS[method](env, **options)
-    for output in outputs:
-        _write(env, lights, output)
-    text = lights.verbose() if verbose else str(lights)
-    click.echo(json.dumps(lights.to_dict(), indent=2) if as_json else text)
+    write(outputs, lights.save, lambda plot: plot.detection_picture(env, lights))
+    print_result(lights, as_json, verbose)
     say_written(outputs)
-
-
-def _write(env: EnvMap, lights: DetectedLights, output: str) -> None:
-    if Path(output).suffix.lower() not in PICTURES:
-        with print_losses():
-            lights.save(output)
-        return
-    from envlights import plot
-
-    plot.save(plot.detection_picture(env, lights), output)

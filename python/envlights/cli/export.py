@@ -8,12 +8,12 @@ from pathlib import Path
 import click
 
 from envlights._native import EnvLightsError
-from envlights.cli.outputs import check_output, print_losses, say_written, strict_option
+from envlights.cli.outputs import check_outputs, print_losses, say_written, strict_option
 from envlights.cli.standard_streams import STANDARD_INPUT
 from envlights.detection.lights_file import load_lights
 from envlights.environment.envmap import EnvMap
+from envlights.export.saving import save
 from envlights.export.targets import SUFFIXES, TARGETS
-from envlights.rigs.targets import save
 
 
 def _table() -> str:
@@ -38,8 +38,7 @@ def command(rig_path: str, targets: Sequence[str], environment: str | None, stri
     """
     outputs = [_place(rig_path, target) for target in targets]
     inputs = {"the rig": rig_path, **({"the map": environment} if environment else {})}
-    for output in outputs:
-        check_output(output, SUFFIXES, inputs)
+    check_outputs(outputs, SUFFIXES, inputs)
     rig = load_lights(rig_path)
     env = None if environment is None else EnvMap.open(environment)
     for output in outputs:

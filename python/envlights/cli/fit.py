@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 import click
@@ -27,21 +26,20 @@ from envlights.cli.map_input import (
 )
 from envlights.cli.outputs import (
     OUTPUTS,
-    check_output,
+    check_outputs,
+    is_picture,
+    json_option,
     output_option,
-    print_losses,
-    print_rig,
+    print_result,
     say_written,
     strict_option,
     verbose_option,
+    write,
 )
 from envlights.cli.sun_input import sun_options
-from envlights.environment.envmap import EnvMap
-from envlights.export.targets import SUFFIXES
+from envlights.export.targets import SUFFIXES, target_of
 from envlights.fitting.fit import fit
 from envlights.fitting.request import AMBIENTS, AUTO
-from envlights.rigs.rig import Rig
-from envlights.rigs.targets import target_of
 from envlights.sun.choice import AnySun
 
 
@@ -85,20 +83,11 @@ from envlights.sun.choice import AnySun
 @output_option(OUTPUTS)
 @strict_option()
 @verbose_option()
-@click.option("--json", "as_json", is_flag=True, help="Print the rig as JSON.")
+@json_option("rig")
 def command(
     map_file: MapFile,
-    lights: int | None,
-    error: float | None,
-    shadow_error: float | None,
-    gloss_error: float | None,
-    roughness: float,
-    sizes: bool,
     max_radius: float | None,
-    objective: str,
-    ambient: str | None,
     targets: Sequence[str],
-    floor: bool,
     start: str,
     fixed: Sequence[str],
     fill: str | None,
@@ -107,53 +96,29 @@ def command(
     verbose: bool,
     as_json: bool,
     sun: AnySun | None,
+    **options: Any,
 ) -> None:
     """Fit an ambient term and a few lights to MAP (.hdr, .exr, .png, .jpg, .tif)."""
-    for output in outputs:
-        check_output(output, (*SUFFIXES, *PICTURES), {"the map": map_file.path})
+    check_outputs(outputs, (*SUFFIXES, *PICTURES), {"the map": map_file.path})
     choice = radiance_or_name(fill)
-    options: dict[str, Any] = {
-        "lights": lights,
-        "error": error,
-        "shadow_error": shadow_error,
-        "gloss_error": gloss_error,
-        "roughness": roughness,
-        "sizes": sizes,
+    options |= {
         "max_radius": radius_of(max_radius),
-        "objective": objective,
-        "ambient": ambient,
         "start": start_of(start),
         "fixed": fixed_of(fixed),
-        "floor": floor,
         "fill": choice,
         "target": targets or _targets_of(outputs),
     }
     check_options("fit", options)
     # A picture of the map needs all of its pixels.
-    env = map_file.open(choice) if any(map(_is_picture, outputs)) else None
+    env = map_file.open(choice) if any(map(is_picture, outputs)) else None
     rig = fit(map_file.unread(choice) if env is None else env, sun=sun, **options)
-    for output in outputs:
-        _write(env and env.filled(choice), rig, output, strict)
-    print_rig(rig, as_json, verbose)
+    seen = env and env.filled(choice)
+    write(outputs, rig.save, lambda plot: plot.picture(seen, rig), strict=strict)
+    print_result(rig, as_json, verbose)
     say_written(outputs)
-
-
-def _is_picture(output: str) -> bool:
-    return Path(output).suffix.lower() in PICTURES
 
 
 def _targets_of(outputs: Sequence[str]) -> tuple[str, ...]:
     """Names of the programs that will show the rig; our own files limit nothing."""
-    named = {target_of(output).name for output in outputs if not _is_picture(output)}
+    named = {target_of(output).name for output in outputs if not is_picture(output)}
     return tuple(sorted(named - {"json", "csv"}))
-
-
-def _write(env: EnvMap | None, rig: Rig, output: str, strict: bool) -> None:
-    if env is None or not _is_picture(output):
-        with print_losses(strict=strict):
-            rig.save(output)
-        return
-    # Importing Matplotlib takes a second.
-    from envlights import plot
-
-    plot.save(plot.picture(env, rig), output)

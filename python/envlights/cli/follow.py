@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import click
 
 from envlights.cli.fit_input import radius_of, shape_options
 from envlights.cli.map_input import radiance_or_name, unseen_option
-from envlights.cli.outputs import check_output, default_of, output_option, say_written
+from envlights.cli.outputs import (
+    check_outputs,
+    default_of,
+    json_option,
+    output_option,
+    print_result,
+    say_written,
+)
 from envlights.fitting.request import AMBIENTS
 from envlights.sequence.follow import follow
 from envlights.sequence.formats import SUFFIXES
@@ -45,44 +52,35 @@ from envlights.sequence.formats import SUFFIXES
 )
 @unseen_option()
 @output_option(f"File to write ({', '.join(SUFFIXES)}). Can be repeated.")
-@click.option("--json", "as_json", is_flag=True, help="Print the sequence as JSON.")
+@json_option("sequence")
 def command(
     frames: str,
     lights: int | None,
     error: float | None,
     steadiness: str,
-    fps: float | None,
-    sizes: bool,
     max_radius: float | None,
-    objective: str,
-    ambient: str,
-    floor: bool,
     fill: str | None,
     outputs: Sequence[str],
     as_json: bool,
+    **options: Any,
 ) -> None:
     """Fit a rig to each map of FRAMES; each light keeps its identity.
 
     FRAMES is a pattern in quotes ('frames/*.exr'), a folder or a video.
     """
-    for output in outputs:
-        check_output(output, SUFFIXES, {"the sequence": frames} if Path(frames).is_file() else {})
+    check_outputs(outputs, SUFFIXES, {"the sequence": frames} if Path(frames).is_file() else {})
     if lights is None and error is None:
         lights = default_of(follow, "lights")
     rigs = follow(
         frames,
         lights,
         steadiness=int(steadiness) if steadiness.isdecimal() else steadiness,
-        fps=fps,
         error=error,
-        sizes=sizes,
         max_radius=radius_of(max_radius),
-        objective=objective,
-        ambient=ambient,
-        floor=floor,
         fill=radiance_or_name(fill),
+        **options,
     ).sequence()
     for output in outputs:
         rigs.save(output)
-    click.echo(json.dumps(rigs.to_dict(), indent=2) if as_json else str(rigs))
+    print_result(rigs, as_json)
     say_written(outputs)

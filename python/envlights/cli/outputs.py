@@ -6,7 +6,7 @@ import contextlib
 import inspect
 import json
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +34,11 @@ def default_of(function: Callable[..., Any], parameter: str) -> Any:
 def output_option(help_text: str) -> Callable[[Any], Any]:
     """Repeatable option ``-o``."""
     return click.option("-o", "--output", "outputs", multiple=True, metavar="OUT", help=help_text)
+
+
+def json_option(what: str) -> Callable[[Any], Any]:
+    """Option ``--json``."""
+    return click.option("--json", "as_json", is_flag=True, help=f"Print the {what} as JSON.")
 
 
 def verbose_option() -> Callable[[Any], Any]:
@@ -69,9 +74,41 @@ def check_output(output: str, suffixes: tuple[str, ...], inputs: Mapping[str, st
     if not Path(output).name[1:].lower().endswith(suffixes):
         wanted = f"one of {', '.join(suffixes)}" if suffixes[1:] else suffixes[0]
         raise EnvLightsError(f"cannot write {output}: the suffix must be {wanted}")
-    if Path(output).suffix.lower() in PICTURES:
+    if is_picture(output):
         check_can_draw(output)
     check_source(output, inputs)
+
+
+def check_outputs(
+    outputs: Iterable[str], suffixes: tuple[str, ...], inputs: Mapping[str, str]
+) -> None:
+    """Refuse outputs as `check_output` does."""
+    for output in outputs:
+        check_output(output, suffixes, inputs)
+
+
+def is_picture(output: str) -> bool:
+    """True for an output that is drawn."""
+    return Path(output).suffix.lower() in PICTURES
+
+
+def write(
+    outputs: Iterable[str],
+    save: Callable[[str], Any],
+    draw: Callable[[Any], Any],
+    *,
+    strict: bool = False,
+) -> None:
+    """Write each output by `save`, or as a picture, which `draw` makes by `envlights.plot`."""
+    for output in outputs:
+        if is_picture(output):
+            # Importing Matplotlib takes a second.
+            from envlights import plot
+
+            plot.save(draw(plot), output)
+        else:
+            with print_losses(strict=strict):
+                save(output)
 
 
 def check_can_draw(output: str) -> None:
@@ -92,10 +129,12 @@ def _is_same(target: Path, source: Path) -> bool:
     return target.exists() and source.exists() and target.samefile(source)
 
 
-def print_rig(rig: Rig, as_json: bool, verbose: bool) -> None:
-    """Print `rig` as JSON, or as text with its report."""
-    text = rig.verbose() if verbose else f"{rig}\n\n{rig.report}".rstrip()
-    click.echo(json.dumps(rig.to_dict(), indent=2) if as_json else text)
+def print_result(result: Any, as_json: bool, verbose: bool = False) -> None:
+    """Print a result as JSON, or as text; that of a rig has its report."""
+    text = result.verbose() if verbose else str(result)
+    if isinstance(result, Rig) and not verbose:
+        text = f"{result}\n\n{result.report}".rstrip()
+    click.echo(json.dumps(result.to_dict(), indent=2) if as_json else text)
 
 
 def say_written(paths: Sequence[str]) -> None:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 import click
@@ -13,17 +11,19 @@ import numpy as np
 from envlights._common.files import PICTURES
 from envlights.cli.outputs import (
     OUTPUTS,
-    check_output,
+    check_outputs,
     default_of,
+    json_option,
     output_option,
+    print_result,
     say_written,
     verbose_option,
+    write,
 )
 from envlights.cli.settings import settings_from, settings_of, settings_option
 from envlights.export.targets import SUFFIXES
 from envlights.papers.loghin_steps import SAMPLINGS
 from envlights.papers.photograph import detect_photograph
-from envlights.papers.photograph_lights import PhotographLights
 
 #: Parameters without an option of their own.
 _SETTINGS = settings_of(
@@ -62,44 +62,22 @@ _SETTINGS = settings_of(
 @settings_option("detection", _SETTINGS)
 @output_option(OUTPUTS)
 @verbose_option()
-@click.option("--json", "as_json", is_flag=True, help="Print the lights as JSON.")
+@json_option("lights")
 def command(
     path: str,
-    fov: float | None,
     colour: str | None,
     part: str | None,
-    max_lights: int | None,
-    relative: bool,
-    sampling: str,
     settings: Sequence[str],
     outputs: Sequence[str],
     verbose: bool,
     as_json: bool,
+    **options: Any,
 ) -> None:
     """Find the lights of PHOTO, a plane picture of any aspect (.jpg, .png, .tif, .exr, .hdr)."""
-    for output in outputs:
-        check_output(output, (*SUFFIXES, *PICTURES), {"the photograph": path})
-    options: dict[str, Any] = {
-        "fov": fov,
-        "max_lights": max_lights,
-        "relative": relative,
-        "sampling": sampling,
-        **settings_from(settings, "detection", _SETTINGS.__contains__),
-    }
+    check_outputs(outputs, (*SUFFIXES, *PICTURES), {"the photograph": path})
+    options |= settings_from(settings, "detection", _SETTINGS.__contains__)
     detect_photograph(np.ones((8, 16, 3), np.float32), **options)  # refuses impossible options
     lights = detect_photograph(path, colour=colour, part=part, **options)
-    for output in outputs:
-        _write(lights, output)
-    text = lights.verbose() if verbose else str(lights)
-    click.echo(json.dumps(lights.to_dict(), indent=2) if as_json else text)
+    write(outputs, lights.save, lambda plot: plot.photograph(lights))
+    print_result(lights, as_json, verbose)
     say_written(outputs)
-
-
-def _write(lights: PhotographLights, output: str) -> None:
-    if Path(output).suffix.lower() not in PICTURES:
-        lights.save(output)
-        return
-    # Importing Matplotlib takes a second.
-    from envlights import plot
-
-    plot.save(plot.photograph(lights), output)

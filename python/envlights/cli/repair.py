@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import click
 
 from envlights.cli.map_input import (
@@ -13,7 +15,10 @@ from envlights.cli.map_input import (
 )
 from envlights.cli.outputs import check_output, say_written
 from envlights.cli.sun_input import reading_options, sun_options
-from envlights.sun.choice import AnySun
+from envlights.environment.envmap import EnvMap
+from envlights.sun.choice import AnySun, is_of_map, sun_of
+from envlights.sun.sun_split import with_sun
+from envlights.sun.wording import HOLDS_SUN
 
 #: Formats that can hold radiance above the clip level.
 MAPS = (".exr", ".hdr")
@@ -36,7 +41,18 @@ def command(
     """Estimate the clipped light of MAP, such as a JPEG or PNG."""
     check_output(output, MAPS, {"the map": map_file.path})
     choice = radiance_or_name(fill)
-    env = map_file.open(choice).repaired(sun=sun, irradiance=irradiance, ratio=ratio, fill=choice)
+    readings: dict[str, Any] = {"irradiance": irradiance, "ratio": ratio, "fill": choice}
+    env = map_file.open(choice)
+    env = env.repaired(**readings) if sun is None else repair_with_sun(env, sun, **readings)
     env.save(output)
     click.echo(str(env))
     say_written([output])
+
+
+def repair_with_sun(env: EnvMap, sun: AnySun, **readings: Any) -> EnvMap:
+    """Sky and disc of a sun in one map; without a sun, the repair without one."""
+    found = sun_of(env, sun)
+    if is_of_map(found):
+        return env.with_radiance(env.radiance, (*env.notes, HOLDS_SUN)).repaired(**readings)
+    parts = with_sun(env, found, **readings)
+    return parts.to_map() if len(parts.lights) else parts.remainder.repaired(**readings)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
@@ -19,10 +18,12 @@ from envlights.cli.convert import layout_option, write_map
 from envlights.cli.detection_input import detection_settings
 from envlights.cli.map_input import MapCommand, MapFile, map_argument
 from envlights.cli.outputs import (
-    check_output,
+    check_outputs,
     check_source,
+    json_option,
     output_option,
     print_losses,
+    print_result,
     say_written,
     verbose_option,
 )
@@ -32,8 +33,8 @@ from envlights.detection.detect import detect
 from envlights.environment.envmap import EnvMap
 from envlights.environment.files.image_output import MAP_SUFFIXES
 from envlights.environment.map_pixels import PROJECTION
+from envlights.export.links import paths_of, plan, save_with_map
 from envlights.export.targets import SUFFIXES
-from envlights.rigs.links import paths_of, plan, save_with_map
 from envlights.splitting.limit import Limit, limit
 from envlights.splitting.split import Split, split
 from envlights.sun.choice import AnySun, sun_of
@@ -86,7 +87,7 @@ _Parts = Split | CardSplit | Limit | SunSplit
     " Can be repeated; scenes name the .exr file."
 )
 @verbose_option()
-@click.option("--json", "as_json", is_flag=True, help="Print the lights as JSON.")
+@json_option("lights")
 def command(
     map_file: MapFile,
     lights: int | None,
@@ -105,8 +106,7 @@ def command(
     as_json: bool,
 ) -> None:
     """Remove the lights from MAP (.hdr, .exr, .png, .jpg, .tif)."""
-    for output in outputs:
-        check_output(output, (*SUFFIXES, *MAP_SUFFIXES, *PICTURES), {"the map": map_file.path})
+    check_outputs(outputs, (*SUFFIXES, *MAP_SUFFIXES, *PICTURES), {"the map": map_file.path})
     options = detection_settings(settings, "tree")
     if options and (sun is not None or maximum is not None):
         raise EnvLightsError("--set is of detected lights; leave out --sun and --limit, or --set")
@@ -119,8 +119,7 @@ def command(
     draw = partial(_draw, env, parts, found)
     written = _write(parts, map_file.path, outputs, layout, draw)
     removed = parts.lights
-    text = removed.verbose() if verbose else str(removed)
-    click.echo(json.dumps(removed.to_dict(), indent=2) if as_json else text)
+    print_result(removed, as_json, verbose)
     say_written(written)
 
 

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from envlights.environment.envmap import EnvMap
 from envlights.kernels import image as images
+from envlights.kernels.angles import place_of
 from envlights.kernels.sphere import direction_to_uv
-from envlights.rigs.light import place_of
 
 #: Least fraction of the peak luminance of a pixel that counts as the peak.
 _AT_PEAK = 0.99

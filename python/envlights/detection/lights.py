@@ -22,11 +22,11 @@ from envlights._common.words import percent
 from envlights._native import EnvLightsError
 from envlights.detection import measurements
 from envlights.detection.members import LeftOut, Members
+from envlights.export.formats.own_json import read_json
 from envlights.kernels.sphere import FRAME
 from envlights.rigs.light import DetectedLight, remarks_of
 from envlights.rigs.light_arrays import light_arrays, rotate, row_of, rows_of
 from envlights.rigs.lights import Lights, Rows, brightest_first, place_cells, rgb_cell, rgb_heading
-from envlights.rigs.own_json import read_json
 
 if TYPE_CHECKING:
     from typing_extensions import Self

@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 from envlights._common.files import as_path
 from envlights.detection.lights import DetectedLights
-from envlights.rigs.csv_table import read_csv
+from envlights.export.formats.csv_table import read_csv
 from envlights.rigs.lights import Lights
 from envlights.rigs.rig import Rig
 

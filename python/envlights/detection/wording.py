@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from envlights import _native
-from envlights.rigs.light import place_of
+from envlights.kernels.angles import place_of
 
 
 def reason_of_tree(detection: _native.TreeDetection) -> str:

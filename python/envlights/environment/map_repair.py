@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from importlib import import_module
 from typing import TYPE_CHECKING
 
 from envlights._common.former import former_arguments
+from envlights._native import EnvLightsError
 from envlights.environment.fill import Fill
 from envlights.environment.map_light import MapLight
 from envlights.environment.repair import repair
@@ -32,14 +32,10 @@ class MapRepair(MapLight):
         that you measured, or an estimate with the ground as light meter. Its distribution is a
         guess: more in small clipped regions, in high ones, and in the middle of each.
 
-        With a `sun`, its disc is put into the pixels that it covers, and the sky without it fills
-        the clipped part around it; other clipped regions stay.
-
         Parameters
         ----------
-        sun : "auto", array_like of shape (3,), SunAt or Sun, optional
-            The sun as a disc: the one of `find_sun`, or its direction; see `with_sun`. If the
-            answer of "auto" is not "sun", the map is repaired as without it, and a note says so.
+        sun : None
+            Refused: ``with_sun(env, sun).to_map()`` adds the disc of a sun.
         irradiance : float, optional
             Measured luminance of the irradiance on an upward surface, on the scale of the map:
             lux, if `units` is "cd/m2"; see `calibrated`.
@@ -61,7 +57,7 @@ class MapRepair(MapLight):
         ------
         EnvLightsError
             If both numbers are given, one is less than that of the map, all clipped pixels lie
-            below the horizon, or `fill` is required; or for an impossible `sun`.
+            below the horizon, `fill` is required, or there is a `sun`.
 
         Notes
         -----
@@ -87,10 +83,9 @@ class MapRepair(MapLight):
         array([[2., 2., 2.]])
         """
         if sun is not None:
-            with_sun: Self = import_module("envlights.sun").repair_with_sun(
-                self, sun, irradiance, ratio, fill
+            raise EnvLightsError(
+                "repaired takes no sun; el.with_sun(env, sun).to_map() adds its disc to the map"
             )
-            return with_sun
         clip_level = self._clip_level
         if clip_level is None and self.clipped_fraction:
             clip_level = float(self._radiance.max())

@@ -5,30 +5,28 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from envlights.environment.envmap import EnvMap
-from envlights.export.scene import Scene
-from envlights.rigs.lights import Lights
+from envlights.export.scene import Discs, Scene
 
 #: Rows in the radius of the smallest disc, and limits on the rows of the map. With 64 rows,
 #: Radiance loses 0.9 % of a disc of 46 degrees at its rim.
 _DISC_ROWS, _LEAST_ROWS, MOST_ROWS = 8, 256, 1024
 
 
-def split_by_size(lights: Lights, least: float) -> tuple[Lights, Lights]:
-    """Lights with a smaller angular radius than `least` in radians, and all others."""
+def split_by_size(lights: Discs, least: float) -> tuple[Discs, Discs]:
+    """Discs with a smaller angular radius than `least` in radians, and all others."""
     is_wide = lights.angular_radius >= least
-    return _some(lights, ~is_wide), _some(lights, is_wide)
+    return lights[~is_wide], lights[is_wide]
 
 
-def with_discs(scene: Scene, discs: Lights) -> Scene:
+def with_discs(scene: Scene, discs: Discs) -> Scene:
     """Scene without lights, with the `discs` drawn into its map."""
     others = scene._replace(lights=discs[:0])
     if not len(discs):
         return others
     rows = rows_for(discs)
-    around: Any = np.zeros(3) if scene.ambient is None else scene.ambient
+    around: Any = scene.constant
     if scene.environment is not None:
         # Divide each pixel into a whole number of pixels.
         times = -(-rows // scene.environment.height)
@@ -38,12 +36,7 @@ def with_discs(scene: Scene, discs: Lights) -> Scene:
     return others._replace(ambient=None, environment=EnvMap(drawn.astype(np.float32)))
 
 
-def rows_for(discs: Lights) -> int:
+def rows_for(discs: Discs) -> int:
     """Rows of a map that shows the smallest disc as a disc."""
     rows = int(_DISC_ROWS * np.pi / discs.angular_radius.min())
     return min(max(rows, _LEAST_ROWS), MOST_ROWS)
-
-
-def _some(lights: Lights, which: NDArray[np.bool_]) -> Lights:
-    arrays = lights.direction, lights.irradiance, lights.angular_radius
-    return type(lights)(*(array[which] for array in arrays), units=lights.units, notes=lights.notes)

@@ -14,31 +14,13 @@ from numpy.typing import NDArray
 from envlights._common.check import describe
 from envlights._common.files import as_path, check_writable, write_content
 from envlights._native import EnvLightsError
-from envlights.environment.envmap import EnvMap
 from envlights.environment.files.image_output import write_exr, write_hdr
-from envlights.rigs.targets import PANORAMA
+
+#: Name of a file.
+AnyPath = str | os.PathLike[str]
 
 #: Control characters of ASCII and of Latin 1.
 CONTROLS = tuple(map(chr, (*range(32), *range(127, 160))))
-
-
-def texture_name(path: str | os.PathLike[str], end: str = PANORAMA) -> str:
-    """Name of a texture beside `path`: ``scene.ambient.exr`` beside ``scene.usda``.
-
-    A map that only one target can read has its own `end`, such as ".ambient.mitsuba.exr", so that
-    files for several targets can share a folder.
-    """
-    return as_path(path).stem + end
-
-
-def panorama(
-    path: str | os.PathLike[str], environment: EnvMap | None, texture: str | None
-) -> tuple[str, dict[str, NDArray[np.float32]]]:
-    """Name of the map of a scene at `path`, and its radiance unless it is the file `texture`."""
-    if texture is not None:
-        return texture, {}
-    name = texture_name(path)
-    return name, {} if environment is None else {name: environment.cells()}
 
 
 def check_link(name: str, target: str, refused: Iterable[str] = ()) -> None:
@@ -64,8 +46,15 @@ def check_link(name: str, target: str, refused: Iterable[str] = ()) -> None:
         )
 
 
+def json_text(data: Any, indent: int | None = 2) -> str:
+    """Content of a JSON file, without NaN and infinity, which JSON does not have."""
+    import json  # here, so that `import envlights` does not wait for it
+
+    return json.dumps(data, indent=indent, allow_nan=False) + "\n"
+
+
 def save_scene(
-    path: str | os.PathLike[str],
+    path: AnyPath,
     content: str | bytes,
     textures: Mapping[str, NDArray[Any]] | None = None,
 ) -> None:

@@ -7,12 +7,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights.cards import Card, Cards
 from envlights.environment.envmap import EnvMap
 from envlights.export.axes import AXES
 from envlights.export.look_up import looked_up
-from envlights.rigs.lights import Lights
-from envlights.rigs.targets import Crops
+from envlights.export.targets import target_named
 
 #: Least rows and columns of a texture that shows the map behind a card of one colour.
 _HIDDEN_TEXELS = 16
@@ -20,14 +18,6 @@ _HIDDEN_TEXELS = 16
 _SQUARE = 1e-6
 #: Vertices of the polygon of a disc; its area is 0.16 % less than that of a circle.
 VERTICES = 64
-
-#: Textures by the target. glTF and three.js have them in their file.
-CROPS = {
-    "usd": Crops(".usd.exr"),
-    "mitsuba": Crops(".mitsuba.exr"),
-    "pbrt": Crops(".pbrt.exr"),
-    "blender": Crops(".blender.exr", has_discs=True),
-}
 
 
 class Panel(NamedTuple):
@@ -103,12 +93,14 @@ class Panel(NamedTuple):
 
 def crop_names(panels: tuple[Panel, ...], prefix: str, target: str) -> list[str]:
     """Name of the texture of each panel in the files of a target; empty if it has none."""
-    return CROPS[target].names(prefix, ("disc" if each.is_ellipse else "" for each in panels))
+    crop = target_named(target).crop
+    shapes = ("disc" if each.is_ellipse else "" for each in panels)
+    return [] if crop is None else crop.names(prefix, shapes)
 
 
 def distant_and_panels(
     rig: Any, environment: EnvMap | None, factor: float = 1.0
-) -> tuple[Lights, tuple[Panel, ...]]:
+) -> tuple[Any, tuple[Panel, ...]]:
     """Lights at infinity of a rig, lights or cards, and the panels of cards.
 
     Parameters
@@ -119,16 +111,15 @@ def distant_and_panels(
     factor : float
         Factor of all radiance, for the units of a target.
     """
-    if not isinstance(rig, Cards):
-        lights: Lights = getattr(rig, "lights", rig).discs()
-        return lights, ()
+    if not hasattr(rig, "is_flat"):
+        return getattr(rig, "lights", rig).discs(), ()
     flat = rig[rig.is_flat]
     cards = flat if flat.is_placed else flat.far()
     panels = (_panel(j, card, environment, factor) for j, card in enumerate(cards))
     return rig.distant, tuple(panels)
 
 
-def _panel(j: int, card: Card, environment: EnvMap | None, factor: float) -> Panel:
+def _panel(j: int, card: Any, environment: EnvMap | None, factor: float) -> Panel:
     texture = card.texture
     if environment is not None:
         times = [-(-_HIDDEN_TEXELS // length) for length in texture.shape[:2]]
@@ -145,7 +136,7 @@ def _panel(j: int, card: Card, environment: EnvMap | None, factor: float) -> Pan
     )
 
 
-def _behind(card: Card, texture: NDArray[np.float32], env: EnvMap) -> NDArray[np.float32]:
+def _behind(card: Any, texture: NDArray[np.float32], env: EnvMap) -> NDArray[np.float32]:
     """Radiance of the map in the direction of each texel."""
     rows, columns, _ = texture.shape
     b, a = np.meshgrid(

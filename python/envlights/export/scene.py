@@ -3,38 +3,85 @@
 from __future__ import annotations
 
 import re
-from typing import Any, NamedTuple
+from dataclasses import replace
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from envlights._common.blocks import in_blocks
 from envlights._common.check import describe
 from envlights._common.printable import printable
 from envlights._common.units import PHOTOMETRIC
 from envlights._native import EnvLightsError
-from envlights.cards import Cards
 from envlights.environment.decoders.source import is_source
-from envlights.environment.envmap import EnvMap, as_envmap
+from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
+from envlights.export.capabilities import HARMONIC_MEAN, ROWS
 from envlights.export.panels import Panel, distant_and_panels
+from envlights.export.targets import TARGETS
 from envlights.export.units import UNITS
 from envlights.kernels.ambient import ambient_rows
 from envlights.kernels.sphere import pixel_solid_angles
-from envlights.rigs.capabilities import HARMONIC_MEAN, ROWS
-from envlights.rigs.lights import Lights
-from envlights.rigs.rig import Rig
-
-#: Lights that cast shadows, the brightest, in renderers that draw the scene again for each of them.
-CASTERS = 3
 
 #: Targets that show cards as planes in space.
-PANELS = ("gltf", "three", "usd", "mitsuba", "blender", "pbrt")
+PANELS = tuple(target.name for target in TARGETS if target.shows.cards)
+
+
+class Discs(Protocol):
+    """Discs and points at infinity, brightest first, such as `Lights`."""
+
+    @property
+    def direction(self) -> NDArray[np.float64]:
+        """Unit vectors towards the lights, (n, 3)."""
+
+    @property
+    def irradiance(self) -> NDArray[np.float64]:
+        """Irradiance at normal incidence, (n, 3)."""
+
+    @property
+    def angular_radius(self) -> NDArray[np.float64]:
+        """Angular radius in radians, (n,)."""
+
+    @property
+    def units(self) -> str:
+        """Unit of the radiance."""
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Remarks on estimates."""
+
+    def __len__(self) -> int: ...
+
+    def __getitem__(self, which: Any, /) -> Any:
+        """Lights of a slice or a mask."""
+
+    def to_map(self, height: int, /) -> EnvMap:
+        """Map of the lights in a black sky."""
+
+
+class AnyLights(Protocol):
+    """Lights of any kind: given, detected or removed."""
+
+    def discs(self) -> Discs:
+        """Discs of the same flux and solid angle."""
+
+
+class HasLights(Protocol):
+    """A rig or cards."""
+
+    @property
+    def lights(self) -> AnyLights:
+        """Lights without the ambient term."""
+
+
+#: Things that can be exported: `Lights`, `Rig` and `Cards`.
+Exportable = AnyLights | HasLights
 
 
 class Scene(NamedTuple):
-    """Content of an exported scene, in the frame and units of envlights."""
+    """Content of an exported scene, in the frame of envlights and the units of the target."""
 
-    lights: Lights
+    lights: Discs
     """Discs and points, brightest first; irradiance at normal incidence."""
 
     ambient: NDArray[np.float64] | None
@@ -46,13 +93,27 @@ class Scene(NamedTuple):
     statement: str
     """Sentence for the file on the units of all numbers, and on estimates among them."""
 
+    term: NDArray[np.float64]
+    """Ambient term of the rig, (3,) or harmonics, (9, 3); zeros if there is a map in its place."""
+
+    floor: bool
+    """True if a floor hides the ambient term from below."""
+
     panels: tuple[Panel, ...] = ()
     """Cards as planes in space; the `lights` are without them."""
 
+    @property
+    def has_map(self) -> bool:
+        """True if a map replaces the ambient term."""
+        return self.environment is not None and not self.term.any()
 
-def scene_of(
-    rig: Rig | Lights | Cards, environment: EnvMap | ArrayLike | None = None, *, target: str
-) -> Scene:
+    @property
+    def constant(self) -> NDArray[np.float64]:
+        """Radiance of a constant environment, (3,); zeros without one."""
+        return np.zeros(3) if self.ambient is None else self.ambient
+
+
+def scene_of(rig: Exportable, environment: AnyMap | None = None, *, target: str) -> Scene:
     """Parts of a rig, or of lights alone, in the units of a target.
 
     Parameters
@@ -77,19 +138,20 @@ def scene_of(
     """
     lights = check_rig(rig).discs()
     if environment is None:
-        (ambient, env), units = _ambient_of(rig), lights.units
+        term, floor = np.asarray(getattr(rig, "ambient", np.zeros(3))), getattr(rig, "floor", False)
+        (ambient, env), units = _surroundings(term, floor), lights.units
     else:
-        env = _environment(lights, environment)
-        ambient, units = None, env.units
+        ambient, env, term, floor = None, _environment(lights, environment), np.zeros(3), False
+        units = env.units
     statement = statement_of(lights, units, target)
     factor = UNITS[target].factor if units == PHOTOMETRIC else 1.0
     panels: tuple[Panel, ...] = ()
     if target in PANELS:
         lights, panels = distant_and_panels(rig, env, factor)
-    return _times(Scene(lights, ambient, env, statement, panels), factor)
+    return _times(Scene(lights, ambient, env, statement, term, floor, panels), factor)
 
 
-def statement_of(lights: Lights, units: str, target: str) -> str:
+def statement_of(lights: Discs, units: str, target: str) -> str:
     """Sentence for the file of a target: units, and the notes of the lights."""
     return "; ".join([UNITS[target].statement(units), *map(_plain, lights.notes)])
 
@@ -100,10 +162,11 @@ def _plain(note: str) -> str:
     return re.sub("--+", "-", text)
 
 
-def _environment(lights: Lights, environment: EnvMap | ArrayLike) -> EnvMap:
+def _environment(lights: Discs, environment: AnyMap) -> EnvMap:
     """Cell-centred map around the lights, or a refusal if its scale is not theirs."""
     if not isinstance(environment, EnvMap) and not is_source(environment):
-        return EnvMap(environment, units=lights.units)
+        array: Any = environment
+        return EnvMap(array, units=lights.units)
     env = as_envmap(environment)
     if len(lights) and env.units != lights.units:
         raise EnvLightsError(
@@ -113,58 +176,58 @@ def _environment(lights: Lights, environment: EnvMap | ArrayLike) -> EnvMap:
     return EnvMap(env.cells(), units=env.units) if env.is_border_sampled else env
 
 
-def _ambient_of(rig: Rig | Lights | Cards) -> tuple[NDArray[np.float64] | None, EnvMap | None]:
+def _surroundings(
+    term: NDArray[np.float64], floor: bool
+) -> tuple[NDArray[np.float64] | None, EnvMap | None]:
     """Radiance of a constant ambient term, or a small map of another one."""
-    ambient, floor = getattr(rig, "ambient", np.zeros(3)), getattr(rig, "floor", False)
-    if not np.any(ambient):
+    if not term.any():
         return None, None
-    if ambient.ndim == 1 and not floor:
-        return ambient, None
-    return None, EnvMap(in_blocks((ROWS, 2 * ROWS, 3), ambient_rows(ambient, ROWS, floor)))
+    if term.ndim == 1 and not floor:
+        return term, None
+    return None, EnvMap(in_blocks((ROWS, 2 * ROWS, 3), ambient_rows(term, ROWS, floor)))
 
 
 def _times(scene: Scene, factor: float) -> Scene:
     """Scene with all numbers times `factor`."""
     if factor == 1:
         return scene
-    lights, ambient, env, *_ = scene
-    dimmed = Lights(lights.direction, factor * lights.irradiance, lights.angular_radius)
+    lights: Any = scene.lights
+    ambient, env = scene.ambient, scene.environment
     return scene._replace(
-        lights=dimmed,
+        lights=replace(lights, irradiance=factor * lights.irradiance),
         ambient=None if ambient is None else factor * ambient,
         environment=None if env is None else EnvMap(np.float32(factor) * env.radiance),
+        term=factor * scene.term,
     )
 
 
-def at_most(scene: Scene, count: int) -> Scene:
+def at_most(scene: Scene, count: int | None) -> Scene:
     """Scene with its `count` brightest lights; the others become part of the ambient term.
 
     Averaged over all normals, a light gives a quarter of its irradiance, as a constant radiance of
     1 / (4 pi) of it does.
     """
-    surplus = scene.lights[count:]
+    surplus = scene.lights[len(scene.lights) if count is None else count :]
     if not len(surplus):
         return scene
     added, lights = surplus.irradiance.sum(axis=0) / (4 * np.pi), scene.lights[:count]
     if scene.environment is None:
-        ambient = added if scene.ambient is None else added + scene.ambient
-        return scene._replace(lights=lights, ambient=ambient)
+        return scene._replace(lights=lights, ambient=added + scene.constant)
     radiance = scene.environment.radiance + added.astype(np.float32)
     return scene._replace(lights=lights, environment=EnvMap(radiance))
 
 
-def mean_radiance(rig: Any, environment: EnvMap | None) -> NDArray[np.float64]:
-    """Mean radiance of a map, or of the ambient term of a rig, (3,); that over a floor is whole."""
-    if environment is None:
-        ambient = np.asarray(getattr(rig, "ambient", np.zeros(3)))
-        return HARMONIC_MEAN * ambient[0] if ambient.ndim == 2 else ambient
-    radiance = environment.cells()
+def mean_radiance(scene: Scene) -> NDArray[np.float64]:
+    """Mean radiance of a map, or of the ambient term, (3,); that over a floor is whole."""
+    if not scene.has_map or scene.environment is None:
+        return HARMONIC_MEAN * scene.term[0] if scene.term.ndim == 2 else scene.term
+    radiance = scene.environment.cells()
     rows = pixel_solid_angles(len(radiance), 2).sum(axis=1) / (4 * np.pi)
     mean: NDArray[np.float64] = rows @ radiance.mean(axis=1, dtype=np.float64)
     return mean
 
 
-def check_rig(rig: Rig | Lights | Cards) -> Lights:
+def check_rig(rig: Exportable) -> AnyLights:
     """Lights of a rig, or lights themselves; a refusal of anything else."""
     lights: Any = getattr(rig, "lights", rig)
     if not hasattr(lights, "discs"):

@@ -1,51 +1,103 @@
-"""Table of the targets: suffixes, writer, and the parts of a rig that each can show."""
+"""Table of the targets: suffixes, textures, and the parts of a rig that each can show."""
 
 from __future__ import annotations
 
-from envlights.export.blender import save_blender
-from envlights.export.csv import save_csv
-from envlights.export.engine import save_unity, save_unreal
-from envlights.export.gltf import save_gltf
-from envlights.export.godot import DIRECTIONAL_LIGHTS, save_godot
-from envlights.export.mitsuba import TEXTURE as MITSUBA_TEXTURE
-from envlights.export.mitsuba import save_mitsuba
-from envlights.export.mujoco import LAMPS, save_mujoco
-from envlights.export.own_json import save_json
-from envlights.export.panels import CROPS
-from envlights.export.pbrt import TEXTURE as PBRT_TEXTURE
-from envlights.export.pbrt import save_pbrt
-from envlights.export.radiance import TEXTURE as RADIANCE_TEXTURE
-from envlights.export.radiance import save_radiance
-from envlights.export.scene import CASTERS, PANELS
-from envlights.export.three import save_three
+from collections.abc import Callable, Iterable
+from importlib import import_module
+from typing import Any, NamedTuple
+
+from envlights._common.check import check_choice, describe
+from envlights._common.files import PICTURES, as_path
+from envlights._native import EnvLightsError
+from envlights.export.capabilities import Capabilities, common
+from envlights.export.files import AnyPath
 from envlights.export.units import UNITS
-from envlights.export.usd import save_usd
-from envlights.rigs.capabilities import Capabilities
-from envlights.rigs.targets import PANORAMA, Target, register
+
+#: End of the name of a map that a program reads as a panorama in our axes.
+PANORAMA = ".ambient.exr"
+#: Lights that cast shadows, the brightest, in renderers that draw the scene again for each of them.
+CASTERS = 3
+#: Files in `export.formats` that do not have the name of their target.
+_FILES = {"json": "own_json", "unity": "engine", "unreal": "engine"}
+
+
+class Crops(NamedTuple):
+    """Textures of the cards of a target: files beside the scene."""
+
+    end: str
+    """End of their names. Each target has its own, because not all show the map through a card."""
+
+    has_discs: bool = False
+    """True if discs have textures too; False if they have one colour."""
+
+    def names(self, prefix: str, shapes: Iterable[str]) -> list[str]:
+        """Names for cards of these shapes: ``scene.card_0.usd.exr`` beside ``scene.usda``.
+
+        A card without a texture has an empty name.
+        """
+        return [
+            f"{prefix}card_{j}{self.end}" if self.has_discs or shape != "disc" else ""
+            for j, shape in enumerate(shapes)
+        ]
+
+
+class Target(NamedTuple):
+    """Program or format that rigs can be exported to."""
+
+    name: str
+    """Name of its module and of its public function."""
+
+    title: str
+    """Full name."""
+
+    suffixes: tuple[str, ...]
+    """Suffixes in lower case, the usual one first."""
+
+    shows: Capabilities
+    """Parts of a rig that it can show."""
+
+    texture: str = ""
+    """End of the name of the map beside a file; empty if there is no such map.
+
+    For `PANORAMA` the writer accepts the keyword `texture`, the name of an existing map."""
+
+    crop: Crops | None = None
+    """Textures of cards beside a file; None if there are none."""
+
+    def save(self, rig: Any, path: AnyPath, *environment: Any, **options: Any) -> None:
+        """Write a rig or lights, with an `environment` map if the target shows one."""
+        function_named(f"save_{self.name}")(rig, path, *environment, **options)
+
+
+def function_named(name: str) -> Callable[..., Any]:
+    """Public function of a target, such as "usd" or "save_usd"; its file is imported now."""
+    target = name.removeprefix("save_").removeprefix("add_to_")
+    module = import_module(f"envlights.export.formats.{_FILES.get(target, target)}")
+    function: Callable[..., Any] = getattr(module, name)
+    return function
+
 
 _TARGETS = (
     Target(
         "json",
         "envlights itself",
         (".json",),
-        save_json,
         Capabilities(environment=False, remark="lossless"),
     ),
     Target(
         "csv",
         "a table of numbers",
         (".csv",),
-        save_csv,
         Capabilities(environment=False, remark="without report and notes"),
     ),
     Target(
         "gltf",
         "glTF 2.0",
         (".gltf",),
-        save_gltf,
         Capabilities(
             sizes="none",
             harmonics="none",
+            cards=True,
             remark="set ambient light or map of `extras` by hand; sizes are there too",
             source="Khronos, KHR_lights_punctual: a directional light has no size",
         ),
@@ -55,9 +107,9 @@ _TARGETS = (
         "three",
         "three.js",
         (".three.json",),
-        save_three,
         Capabilities(
             sizes="none",
+            cards=True,
             remark="sizes are in `userData`",
             source="three.js, src/lights: DirectionalLight, HemisphereLight, LightProbe",
         ),
@@ -66,66 +118,70 @@ _TARGETS = (
         "usd",
         "OpenUSD",
         (".usda", ".usdc", ".usd"),
-        save_usd,
         Capabilities(
             harmonics="map",
+            cards=True,
             remark="Storm, the viewer of usdview, ignores `angle`",
             source="OpenUSD, UsdLux: DistantLight, inputs:angle",
         ),
         PANORAMA,
+        Crops(".usd.exr"),
     ),
     Target(
         "mitsuba",
         "Mitsuba 3",
         (".xml",),
-        save_mitsuba,
         Capabilities(
-            harmonics="map", remark="sizes are in a map", source="Mitsuba 3, plugins: envmap"
+            harmonics="map",
+            cards=True,
+            remark="sizes are in a map",
+            source="Mitsuba 3, plugins: envmap",
         ),
-        MITSUBA_TEXTURE,
+        ".ambient.mitsuba.exr",  # rows as Mitsuba reads them
+        Crops(".mitsuba.exr"),
     ),
     Target(
         "blender",
         "Blender, a script",
         (".py",),
-        save_blender,
         Capabilities(
             harmonics="map",
+            cards=True,
             remark="for Cycles; a map has no shadows in EEVEE",
             source="Blender manual, Cycles: Sun Light, Angle",
         ),
         PANORAMA,
+        Crops(".blender.exr", has_discs=True),
     ),
     Target(
         "radiance",
         "Radiance",
         (".rad",),
-        save_radiance,
         Capabilities(harmonics="map", source="Radiance, The RADIANCE Lighting Simulation: source"),
-        RADIANCE_TEXTURE,
+        ".ambient.hdr",  # mantissas rounded as Radiance reads them
     ),
     Target(
         "pbrt",
         "pbrt-v4",
         (".pbrt",),
-        save_pbrt,
         Capabilities(
             harmonics="map",
+            cards=True,
             remark="sizes below 0.7 degrees are points, others are in a map",
             source="pbrt-v4 file format: infinite and distant lights",
         ),
-        PBRT_TEXTURE,
+        ".ambient.pbrt.exr",  # equal-area map
+        Crops(".pbrt.exr"),
     ),
     Target(
         "mujoco",
         "MuJoCo",
         (".mujoco.xml",),
-        save_mujoco,
         Capabilities(
             sizes="none",
             harmonics="none",
             floor=False,
-            lights=LAMPS,
+            lights=7,  # OpenGL has eight, and the headlight is one of them
             casters=CASTERS,
             remark="of a map, the mean alone; for the classic renderer",
             source="MuJoCo 3.12, src/render/classic/render_gl3.c: eight lights of OpenGL",
@@ -135,11 +191,10 @@ _TARGETS = (
         "godot",
         "Godot 4",
         (".tscn",),
-        save_godot,
         Capabilities(
             sizes="soften",
             harmonics="map",
-            lights=DIRECTIONAL_LIGHTS,
+            lights=8,  # Godot drops any others
             casters=CASTERS,
             remark="sizes above 1.5 degrees are points; a map needs Forward+ or Mobile",
             source="Godot 4, scene_forward_lights_inc.glsl, light_storage.cpp",
@@ -150,7 +205,6 @@ _TARGETS = (
         "unity",
         "Unity",
         (".unity.json",),
-        save_unity,
         Capabilities(
             sizes="soften",
             remark="other pipelines than HDRP use `intensity_without_pi`",
@@ -162,7 +216,6 @@ _TARGETS = (
         "unreal",
         "Unreal Engine",
         (".unreal.json",),
-        save_unreal,
         Capabilities(
             sizes="soften",
             harmonics="map",
@@ -174,19 +227,67 @@ _TARGETS = (
 )
 
 
-def _complete(target: Target) -> Target:
-    """`target` with its units and cards; our own files keep the units of the map."""
+def _with_units(target: Target) -> Target:
+    """`target` with its units; our own files keep those of the map."""
     if target.name not in UNITS:
         return target
-    has_cards = target.name in PANELS
-    shows = target.shows._replace(units=UNITS[target.name].in_short(), cards=has_cards)
-    return target._replace(shows=shows, crop=CROPS.get(target.name))
+    return target._replace(shows=target.shows._replace(units=UNITS[target.name].in_short()))
 
 
 #: Targets in the order of the help.
-TARGETS = tuple(map(_complete, _TARGETS))
-
-register(TARGETS)
+TARGETS = tuple(map(_with_units, _TARGETS))
 
 #: Suffixes of all targets.
 SUFFIXES = tuple(suffix for target in TARGETS for suffix in target.suffixes)
+
+#: Suffixes that no target has, and advice for each.
+_INSTEAD = {
+    ".blend": "give .py, a script that Blender runs",
+    ".glb": "give .gltf",
+    ".usdz": "give .usda",
+    **dict.fromkeys(PICTURES, "`plot.save` writes pictures"),
+    **dict.fromkeys((".exr", ".hdr"), "`to_map` makes a map, whose `save` writes it"),
+}
+
+
+def target_of(path: AnyPath) -> Target:
+    """Target of a file name; the longest matching suffix decides."""
+    name = as_path(path).name.lower()[1:]
+    fits = [
+        (len(suffix), target)
+        for target in TARGETS
+        for suffix in target.suffixes
+        if name.endswith(suffix)
+    ]
+    if not fits:
+        hint = _INSTEAD.get(as_path(path).suffix.lower())
+        wanted = ", ".join(SUFFIXES)
+        raise EnvLightsError(
+            f"cannot write {path}: {f'{hint}; ' if hint else ''}the suffix must be one of {wanted}"
+        )
+    return max(fits, key=lambda fit: fit[0])[1]
+
+
+def target_named(name: str) -> Target:
+    """Target of a name, such as "three"."""
+    named = {target.name: target for target in TARGETS}
+    check_choice("target", name, tuple(named))
+    return named[name]
+
+
+def target_names(target: str | Iterable[str] | None) -> tuple[str, ...]:
+    """Checked names of one target or of several."""
+    names = (target,) if isinstance(target, str) else () if target is None else target
+    if not isinstance(names, Iterable):
+        raise EnvLightsError(f"target must be a name, such as 'three'; got {describe(target)}")
+    return tuple(target_named(name).name for name in names)
+
+
+def shown_by(names: Iterable[str]) -> Capabilities:
+    """Parts of a rig that all of the named targets can show."""
+    return common(target_named(name).shows for name in names)
+
+
+def error_in(rig: Any, target: str) -> float:
+    """Relative RMS error of a rig as a target shows it; of lights alone, the change by it."""
+    return target_named(target).shows.error(rig)

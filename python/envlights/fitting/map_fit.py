@@ -15,6 +15,7 @@ from envlights._common.times import Clock
 from envlights._native import FitAnswer
 from envlights.environment.envmap import AnyMap, EnvMap, apply_to_map
 from envlights.environment.fill import checked_unseen
+from envlights.export.targets import shown_by, target_names
 from envlights.fitting import wording
 from envlights.fitting.reduction import Reduction, is_file, reduction_of, reduction_of_file
 from envlights.fitting.request import (
@@ -33,7 +34,6 @@ from envlights.fitting.result import rig_of
 from envlights.rigs.lights import Lights, brightest_first
 from envlights.rigs.report import FitReport
 from envlights.rigs.rig import Rig
-from envlights.rigs.targets import shown_by, target_names
 
 #: Errors that lights with sizes can minimise.
 OBJECTIVES = ("mixed", "shadows", "probe")

@@ -15,9 +15,9 @@ from envlights._native import GLOSS_DEGREE, EnvLightsError, FitAnswer
 from envlights.detection.detect import detect
 from envlights.environment.envmap import EnvMap
 from envlights.environment.fill import Fill
+from envlights.export.capabilities import Capabilities
 from envlights.fitting.reduction import above_horizon
 from envlights.kernels import gloss, sphere
-from envlights.rigs.capabilities import Capabilities
 from envlights.rigs.lights import Lights
 from envlights.rigs.report import SHOWN_ROUGHNESS
 from envlights.rigs.rig import Rig

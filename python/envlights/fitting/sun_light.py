@@ -18,6 +18,7 @@ from envlights._common.check import count, flag
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import EnvMap
 from envlights.environment.fill import Fill
+from envlights.export.targets import shown_by, target_names
 from envlights.fitting.map_fit import fit_map
 from envlights.fitting.reduction import above_horizon, fill_for_fit
 from envlights.fitting.request import FitArguments, Request, request_for
@@ -26,7 +27,6 @@ from envlights.kernels.sphere import pixel_directions, pixel_solid_angles
 from envlights.rigs.lights import Lights, brightest_first
 from envlights.rigs.report import FitReport
 from envlights.rigs.rig import Rig
-from envlights.rigs.targets import shown_by, target_names
 from envlights.sun.sun_split import SunSplit
 
 #: Columns of the sky for the ratios of RMS irradiance. The sky has no sun, so that 64 columns give

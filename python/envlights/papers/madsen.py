@@ -20,7 +20,7 @@ from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
 from envlights.environment.fill import Fill
 from envlights.fitting.wording import clipping
 from envlights.kernels import madsen, probe, sampling
-from envlights.rigs.light import azimuths, elevations
+from envlights.kernels.angles import azimuths, elevations
 from envlights.rigs.lights import Lights, rgb_cell, rgb_heading
 from envlights.rigs.report import FitReport, StopReason
 from envlights.rigs.rig import Rig

@@ -18,12 +18,12 @@ from envlights._native import EnvLightsError
 from envlights.detection.lights import DetectionReport
 from envlights.environment import thumbnails
 from envlights.environment.envmap import EnvMap
+from envlights.export import saving, targets
+from envlights.export.formats.own_json import read_json
 from envlights.kernels.image import LUMINANCE
 from envlights.papers.photograph_file import fields_of, save_table
-from envlights.rigs import targets
 from envlights.rigs.light_arrays import row_of, rows_of
 from envlights.rigs.lights import Lights, Rows, brightest_first, rgb_cell
-from envlights.rigs.own_json import read_json
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -316,7 +316,7 @@ class PhotographLights(Result):
         if target == "csv" and self.direction is None:
             save_table(path, self.size, self._frame_columns())
             return
-        targets.save(self if target == "json" else self.discs(), path, environment)
+        saving.save(self if target == "json" else self.discs(), path, environment)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> PhotographLights:

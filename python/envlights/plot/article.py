@@ -19,7 +19,7 @@ from envlights.papers.loghin_steps import square_points
 from envlights.plot.globe import draw_globe, on_page
 from envlights.plot.ground import degrees, draw_ground, expose, working
 from envlights.plot.markers import RIM, draw_discs, draw_numbers, sizes_for
-from envlights.plot.page import AnyAxes, Placement, Size, grid, open_page
+from envlights.plot.page import AnyAxes, Size, grid, open_page
 from envlights.plot.steps import LEFT, draw_bright, draw_links, draw_survivors
 from envlights.plot.wording import entitle
 
@@ -74,10 +74,6 @@ def article_picture(
     **options
         Options of `papers.loghin.detect`.
 
-    Returns
-    -------
-    matplotlib.figure.Figure
-
     Examples
     --------
     >>> import envlights as el
@@ -86,7 +82,9 @@ def article_picture(
     ['1. samples', '2. bright samples', '3. survivors', '4. lights']
     """
     env = as_envmap(env)
-    page = open_page(Placement(ax, figsize, dpi, transparent), grid(2, 2), (13, 8))
+    page = open_page(
+        {"ax": ax, "figsize": figsize, "dpi": dpi, "transparent": transparent}, grid(2, 2), (13, 8)
+    )
     lights = detect(env, **options)
     defaults = {name: each.default for name, each in _parameters().items()}
     steps = _steps(env, lights, {**defaults, **options})

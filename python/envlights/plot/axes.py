@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from envlights.export.axes import AXES, Axes
 from envlights.export.targets import TARGETS
-from envlights.plot.page import AnyAxes, Placement, Size, open_page
+from envlights.plot.page import Placement, Unpack, open_page, placed_picture
 
 _COLOURS = ("#c0392b", "#1e8449", "#2456a6")
 #: Our axes on paper, seen from (1, 1, 1); all three point towards the viewer.
@@ -18,13 +18,8 @@ _DRAWN = np.array([[0.85, -0.45], [0.0, 1.0], [-0.85, -0.45]])
 _COLUMNS = 6
 
 
-def axes_picture(
-    *,
-    ax: AnyAxes | None = None,
-    figsize: Size | None = None,
-    dpi: float | None = None,
-    transparent: bool | None = None,
-) -> Figure:
+@placed_picture
+def axes_picture(**where: Unpack[Placement]) -> Figure:
     """Draw our axes, with the name of each in the target.
 
     Arrows are our +x (red), +y (green) and +z (blue, the centre of the map). A dashed
@@ -33,14 +28,8 @@ def axes_picture(
 
     Parameters
     ----------
-    ax : Axes or sequence of Axes, optional
-        Axes to draw in, one for each program; see `envlights.plot`.
-    figsize, dpi, transparent
-        Size, resolution and ground of a new figure; see `envlights.plot`.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
+    **where
+        `ax`: axes, one for each program; `figsize`, `dpi`, `transparent`: see `envlights.plot`.
 
     Examples
     --------
@@ -52,7 +41,6 @@ def axes_picture(
     rows = -(-len(AXES) // _COLUMNS)
     cells = np.arange(rows * _COLUMNS)
     cells[len(AXES) :] = -1
-    where = Placement(ax, figsize, dpi, transparent)
     page = open_page(where, cells.reshape(rows, -1), (2.1 * _COLUMNS, 2.5 * rows))
     for panel in page.panels:
         panel.set(xlim=(-1.5, 1.5), ylim=(-0.95, 1.45), aspect="equal")

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from envlights._common.check import count
 from envlights.plot.figure import check_is, hide_frame
-from envlights.plot.page import AnyAxes, Placement, Size, open_page
+from envlights.plot.page import Placement, Unpack, open_page, placed_picture
 from envlights.transfer import TransferModel
 
 #: Images in a row.
@@ -22,14 +22,9 @@ _RANGE = 0.998
 SHARES = (0.9, 0.95, 0.99)
 
 
+@placed_picture
 def basis_picture(
-    model: TransferModel,
-    *,
-    directions: int = 16,
-    ax: AnyAxes | None = None,
-    figsize: Size | None = None,
-    dpi: float | None = None,
-    transparent: bool | None = None,
+    model: TransferModel, *, directions: int = 16, **where: Unpack[Placement]
 ) -> Figure:
     """Draw the first directions of the basis as images, all with one scale around zero.
 
@@ -43,14 +38,8 @@ def basis_picture(
         The model.
     directions : int
         Largest number of directions.
-    ax : Axes or sequence of Axes, optional
-        Axes to draw in, one for each panel; see `envlights.plot`.
-    figsize, dpi, transparent
-        Size, resolution and ground of a new figure; see `envlights.plot`.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
+    **where
+        `ax`: axes, one for each panel; `figsize`, `dpi`, `transparent`: see `envlights.plot`.
 
     Examples
     --------
@@ -67,7 +56,6 @@ def basis_picture(
     cells = np.arange(rows * columns)
     cells[len(images) :] = -1
     size = 1.5 * columns + 0.7, 1.75 * rows + 0.5
-    where = Placement(ax, figsize, dpi, transparent)
     page = open_page(where, cells.reshape(rows, columns), size)
     fraction = energy_shares(model)
     limit = max(float(np.quantile(np.abs(images), _RANGE)), np.finfo(float).tiny)
@@ -80,14 +68,8 @@ def basis_picture(
     return page.figure
 
 
-def spectrum_picture(
-    model: TransferModel,
-    *,
-    ax: AnyAxes | None = None,
-    figsize: Size | None = None,
-    dpi: float | None = None,
-    transparent: bool | None = None,
-) -> Figure:
+@placed_picture
+def spectrum_picture(model: TransferModel, **where: Unpack[Placement]) -> Figure:
     """Draw the energy outside the basis against the number of its directions.
 
     Lines mark how many directions hold 90, 95 and 99 % of the energy of the images.
@@ -96,14 +78,8 @@ def spectrum_picture(
     ----------
     model : TransferModel
         The model.
-    ax : Axes or sequence of Axes, optional
-        Axes to draw in; see `envlights.plot`.
-    figsize, dpi, transparent
-        Size, resolution and ground of a new figure; see `envlights.plot`.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
+    **where
+        `ax`, `figsize`, `dpi` and `transparent`; see `envlights.plot`.
 
     Examples
     --------
@@ -115,7 +91,7 @@ def spectrum_picture(
     """
     check_is("model", model, TransferModel)
     held = np.cumsum(energy_shares(model))
-    page = open_page(Placement(ax, figsize, dpi, transparent), [[0]], (7, 4.4))
+    page = open_page(where, [[0]], (7, 4.4))
     (axes,) = page.panels
     left = 100 * np.maximum(1 - held, 1e-9)
     axes.plot(np.arange(1, len(held) + 1), left, ".-", color=rcParams["text.color"])

@@ -22,7 +22,7 @@ from envlights.plot.ball import ball
 from envlights.plot.figure import check_is, hide_frame
 from envlights.plot.ground import degrees, draw_map, expose, working
 from envlights.plot.markers import draw_legend, draw_numbers
-from envlights.plot.page import AnyAxes, Placement, Size, grid, open_page
+from envlights.plot.page import Placement, Unpack, grid, open_page, placed_picture
 from envlights.plot.wording import entitle
 
 #: Colours of the outlines, which colour-blind readers tell apart (Okabe and Ito 2008).
@@ -39,15 +39,8 @@ _STEPS = 32
 _MOST_TEXTURES, _COLUMNS = 40, 8
 
 
-def cards(
-    env: AnyMap,
-    cards: Cards,
-    *,
-    ax: AnyAxes | None = None,
-    figsize: Size | None = None,
-    dpi: float | None = None,
-    transparent: bool | None = None,
-) -> Figure:
+@placed_picture
+def cards(env: AnyMap, cards: Cards, **where: Unpack[Placement]) -> Figure:
     """Draw the outlines of cards on the map, in a colour for each shape, with their numbers.
 
     Parameters
@@ -56,14 +49,8 @@ def cards(
         The map.
     cards : Cards
         The cards of `split` with ``shapes=True``.
-    ax : Axes, optional
-        The axes to draw in; see `envlights.plot`.
-    figsize, dpi, transparent
-        Size, resolution and ground of a new figure; see `envlights.plot`.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
+    **where
+        `ax`, `figsize`, `dpi` and `transparent`; see `envlights.plot`.
 
     Examples
     --------
@@ -74,7 +61,7 @@ def cards(
     1
     """
     check_is("cards", cards, Cards)
-    page = open_page(Placement(ax, figsize, dpi, transparent), grid(1, 1), (12, 7))
+    page = open_page(where, grid(1, 1), (12, 7))
     exposure = draw_cards(page.panels[0], env, cards)
     page.entitle(f"{cards.in_short()}\n{exposure}")
     return page.figure
@@ -94,28 +81,16 @@ def draw_cards(axes: Axes, env: AnyMap, cards: Cards) -> str:
     return exposure
 
 
-def card_textures(
-    cards: Cards,
-    *,
-    ax: AnyAxes | None = None,
-    figsize: Size | None = None,
-    dpi: float | None = None,
-    transparent: bool | None = None,
-) -> Figure:
+@placed_picture
+def card_textures(cards: Cards, **where: Unpack[Placement]) -> Figure:
     """Draw the textures of cards with one exposure, brightest card first.
 
     Parameters
     ----------
     cards : Cards
         Cards to draw: at most the 40 brightest.
-    ax : Axes or sequence of Axes, optional
-        Axes to draw in, one for each texture; see `envlights.plot`.
-    figsize, dpi, transparent
-        Size, resolution and ground of a new figure; see `envlights.plot`.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
+    **where
+        `ax`: axes, one for each texture; `figsize`, `dpi`, `transparent`: see `envlights.plot`.
 
     Examples
     --------
@@ -132,7 +107,7 @@ def card_textures(
     mosaic = np.full((-(-count // columns), columns), -1)
     mosaic.flat[:count] = range(count)
     size = (1.6 * columns + 0.5, 1.9 * len(mosaic) + 0.7)
-    page = open_page(Placement(ax, figsize, dpi, transparent), mosaic, size)
+    page = open_page(where, mosaic, size)
     white = _white([card.texture for card in drawn])
     for number, (each, card) in enumerate(zip(page.panels, drawn, strict=False), 1):
         _draw_texture(each, card, white)
@@ -145,15 +120,8 @@ def card_textures(
     return page.figure
 
 
-def card_balls(
-    env: AnyMap,
-    parts: CardSplit,
-    *,
-    ax: AnyAxes | None = None,
-    figsize: Size | None = None,
-    dpi: float | None = None,
-    transparent: bool | None = None,
-) -> Figure:
+@placed_picture
+def card_balls(env: AnyMap, parts: CardSplit, **where: Unpack[Placement]) -> Figure:
     """Draw a mirror ball under the map, under rest and discs, and under rest and cards.
 
     The ball is seen from below the brightest card, which it reflects near its centre. All balls
@@ -165,14 +133,8 @@ def card_balls(
         The map.
     parts : CardSplit
         The result of `split` with ``shapes=True`` on it.
-    ax : Axes or sequence of Axes, optional
-        Three axes to draw in; see `envlights.plot`.
-    figsize, dpi, transparent
-        Size, resolution and ground of a new figure; see `envlights.plot`.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
+    **where
+        `ax`: three axes; `figsize`, `dpi`, `transparent`: see `envlights.plot`.
 
     Examples
     --------
@@ -192,7 +154,7 @@ def card_balls(
     }
     white = expose(working(env)).white
     eye = _eye(parts.cards)
-    page = open_page(Placement(ax, figsize, dpi, transparent), grid(1, 3), (9, 3.6))
+    page = open_page(where, grid(1, 3), (9, 3.6))
     for axes, (title, each) in zip(page.panels, drawn.items(), strict=True):
         axes.imshow(_mirror(each, eye, white))
         entitle(axes, title, "small")

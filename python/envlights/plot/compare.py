@@ -12,7 +12,7 @@ from envlights.plot.curve import mark_percents
 from envlights.plot.figure import check_are_rigs
 from envlights.plot.ground import draw_small_ground, expose, working
 from envlights.plot.markers import draw_lights, sizes_for
-from envlights.plot.page import AnyAxes, Placement, Size, grid, open_page
+from envlights.plot.page import Placement, Unpack, grid, open_page, placed_picture
 from envlights.plot.probe import (
     draw_difference_bar,
     draw_probes,
@@ -25,14 +25,8 @@ from envlights.plot.wording import entitle
 from envlights.rigs.rig import Rig
 
 
-def rigs_picture(
-    env: AnyMap,
-    *rigs: Rig,
-    ax: AnyAxes | None = None,
-    figsize: Size | None = None,
-    dpi: float | None = None,
-    transparent: bool | None = None,
-) -> Figure:
+@placed_picture
+def rigs_picture(env: AnyMap, *rigs: Rig, **where: Unpack[Placement]) -> Figure:
     """Draw several rigs of one map, a row for each: lights, probes and the difference.
 
     All probes are viewed from beside the brightest light of the first rig, and have one exposure.
@@ -45,14 +39,8 @@ def rigs_picture(
         The map.
     *rigs : Rig
         One or more, such as fits with one light, with four, and with another ambient term.
-    ax : Axes or sequence of Axes, optional
-        Axes to draw in, four for each rig; see `envlights.plot`.
-    figsize, dpi, transparent
-        Size, resolution and ground of a new figure; see `envlights.plot`.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
+    **where
+        `ax`: axes, four for each rig; `figsize`, `dpi`, `transparent`: see `envlights.plot`.
 
     Examples
     --------
@@ -64,7 +52,7 @@ def rigs_picture(
     """
     check_are_rigs(rigs)
     env = as_envmap(env)
-    where, size = Placement(ax, figsize, dpi, transparent), (13, 2.5 * len(rigs) + 0.3)
+    size = (13, 2.5 * len(rigs) + 0.3)
     page = open_page(where, grid(len(rigs), 4), size, width_ratios=(2.3, 1, 1, 1))
     rows = [page.panels[first : first + 4] for first in range(0, len(page.panels), 4)]
     ground, eye = expose(working(env)), viewpoint(rigs[0])
@@ -80,13 +68,8 @@ def rigs_picture(
     return page.figure
 
 
-def error_picture(
-    *rigs: Rig,
-    ax: AnyAxes | None = None,
-    figsize: Size | None = None,
-    dpi: float | None = None,
-    transparent: bool | None = None,
-) -> Figure:
+@placed_picture
+def error_picture(*rigs: Rig, **where: Unpack[Placement]) -> Figure:
     """Draw the error against the number of lights, from the reports of rigs.
 
     Points are numbers of lights in the search; a ring is the rig itself, with sizes.
@@ -95,14 +78,8 @@ def error_picture(
     ----------
     *rigs : Rig
         One or more, such as ``el.fit(env, error=0.01)`` with several ambient terms.
-    ax : Axes or sequence of Axes, optional
-        Axes to draw in; see `envlights.plot`.
-    figsize, dpi, transparent
-        Size, resolution and ground of a new figure; see `envlights.plot`.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
+    **where
+        `ax`, `figsize`, `dpi` and `transparent`; see `envlights.plot`.
 
     Examples
     --------
@@ -113,7 +90,7 @@ def error_picture(
     'lights'
     """
     check_are_rigs(rigs)
-    page = open_page(Placement(ax, figsize, dpi, transparent), [[0]], (7, 4.4))
+    page = open_page(where, [[0]], (7, 4.4))
     (axes,) = page.panels
     for number, rig in enumerate(rigs):
         _draw_curve(axes, rig, f"C{number}")

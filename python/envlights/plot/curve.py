@@ -15,7 +15,7 @@ from envlights._common.check import check_choice, texts
 from envlights._native import EnvLightsError
 from envlights.fitting.error_curve import ErrorCurve
 from envlights.plot.figure import check_is
-from envlights.plot.page import AnyAxes, Placement, Size, open_page
+from envlights.plot.page import Placement, Unpack, open_page, placed_picture
 
 #: Size of marks as a fraction of that of the style.
 _MARK = 0.67
@@ -28,14 +28,12 @@ _LINES = {
 }
 
 
+@placed_picture
 def error_curve(
     curve: ErrorCurve,
     *,
     errors: str | Sequence[str] = ("probe", "shadows"),
-    ax: AnyAxes | None = None,
-    figsize: Size | None = None,
-    dpi: float | None = None,
-    transparent: bool | None = None,
+    **where: Unpack[Placement],
 ) -> Figure:
     """Draw errors against the number of lights, each with its own line and mark.
 
@@ -49,14 +47,8 @@ def error_curve(
     errors : str or sequence of str
         One or more of "probe" (shading), "shadows", "gloss" (metal) and "objective" (the error that
         the fits minimise).
-    ax : Axes or sequence of Axes, optional
-        Axes to draw in; see `envlights.plot`.
-    figsize, dpi, transparent
-        Size, resolution and ground of a new figure; see `envlights.plot`.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
+    **where
+        `ax`, `figsize`, `dpi` and `transparent`; see `envlights.plot`.
 
     Raises
     ------
@@ -77,7 +69,7 @@ def error_curve(
         check_choice("errors", name, tuple(_LINES))
     if not names:
         raise EnvLightsError(f"errors must hold at least one of {', '.join(_LINES)}; got none")
-    page = open_page(Placement(ax, figsize, dpi, transparent), [[0]], (5, 3.2))
+    page = open_page(where, [[0]], (5, 3.2))
     (axes,) = page.panels
     order = np.argsort(curve.lights, kind="stable")
     for name in names:

@@ -15,7 +15,7 @@ from envlights.plot.ball import axes_of, ball, draw_rim
 from envlights.plot.figure import check_is, hide_frame
 from envlights.plot.ground import working
 from envlights.plot.markers import draw_discs, sizes_for
-from envlights.plot.page import AnyAxes, Placement, Size, grid, open_page
+from envlights.plot.page import Placement, Unpack, grid, open_page, placed_picture
 from envlights.rigs.lights import Lights
 
 #: Extent of a map whose degrees have the size of those of a globe.
@@ -24,15 +24,8 @@ _AS_MAP = (0.0, 180.0, 0.0, 180.0)
 _ELEVATION = 25
 
 
-def sphere_picture(
-    env: AnyMap,
-    lights: Lights,
-    *,
-    ax: AnyAxes | None = None,
-    figsize: Size | None = None,
-    dpi: float | None = None,
-    transparent: bool | None = None,
-) -> Figure:
+@placed_picture
+def sphere_picture(env: AnyMap, lights: Lights, **where: Unpack[Placement]) -> Figure:
     """Draw lights on the sphere of directions, with the map on it, from both sides.
 
     The sphere is seen from outside, so the map is mirrored. The left view is from the side of the
@@ -44,14 +37,8 @@ def sphere_picture(
         The map.
     lights : Lights or DetectedLights
         Lights of a rig, or detected lights.
-    ax : Axes or sequence of Axes, optional
-        Two axes to draw in; see `envlights.plot`.
-    figsize, dpi, transparent
-        Size, resolution and ground of a new figure; see `envlights.plot`.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
+    **where
+        `ax`: two axes; `figsize`, `dpi`, `transparent`: see `envlights.plot`.
 
     Examples
     --------
@@ -65,7 +52,7 @@ def sphere_picture(
     env = as_envmap(env)
     azimuth = float(lights.azimuth[0]) if len(lights) else np.pi
     elevation = np.deg2rad(_ELEVATION)
-    page = open_page(Placement(ax, figsize, dpi, transparent), grid(1, 2), (10, 5.5))
+    page = open_page(where, grid(1, 2), (10, 5.5))
     for axes, (phi, up) in zip(
         page.panels, ((azimuth, elevation), (azimuth + np.pi, -elevation)), strict=True
     ):

@@ -28,7 +28,7 @@ from envlights.plot.markers import (
     sizes_for,
 )
 from envlights.plot.outlines import outlines
-from envlights.plot.page import AnyAxes, Placement, Size, open_page
+from envlights.plot.page import Placement, Unpack, open_page, placed_picture
 from envlights.plot.probe import (
     draw_difference_bar,
     draw_probes,
@@ -46,15 +46,8 @@ _EYE = "deepskyblue"
 _MOST_LINKS = 20_000
 
 
-def map_picture(
-    env: AnyMap,
-    *,
-    stops: bool = False,
-    ax: AnyAxes | None = None,
-    figsize: Size | None = None,
-    dpi: float | None = None,
-    transparent: bool | None = None,
-) -> Figure:
+@placed_picture
+def map_picture(env: AnyMap, *, stops: bool = False, **where: Unpack[Placement]) -> Figure:
     """Draw a map alone.
 
     Parameters
@@ -65,14 +58,8 @@ def map_picture(
         False: the map, exposed so that its lamps are visible; the title has the exposure. True: the
         luminance in false colours, in stops (powers of two) above and below the white of that
         exposure.
-    ax : Axes or sequence of Axes, optional
-        Axes to draw in; see `envlights.plot`.
-    figsize, dpi, transparent
-        Size, resolution and ground of a new figure; see `envlights.plot`.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
+    **where
+        `ax`, `figsize`, `dpi` and `transparent`; see `envlights.plot`.
 
     Examples
     --------
@@ -84,7 +71,6 @@ def map_picture(
     env = as_envmap(env)
     stops = flag("stops", stops)
     # The colour bar takes a part of the width.
-    where = Placement(ax, figsize, dpi, transparent)
     page = open_page(where, [[0]], (10, 5.1 if stops else 5.6))
     (axes,) = page.panels
     draw = draw_luminance if stops else draw_map
@@ -93,15 +79,8 @@ def map_picture(
     return page.figure
 
 
-def picture(
-    env: AnyMap,
-    rig: Rig,
-    *,
-    ax: AnyAxes | None = None,
-    figsize: Size | None = None,
-    dpi: float | None = None,
-    transparent: bool | None = None,
-) -> Figure:
+@placed_picture
+def picture(env: AnyMap, rig: Rig, **where: Unpack[Placement]) -> Figure:
     """Draw the map with the lights on it, the probe under map and rig, and their difference.
 
     The probe is viewed from beside the brightest light, so that its lit and its dark side are
@@ -114,15 +93,9 @@ def picture(
         The map.
     rig : Rig
         Rig to draw.
-    ax : Axes or sequence of Axes, optional
-        Axes to draw in: of the map, and of the three balls; see `envlights.plot`.
-    figsize, dpi, transparent
-        Size, resolution and ground of a new figure; see `envlights.plot`.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Jupyter shows it; `save` and `savefig` write it.
+    **where
+        `ax`: of the map, and of the three balls; `figsize`, `dpi`, `transparent`: see
+        `envlights.plot`.
 
     Examples
     --------
@@ -134,7 +107,6 @@ def picture(
     """
     check_is("rig", rig, Rig)
     env = as_envmap(env)
-    where = Placement(ax, figsize, dpi, transparent)
     page = open_page(where, [[0, 0, 0], [1, 2, 3]], (10, 8.6), height_ratios=(1.6, 1))
     on_map, *balls = page.panels
     exposure = draw_map(on_map, env)
@@ -156,15 +128,8 @@ def picture(
     return page.figure
 
 
-def detection_picture(
-    env: AnyMap,
-    lights: DetectedLights,
-    *,
-    ax: AnyAxes | None = None,
-    figsize: Size | None = None,
-    dpi: float | None = None,
-    transparent: bool | None = None,
-) -> Figure:
+@placed_picture
+def detection_picture(env: AnyMap, lights: DetectedLights, **where: Unpack[Placement]) -> Figure:
     """Draw the map with its detected lights, as in Loghin (2021).
 
     Discs mark the directions of the lights, in their colours, with areas proportional to the
@@ -177,14 +142,8 @@ def detection_picture(
         The map.
     lights : DetectedLights
         The result of `detect` on it.
-    ax : Axes or sequence of Axes, optional
-        Axes to draw in; see `envlights.plot`.
-    figsize, dpi, transparent
-        Size, resolution and ground of a new figure; see `envlights.plot`.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
+    **where
+        `ax`, `figsize`, `dpi` and `transparent`; see `envlights.plot`.
 
     Examples
     --------
@@ -196,7 +155,7 @@ def detection_picture(
     """
     check_is("lights", lights, DetectedLights)
     env = as_envmap(env)
-    page = open_page(Placement(ax, figsize, dpi, transparent), [[0]], (12, 7))
+    page = open_page(where, [[0]], (12, 7))
     (axes,) = page.panels
     exposure = draw_map(axes, env)
     _draw_members(axes, lights)

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from envlights._common.srgb import encode_srgb
 from envlights._native import EnvLightsError
 from envlights.plot.figure import check_is, hide_frame
-from envlights.plot.page import AnyAxes, Placement, Size, grid, open_page
+from envlights.plot.page import Placement, Unpack, grid, open_page, placed_picture
 from envlights.plot.wording import entitle
 from envlights.scene.overlay import BLENDINGS, ShadowOverlay
 
@@ -17,14 +17,8 @@ from envlights.scene.overlay import BLENDINGS, ShadowOverlay
 _LIGHTS = 3
 
 
-def overlay_picture(
-    overlay: ShadowOverlay,
-    *,
-    ax: AnyAxes | None = None,
-    figsize: Size | None = None,
-    dpi: float | None = None,
-    transparent: bool | None = None,
-) -> Figure:
+@placed_picture
+def overlay_picture(overlay: ShadowOverlay, **where: Unpack[Placement]) -> Figure:
     """Draw the shadows on a floor together and of each source alone, and errors of blending.
 
     Above: the floor with all shadows, with the contact shadow of the ambient term, and with those
@@ -35,14 +29,9 @@ def overlay_picture(
     ----------
     overlay : ShadowOverlay
         The result of `shadow_overlay` for a picture.
-    ax : Axes or sequence of Axes, optional
-        Axes to draw in, one for each panel: two rows of five; see `envlights.plot`.
-    figsize, dpi, transparent
-        Size, resolution and ground of a new figure; see `envlights.plot`.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
+    **where
+        `ax`: axes, one for each panel: two rows of five; `figsize`, `dpi`, `transparent`: see
+        `envlights.plot`.
 
     Raises
     ------
@@ -64,7 +53,7 @@ def overlay_picture(
             f" (height, width, 3); got {overlay.points.shape}"
         )
     columns = len(BLENDINGS)
-    page = open_page(Placement(ax, figsize, dpi, transparent), grid(2, columns), (15, 6.4))
+    page = open_page(where, grid(2, columns), (15, 6.4))
     _draw_floors(page.panels[:columns], overlay)
     _draw_errors(page.figure, page.panels[columns:], overlay)
     for axes in page.panels:

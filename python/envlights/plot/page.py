@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any, NamedTuple
+import inspect
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple, TypedDict, TypeVar
 
 import matplotlib
 import numpy as np
@@ -16,6 +17,13 @@ from envlights._native import EnvLightsError
 from envlights.plot.figure import Picture, dots
 from envlights.plot.wording import entitle_figure
 
+if TYPE_CHECKING:
+    from typing_extensions import Unpack as Unpack
+else:
+    Unpack = None  # part of annotations, which are not evaluated
+
+_Function = TypeVar("_Function", bound=Callable[..., Figure])
+
 #: Axes of the caller: one for each panel, in reading order.
 AnyAxes = Axes | Sequence[Axes] | NDArray[np.object_]
 #: Width and height of a figure in inches.
@@ -25,13 +33,26 @@ Size = tuple[float, float]
 _SIDES = 0.5, 100.0
 
 
-class Placement(NamedTuple):
+class Placement(TypedDict, total=False):
     """Arguments of every picture: where it is drawn, or the size and ground of its figure."""
 
     ax: AnyAxes | None
     figsize: Size | None
     dpi: float | None
     transparent: bool | None
+
+
+def placed_picture(function: _Function) -> _Function:
+    """Picture whose signature shows the arguments of its `Placement` by their names."""
+    own = inspect.signature(function)
+    shared = [
+        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=annotation)
+        for name, annotation in Placement.__annotations__.items()
+    ]
+    parameters = [each for each in own.parameters.values() if each.kind is not each.VAR_KEYWORD]
+    shown: Any = function
+    shown.__signature__ = own.replace(parameters=[*parameters, *shared])
+    return function
 
 
 class Page(NamedTuple):
@@ -58,14 +79,16 @@ def open_page(
 
     Equal numbers of the mosaic are one panel; -1 stays empty.
     """
+    for name in where.keys() - Placement.__annotations__.keys():
+        raise TypeError(f"a picture has no argument {name!r}")
     cells = np.asarray(mosaic)
     count = len(np.unique(cells[cells >= 0]))
-    if where.ax is not None:
+    if where.get("ax") is not None:
         panels = _checked_axes(where, count)
         return Page(_root(panels[0]), panels, False)
     figure = _new_figure(where, size)
     drawn: dict[int, Axes] = figure.subplot_mosaic(cells.tolist(), empty_sentinel=-1, **ratios)
-    if where.transparent:
+    if where.get("transparent"):
         for axes in drawn.values():
             axes.patch.set_alpha(0)
     return Page(figure, [drawn[number] for number in range(count)], True)
@@ -78,11 +101,14 @@ def grid(rows: int, columns: int) -> NDArray[np.int64]:
 
 def _new_figure(where: Placement, size: Size) -> Picture:
     """Figure of the size, the resolution and the ground that the caller chose."""
-    sides = _checked_size(where.figsize)
-    dpi = matplotlib.rcParams["figure.dpi"] if where.dpi is None else where.dpi
-    dpi = dots(dpi, sides or size)
+    sides, dpi, transparent = (
+        _checked_size(where.get("figsize")),
+        where.get("dpi"),
+        where.get("transparent"),
+    )
+    dpi = dots(matplotlib.rcParams["figure.dpi"] if dpi is None else dpi, sides or size)
     clear: dict[str, Any] = {}
-    if where.transparent is not None and flag("transparent", where.transparent):
+    if transparent is not None and flag("transparent", transparent):
         clear = {"facecolor": "none", "edgecolor": "none"}
     figure = Picture(figsize=sides or size, dpi=dpi, **clear)
     figure.has_chosen_size = sides is not None
@@ -92,9 +118,9 @@ def _new_figure(where: Placement, size: Size) -> Picture:
 def _checked_axes(where: Placement, count: int) -> list[Axes]:
     """Axes of the caller, or a refusal."""
     for name in ("figsize", "dpi", "transparent"):
-        if getattr(where, name) is not None:
+        if where.get(name) is not None:
             raise EnvLightsError(f"{name} is for a new figure; with ax, set it on your figure")
-    given: Any = where.ax
+    given: Any = where["ax"]
     panels = [given] if isinstance(given, Axes) else _elements(given)
     wrong = [type(each).__name__ for each in panels if not isinstance(each, Axes)]
     if wrong:

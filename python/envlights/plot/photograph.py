@@ -16,7 +16,7 @@ from envlights.papers.photograph import detect_photograph
 from envlights.papers.photograph_lights import PhotographLights
 from envlights.papers.photograph_pixels import AnyPhotograph
 from envlights.plot.markers import RIM, draw_discs, draw_legend, draw_numbers, sizes_for
-from envlights.plot.page import AnyAxes, Placement, Size, grid, open_page
+from envlights.plot.page import AnyAxes, Size, grid, open_page
 from envlights.plot.steps import draw_bright, draw_links, draw_survivors
 from envlights.plot.wording import entitle
 
@@ -50,16 +50,10 @@ def photograph(
     steps : bool
         True: three more panels, one for each earlier step: samples near bright pixels and the
         brightest pixel in the window of each, and survivors with the samples that they suppress.
-    ax : Axes or sequence of Axes, optional
-        Axes to draw in: one, or four with `steps`; see `envlights.plot`.
-    figsize, dpi, transparent
-        Size, resolution and ground of a new figure; see `envlights.plot`.
+    **where
+        `ax`: one, or four with `steps`; `figsize`, `dpi`, `transparent`: see `envlights.plot`.
     **options
         Options of `detect_photograph` for a photograph.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
 
     Examples
     --------
@@ -77,8 +71,11 @@ def photograph(
             "a result of `detect_photograph` takes no options; give the photograph itself"
         )
     across = 2 if flag("steps", steps) else 1
-    where = Placement(ax, figsize, dpi, transparent)
-    page = open_page(where, grid(across, across), _size(lights))
+    page = open_page(
+        {"ax": ax, "figsize": figsize, "dpi": dpi, "transparent": transparent},
+        grid(across, across),
+        _size(lights),
+    )
     panels = page.panels
     for axes in panels:
         _draw_photograph(axes, lights)

@@ -26,22 +26,15 @@ from envlights.plot.markers import (
     number_colours,
     sizes_for,
 )
-from envlights.plot.page import AnyAxes, Placement, Size, grid, open_page
+from envlights.plot.page import Placement, Unpack, grid, open_page, placed_picture
 from envlights.plot.wording import entitle
 
 #: Colour of clipped pixels: red, green, blue, alpha.
 _CLIPPED = (0.0, 0.75, 1.0, 0.5)
 
 
-def plateau_picture(
-    env: AnyMap,
-    lights: DetectedLights,
-    *,
-    ax: AnyAxes | None = None,
-    figsize: Size | None = None,
-    dpi: float | None = None,
-    transparent: bool | None = None,
-) -> Figure:
+@placed_picture
+def plateau_picture(env: AnyMap, lights: DetectedLights, **where: Unpack[Placement]) -> Figure:
     """Draw a clipped map, its clipped regions, and the lights in them.
 
     Above: the map, with clipped pixels in blue. Below: the depth of the clipped regions, which is
@@ -55,14 +48,8 @@ def plateau_picture(
         Map with a clip level: of 8 or 16 bits, or made with `clip_level`.
     lights : DetectedLights
         The result of `detect` on it.
-    ax : Axes or sequence of Axes, optional
-        Two axes to draw in; see `envlights.plot`.
-    figsize, dpi, transparent
-        Size, resolution and ground of a new figure; see `envlights.plot`.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
+    **where
+        `ax`: two axes; `figsize`, `dpi`, `transparent`: see `envlights.plot`.
 
     Raises
     ------
@@ -92,7 +79,7 @@ def plateau_picture(
                 "the lights are those of a map that is not clipped; give those of a clipped map"
             )
         weight = uncertainty = np.zeros(0)
-    page = open_page(Placement(ax, figsize, dpi, transparent), grid(2, 1), (10, 10.8))
+    page = open_page(where, grid(2, 1), (10, 10.8))
     above, below = page.panels
     exposure = draw_map(above, env)
     above.imshow(_tint(env, env.clip_level), extent=EXTENT)

@@ -6,20 +6,14 @@ from matplotlib.figure import Figure
 
 from envlights.environment.envmap import AnyMap, as_envmap
 from envlights.plot.figure import check_are_rigs
-from envlights.plot.page import AnyAxes, Placement, Size, grid, open_page
+from envlights.plot.page import Placement, Unpack, grid, open_page, placed_picture
 from envlights.plot.probe import draw_probe, shaded_ball, viewpoint, white_for
 from envlights.plot.wording import entitle
 from envlights.rigs.rig import Rig
 
 
-def probes(
-    env: AnyMap,
-    *rigs: Rig,
-    ax: AnyAxes | None = None,
-    figsize: Size | None = None,
-    dpi: float | None = None,
-    transparent: bool | None = None,
-) -> Figure:
+@placed_picture
+def probes(env: AnyMap, *rigs: Rig, **where: Unpack[Placement]) -> Figure:
     """Draw white balls under a map and under rigs, in one row and with one exposure.
 
     The colours are the sRGB codes of the irradiance over that of the brightest point under the map,
@@ -32,14 +26,9 @@ def probes(
         The map.
     *rigs : Rig
         One or more, such as fits with one light and with four.
-    ax : Axes or sequence of Axes, optional
-        Axes to draw in: one for the map, and one for each rig; see `envlights.plot`.
-    figsize, dpi, transparent
-        Size, resolution and ground of a new figure; see `envlights.plot`.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
+    **where
+        `ax`: one for the map, and one for each rig; `figsize`, `dpi`, `transparent`: see
+        `envlights.plot`.
 
     Raises
     ------
@@ -61,9 +50,7 @@ def probes(
     check_are_rigs(rigs)
     env = as_envmap(env)
     columns = 1 + len(rigs)
-    page = open_page(
-        Placement(ax, figsize, dpi, transparent), grid(1, columns), (1.9 * columns, 2.2)
-    )
+    page = open_page(where, grid(1, columns), (1.9 * columns, 2.2))
     shaded = shaded_ball(env, viewpoint(rigs[0]), rigs[0].floor)
     white = white_for(shaded.irradiance)
     lights = [shaded.irradiance, *(rig.probe(shaded.ball.normals) for rig in rigs)]

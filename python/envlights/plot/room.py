@@ -12,7 +12,7 @@ from envlights._common.srgb import encode_srgb
 from envlights._native import EnvLightsError
 from envlights.plot.ball import axes_of
 from envlights.plot.figure import hide_frame
-from envlights.plot.page import AnyAxes, Placement, Size, grid, open_page
+from envlights.plot.page import Placement, Unpack, grid, open_page, placed_picture
 from envlights.plot.wording import entitle
 from envlights.synthetic.room import Chart, room_charts
 
@@ -26,15 +26,8 @@ _BEFORE_BOXES = 0.88
 _WHITE = 99.0
 
 
-def room_picture(
-    direct: ArrayLike,
-    indirect: ArrayLike,
-    *,
-    ax: AnyAxes | None = None,
-    figsize: Size | None = None,
-    dpi: float | None = None,
-    transparent: bool | None = None,
-) -> Figure:
+@placed_picture
+def room_picture(direct: ArrayLike, indirect: ArrayLike, **where: Unpack[Placement]) -> Figure:
     """Draw a pair of images of the synthetic room, and the lightmap on its walls.
 
     Letters name the 16 parts of the lightmap: A to F are the walls, floor and ceiling of the room,
@@ -46,14 +39,8 @@ def room_picture(
         Direct light, as `synthetic.room` makes it.
     indirect : array_like, shape (H, H, 3)
         Indirect light of the same frame: true, or predicted by a model.
-    ax : Axes or sequence of Axes, optional
-        Three axes to draw in; see `envlights.plot`.
-    figsize, dpi, transparent
-        Size, resolution and ground of a new figure; see `envlights.plot`.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
+    **where
+        `ax`: three axes; `figsize`, `dpi`, `transparent`: see `envlights.plot`.
 
     Examples
     --------
@@ -66,7 +53,7 @@ def room_picture(
     charts = room_charts()
     side = int(np.sqrt(len(charts)))
     exposed = [_expose("direct", direct, side), _expose("indirect", indirect, side)]
-    page = open_page(Placement(ax, figsize, dpi, transparent), grid(1, 3), (12.5, 4.5))
+    page = open_page(where, grid(1, 3), (12.5, 4.5))
     on_direct, on_map, on_room = page.panels
     for axes, image, title in (
         (on_direct, exposed[0], "direct light"),

@@ -15,7 +15,7 @@ from envlights.environment.envmap import AnyMap, as_envmap
 from envlights.kernels import sphere
 from envlights.kernels.image import LUMINANCE
 from envlights.plot.figure import check_are_rigs, hide_frame
-from envlights.plot.page import AnyAxes, Page, Placement, Size, grid, open_page
+from envlights.plot.page import Page, Placement, Unpack, grid, open_page, placed_picture
 from envlights.plot.probe import viewpoint
 from envlights.plot.wording import entitle
 from envlights.rigs.rig import Rig, parts_line
@@ -31,6 +31,7 @@ _COLUMNS = 24, 1920
 _WHITE = 0.99
 
 
+@placed_picture
 def scene(
     env: AnyMap,
     *rigs: Rig,
@@ -38,10 +39,7 @@ def scene(
     seed: int = 0,
     renderer: str = "any",
     width: int = 320,
-    ax: AnyAxes | None = None,
-    figsize: Size | None = None,
-    dpi: float | None = None,
-    transparent: bool | None = None,
+    **where: Unpack[Placement],
 ) -> Figure:
     """Draw a ball and a box on a floor under the map and under rigs, and their differences.
 
@@ -68,14 +66,9 @@ def scene(
         By default Mitsuba, or the closed form if it is not installed.
     width : int
         Columns of each image, 24 to 1920; there are two thirds as many rows.
-    ax : Axes or sequence of Axes, optional
-        Axes to draw in: of the images, then of the differences; see `envlights.plot`.
-    figsize, dpi, transparent
-        Size, resolution and ground of a new figure; see `envlights.plot`.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
+    **where
+        `ax`: of the images, then of the differences; `figsize`, `dpi`, `transparent`: see
+        `envlights.plot`.
 
     Raises
     ------
@@ -99,7 +92,6 @@ def scene(
     samples, seed = count("samples", samples, least=1), count("seed", seed)
     check_choice("renderer", renderer, RENDERERS)
     width = count("width", width, *_COLUMNS)
-    where = Placement(ax, figsize, dpi, transparent)
     ((u, _),) = sphere.direction_to_uv([viewpoint(rigs[0])])
     azimuth = 2 * np.pi * u
     has_mitsuba = renderer == "mitsuba" or importlib.util.find_spec("mitsuba") is not None

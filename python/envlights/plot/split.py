@@ -21,21 +21,14 @@ from envlights.plot.markers import (
     number_colours,
     sizes_for,
 )
-from envlights.plot.page import AnyAxes, Placement, Size, grid, open_page
+from envlights.plot.page import Placement, Unpack, grid, open_page, placed_picture
 from envlights.plot.wording import entitle
 from envlights.splitting.removed_lights import RemovedLights
 from envlights.splitting.split import Split
 
 
-def split_picture(
-    env: AnyMap,
-    parts: Split,
-    *,
-    ax: AnyAxes | None = None,
-    figsize: Size | None = None,
-    dpi: float | None = None,
-    transparent: bool | None = None,
-) -> Figure:
+@placed_picture
+def split_picture(env: AnyMap, parts: Split, **where: Unpack[Placement]) -> Figure:
     """Draw a map, the remainder, and the removed light, all with the exposure of the map.
 
     Parameters
@@ -44,14 +37,8 @@ def split_picture(
         The map.
     parts : Split
         The result of `split` on it.
-    ax : Axes or sequence of Axes, optional
-        Three axes to draw in; see `envlights.plot`.
-    figsize, dpi, transparent
-        Size, resolution and ground of a new figure; see `envlights.plot`.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
+    **where
+        `ax`: three axes; `figsize`, `dpi`, `transparent`: see `envlights.plot`.
 
     Examples
     --------
@@ -64,7 +51,7 @@ def split_picture(
     check_is("parts", parts, Split)
     env = as_envmap(env)
     lights = parts.lights
-    page = open_page(Placement(ax, figsize, dpi, transparent), grid(3, 1), (9, 15))
+    page = open_page(where, grid(3, 1), (9, 15))
     on_map, on_rest, on_removed = page.panels
     whole, remainder = working(env), working(parts.remainder)
     ground = expose(whole)

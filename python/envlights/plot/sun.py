@@ -21,7 +21,7 @@ from envlights.plot.figure import hide_frame
 from envlights.plot.ground import degrees, draw_map
 from envlights.plot.markers import RIM, draw_legend, draw_rims, draw_rings
 from envlights.plot.outlines import outlines
-from envlights.plot.page import AnyAxes, Placement, Size, open_page
+from envlights.plot.page import Placement, Unpack, open_page, placed_picture
 from envlights.plot.probe import viewpoint
 from envlights.plot.wording import entitle
 from envlights.rigs.rig import Rig, parts_line
@@ -41,15 +41,8 @@ _COLUMNS = 1024
 _WHITE = 0.99
 
 
-def sun(
-    env: AnyMap,
-    sun: AnySun = AUTO,
-    *,
-    ax: AnyAxes | None = None,
-    figsize: Size | None = None,
-    dpi: float | None = None,
-    transparent: bool | None = None,
-) -> Figure:
+@placed_picture
+def sun(env: AnyMap, sun: AnySun = AUTO, **where: Unpack[Placement]) -> Figure:
     """Draw the sun of a clipped map, and the shadows of a ball and a box without and with it.
 
     On the map, a ring marks the sun, a circle the uncertainty of its direction, and a line the
@@ -62,10 +55,9 @@ def sun(
         The map.
     sun : "auto", array_like of shape (3,), SunAt or Sun
         The sun; see `with_sun`.
-    ax : Axes or sequence of Axes, optional
-        Axes to draw in: of the map, and of each of the images; see `envlights.plot`.
-    figsize, dpi, transparent
-        Size, resolution and ground of a new figure; see `envlights.plot`.
+    **where
+        `ax`: of the map, and of each of the images; `figsize`, `dpi`, `transparent`: see
+        `envlights.plot`.
 
     Returns
     -------
@@ -84,7 +76,6 @@ def sun(
     env = as_envmap(env)
     found = sun_of(env, sun)
     below = [1, 2] if len(found.lights) else [1, 1]
-    where = Placement(ax, figsize, dpi, transparent)
     page = open_page(where, [[0, 0], below], (10, 8.6), height_ratios=(1.4, 1))
     rigs = {"the map as it is": fit(env, floor=True)}
     if len(found.lights):

@@ -14,7 +14,7 @@ from envlights._common.srgb import encode_srgb
 from envlights._native import EnvLightsError
 from envlights.kernels.image import LUMINANCE
 from envlights.plot.figure import check_is, hide_frame
-from envlights.plot.page import AnyAxes, Placement, Size, grid, open_page
+from envlights.plot.page import Placement, Unpack, grid, open_page, placed_picture
 from envlights.plot.wording import entitle
 from envlights.transfer import TransferModel
 from envlights.transfer.pairs import image_stack
@@ -25,15 +25,9 @@ _WIDTH = 2.9
 _PERCENTILE = 99.0
 
 
+@placed_picture
 def transfer_picture(
-    model: TransferModel,
-    direct: ArrayLike,
-    indirect: ArrayLike,
-    *,
-    ax: AnyAxes | None = None,
-    figsize: Size | None = None,
-    dpi: float | None = None,
-    transparent: bool | None = None,
+    model: TransferModel, direct: ArrayLike, indirect: ArrayLike, **where: Unpack[Placement]
 ) -> Figure:
     """Draw a frame: direct light, then true, predicted and projected indirect light.
 
@@ -52,15 +46,8 @@ def transfer_picture(
         Direct light of one frame or of several, drawn one below the other.
     indirect : array_like, shape (H, W, 3 or 4) or (n, H, W, 3 or 4)
         The true indirect light.
-    ax : Axes or sequence of Axes, optional
-        Axes to draw in, five for each frame; see `envlights.plot`.
-    figsize, dpi, transparent
-        Size, resolution and ground of a new figure; see `envlights.plot`.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Jupyter shows it; `envlights.plot.save` writes it.
+    **where
+        `ax`: axes, five for each frame; `figsize`, `dpi`, `transparent`: see `envlights.plot`.
 
     Raises
     ------
@@ -87,7 +74,7 @@ def transfer_picture(
         )
     rows = zip(reference, model.predict(lights), _project(model, lights, reference), strict=True)
     size = (5 * _WIDTH + 1.2, len(reference) * (_WIDTH * height / width + 0.4) + 0.4)
-    page = open_page(Placement(ax, figsize, dpi, transparent), grid(len(reference), 5), size)
+    page = open_page(where, grid(len(reference), 5), size)
     panels = [page.panels[first : first + 5] for first in range(0, len(page.panels), 5)]
     differences = []
     for (first, *row), light, (truth, predicted, projected) in zip(

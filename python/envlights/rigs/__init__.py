@@ -1,14 +1,12 @@
-"""Lights, and rigs: an ambient term and lights, with their report, tables and files.
+"""Lights, and rigs: an ambient term and lights, with their report and tables.
 
 | noun                                     | file                                       |
 |------------------------------------------|--------------------------------------------|
 | directional lights, and one of them      | `lights.py`, `light.py`                    |
 | ambient term and lights, with an error   | `rig.py`                                   |
-| report of a fit                          | `report.py`, `report_fields.py`            |
+| report of a fit                          | `report.py`                                |
 | checks of arrays of lights               | `light_arrays.py`                          |
 | lights as spherical Gaussians            | `lobes.py`                                 |
-| JSON and CSV files                       | `own_json.py`, `csv_table.py`              |
-| capabilities and registry of the targets | `capabilities.py`, `targets.py`, `links.py` |
 """
 
 from envlights.rigs.light import Light

@@ -24,28 +24,19 @@ from envlights._common.words import quantity
 from envlights._native import EnvLightsError
 from envlights.environment import thumbnails
 from envlights.environment.envmap import EnvMap
+from envlights.export import saving
+from envlights.export.formats.csv_table import Table as CsvTable
+from envlights.export.formats.csv_table import load_csv
+from envlights.export.formats.own_json import read_json
+from envlights.kernels.angles import angle_cells, azimuths, elevations
 from envlights.kernels.image import LUMINANCE
 from envlights.kernels.probe import disc_map
-from envlights.kernels.sphere import FRAME
-from envlights.rigs import targets
-from envlights.rigs.csv_table import Table as CsvTable
-from envlights.rigs.csv_table import load_csv
-from envlights.rigs.light import Light, angle_cells, azimuths, elevations
+from envlights.rigs.light import Light
 from envlights.rigs.light_arrays import LARGEST_LIGHT, light_arrays, radii, rotate, row_of, rows_of
 from envlights.rigs.lobes import SphericalGaussians, lobes
-from envlights.rigs.own_json import read_json
 
 if TYPE_CHECKING:
     pass
-
-
-#: Header of a file of lights. `Lights.to_dict` holds only arrays, as a part of a rig.
-LIGHTS_HEADER: dict[str, str | int] = {
-    "format": "envlights lights",
-    "version": 2,
-    "frame": FRAME,
-    "units": "irradiance: at normal incidence; linear Rec.709 RGB; angular_radius: radians",
-}
 
 
 def brightest_first(irradiance: NDArray[np.float64]) -> NDArray[np.intp]:
@@ -253,7 +244,7 @@ class Lights(TableResult):
         environment : EnvMap or array_like, optional
             Map around the lights, such as the rest of a split map, for formats that accept one.
         """
-        targets.save(self, path, environment)
+        saving.save(self, path, environment)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Lights:

@@ -22,15 +22,16 @@ from envlights._common.units import in_nits, statement
 from envlights._common.words import percent
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import EnvMap
+from envlights.export import saving
+from envlights.export.formats.csv_table import Table, load_csv
+from envlights.export.formats.own_json import read_json
+from envlights.export.targets import error_in
 from envlights.kernels import probe
 from envlights.kernels.ambient import ambient_rows, turned_ambient
 from envlights.kernels.image import LUMINANCE
 from envlights.kernels.sphere import FRAME
-from envlights.rigs import targets
-from envlights.rigs.csv_table import Table, load_csv
 from envlights.rigs.light_arrays import LARGEST_LIGHT
 from envlights.rigs.lights import Lights, lights_of, lights_of_table
-from envlights.rigs.own_json import read_json
 from envlights.rigs.report import FitReport, StopReason
 
 if TYPE_CHECKING:
@@ -229,7 +230,7 @@ class Rig(Result):
         --------
         envlights.export : functions that return dictionaries and text.
         """
-        targets.save(self, path, environment)
+        saving.save(self, path, environment)
 
     def error_in(self, target: str) -> float:
         """Relative RMS error of the irradiance as a target shows the rig.
@@ -252,7 +253,7 @@ class Rig(Result):
         >>> round(rig.error_in("blender"), 3), round(rig.error_in("three"), 3)
         (0.01, 0.062)
         """
-        return targets.error_in(self, target)
+        return error_in(self, target)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Rig:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from envlights._common.template import fill_template
 from envlights.export.axes import AXES
 from envlights.sequence.frame_rig import FrameRig
 from envlights.sequence.light_tracks import tracks_of
@@ -118,14 +119,11 @@ def blender(rigs: Iterable[FrameRig], fps: float | None = None) -> str:
         )
         keys = "".join(f"        {key},\n" for key in zip(*columns, strict=True))
         lights += f"    {track.id}: [\n{keys}    ],\n"
-    marks = {
-        "@UNITS@": tracks.statement,
-        "@FPS@": repr(tracks.fps),
-        "@FRAMES@": repr(list(tracks.frames)),
-        "@LIGHTS@": lights,
-        "@AMBIENT@": repr(tracks.ambient.tolist()),
-    }
-    script = _SCRIPT
-    for mark, text in marks.items():
-        script = script.replace(mark, text)
-    return script
+    return fill_template(
+        _SCRIPT,
+        units=tracks.statement,
+        fps=repr(tracks.fps),
+        frames=repr(list(tracks.frames)),
+        lights=lights,
+        ambient=repr(tracks.ambient.tolist()),
+    )

@@ -16,8 +16,8 @@ from envlights._common.tables import csv_text
 from envlights._common.units import statement
 from envlights._native import EnvLightsError
 from envlights.export.files import save_scene
-from envlights.export.usd import crate
-from envlights.rigs.own_json import build_from, parse
+from envlights.export.formats.own_json import build_from, parse
+from envlights.export.formats.usd import crate
 from envlights.rigs.rig import rig_fields
 from envlights.sequence.blender_keyframes import blender
 from envlights.sequence.frame_rig import FrameRig

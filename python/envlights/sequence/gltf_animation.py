@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights.export.gltf import SHINES, rotation_between
+from envlights.export.formats.gltf import SHINES, rotation_between
 from envlights.sequence.frame_rig import FrameRig
 from envlights.sequence.light_tracks import LightTrack, tracks_of
 

@@ -7,8 +7,8 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights.export.usd import light_matrix
-from envlights.export.usd_text import prim
+from envlights.export.formats.usd import light_matrix
+from envlights.export.formats.usd_text import prim
 from envlights.sequence.frame_rig import FrameRig
 from envlights.sequence.light_tracks import LightTrack, tracks_of
 

@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights._common.check import rotation
 from envlights.detection.lights import DetectedLights
-from envlights.rigs.lights import LIGHTS_HEADER, Lights
+from envlights.export.formats.own_json import LIGHTS_HEADER
+from envlights.rigs.lights import Lights
 
 #: Smallest `off_axis` that is printed.
 _PRINTED = 1e-3

@@ -18,8 +18,8 @@ from envlights.cards.cut import cut
 from envlights.detection.detect import detect_with_luminance
 from envlights.detection.lights import DetectedLights, DetectionReport
 from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
+from envlights.export.links import LinkedParts
 from envlights.kernels.image import LUMINANCE
-from envlights.rigs.links import LinkedParts
 from envlights.splitting.removed_lights import RemovedLights
 
 #: Options of `detect` here. Without the removed lights, the threshold is lower (by less than a

@@ -18,13 +18,11 @@
 | sun of an argument                                      | `choice.py`      |
 | sun as a light, and the sky without it                  | `sun_split.py`   |
 | disc in the pixels of a map                             | `disc_pixels.py` |
-| repair of a map by that disc                            | `repair.py`      |
 | notes                                                   | `wording.py`     |
 """
 
 from envlights.sun.almanac import SunAt
 from envlights.sun.find import find_sun
-from envlights.sun.repair import repair_with_sun as repair_with_sun
 from envlights.sun.result import Sun
 from envlights.sun.sun_split import SunSplit, with_sun
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from envlights._common.check import describe
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import EnvMap
-from envlights.rigs.light import elevations, place_of
+from envlights.kernels.angles import elevations, place_of
 from envlights.sun.almanac import SunAt
 from envlights.sun.find import find_sun
 from envlights.sun.result import Sun

@@ -14,8 +14,8 @@ from envlights._common.arrays import seal
 from envlights._common.check import check_choice, rotation
 from envlights._common.result import Result
 from envlights._common.units import OWN_SCALE, checked_units, in_lux
+from envlights.kernels.angles import azimuths, elevations
 from envlights.kernels.image import LUMINANCE
-from envlights.rigs.light import azimuths, elevations
 from envlights.rigs.lights import Lights
 from envlights.sun import wording
 

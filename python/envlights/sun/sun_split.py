@@ -13,11 +13,13 @@ from envlights._common.former import former_attributes
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
 from envlights.environment.fill import Fill
+from envlights.export.links import LinkedParts
 from envlights.kernels.image import LUMINANCE
+from envlights.kernels.sphere import direction_to_uv
 from envlights.rigs.lights import Lights
-from envlights.rigs.links import LinkedParts
 from envlights.splitting.split import split
 from envlights.sun.choice import AUTO, AnySun, is_of_map, sun_of
+from envlights.sun.disc_pixels import add_disc
 from envlights.sun.result import Sun
 
 #: Cosine of the largest angle between the sun of a map and its brightest light, of 3 degrees.
@@ -43,6 +45,47 @@ class SunSplit(_SunSplitFields, LinkedParts):
     def __str__(self) -> str:
         return f"{self.lights}\n\nthe map around it: {self.remainder}"
 
+    def to_map(self) -> EnvMap:
+        """Sky and sun in one map: the disc fills the pixels that it covers.
+
+        Returns
+        -------
+        EnvMap
+            The remainder if there is no sun.
+
+        Raises
+        ------
+        EnvLightsError
+            If the sun is in a part that the map does not show, which stays black.
+
+        Examples
+        --------
+        >>> import envlights as el
+        >>> env = el.EnvMap(np.full((64, 128, 3), 0.5))
+        >>> sun = el.sun.Sun("sun", direction=[0.6, 0.8, 0], irradiance=[4, 3.8, 3.4])
+        >>> (el.with_sun(env, sun).to_map().probe([0.6, 0.8, 0]) - env.probe([0.6, 0.8, 0])).round(3)
+        array([4. , 3.8, 3.4])
+        """
+        if not len(self.lights):
+            return self.remainder
+        _check_seen(self.remainder, self.lights)
+        (note,) = self.lights.notes
+        notes = (*self.remainder.notes[:-1], f"added as a disc: {note}")
+        return self.remainder.with_radiance(add_disc(self.remainder, self.lights), notes)
+
+
+def _check_seen(env: EnvMap, lights: Lights) -> None:
+    """Refuse a sun in the unseen part, which stays black."""
+    if env.coverage is None:
+        return
+    ((u, v),) = direction_to_uv(lights.direction)
+    row = min(int(v * env.height), env.height - 1)
+    if not np.asarray(env.coverage)[row, int(u * env.width) % env.width]:
+        raise EnvLightsError(
+            "sun must be in the part that the map shows, because the other part stays black;"
+            " `with_sun` makes it a light"
+        )
+
 
 def with_sun(
     env: AnyMap,
@@ -56,7 +99,7 @@ def with_sun(
 
     An 8-bit picture shows a sun as a white glow that is degrees wide and much too dark. Here the
     sun is a light with the size of the sun, for sharp shadows, and the glow becomes sky. Nothing
-    is drawn into the map; `EnvMap.repaired` does that. If the map is not clipped and holds its
+    is drawn into the map; `SunSplit.to_map` does that. If the map is not clipped and holds its
     sun, `split` removes it.
 
     Parameters

@@ -17,6 +17,7 @@ import numpy as np
 
 from envlights._common.check import describe, flag
 from envlights._common.files import as_path
+from envlights._common.template import fill_template
 from envlights._native import EnvLightsError
 from envlights.environment.decoders.source import is_source, name_of
 from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
@@ -55,17 +56,13 @@ class View:
     @property
     def html(self) -> str:
         """Text of the page, which needs no other file and no network."""
-        parts = {
-            "TITLE": escape(self.data["title"]),
-            "STYLE": self._style(),
-            "SCRIPT": self._script(),
-            "DATA": _json(self._content()),
-        }
-        page = _text("page.html")
-        for name, text in parts.items():
-            before, _, after = page.rpartition(f"{{{{{name}}}}}")
-            page = before + text + after
-        return page
+        return fill_template(
+            _text("page.html"),
+            title=escape(self.data["title"]),
+            style=self._style(),
+            script=self._script(),
+            data=_json(self._content()),
+        )
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the page as one file; a failure leaves no file."""

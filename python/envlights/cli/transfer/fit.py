@@ -7,7 +7,7 @@ import json
 import click
 
 from envlights._common.files import check_writable
-from envlights.cli.outputs import say_written
+from envlights.cli.outputs import json_option, say_written
 from envlights.transfer.files.database import read_pairs
 from envlights.transfer.files.npz_file import check_suffix
 from envlights.transfer.model import TransferModel
@@ -50,7 +50,7 @@ def _rank(text: str) -> int | float:
 @click.option(
     "--error", type=float, help="Largest error; the fewest directions that reach it are used."
 )
-@click.option("--json", "as_json", is_flag=True, help="Print the report as JSON.")
+@json_option("report")
 def command(
     folder: str,
     output: str,

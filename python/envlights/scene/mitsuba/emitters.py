@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from envlights import kernels
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import EnvMap
-from envlights.export.mitsuba import (
+from envlights.export.formats.mitsuba import (
     add_weights,
     constant,
     directional,

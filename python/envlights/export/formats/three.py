@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-import json
-import os
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from envlights.cards import Cards
-from envlights.environment.envmap import EnvMap
-from envlights.export import three_cards
+from envlights.environment.envmap import AnyMap, EnvMap
 from envlights.export.axes import AXES
-from envlights.export.files import save_scene
-from envlights.export.scene import scene_of
-from envlights.export.three_things import colour_of, image_of, texture_of, thing_of
+from envlights.export.files import AnyPath, json_text, save_scene
+from envlights.export.formats import three_cards
+from envlights.export.formats.three_things import colour_of, image_of, texture_of, thing_of
+from envlights.export.scene import Exportable, Scene, scene_of
 from envlights.kernels.ambient import turned_ambient
-from envlights.rigs.lights import Lights
-from envlights.rigs.rig import Rig
 
 #: Distance of lights from the origin, for their shadow cameras; it does not change their light.
 _DISTANCE = 10.0
@@ -30,9 +25,7 @@ _COLUMNS = 1024
 _VERSION = {"version": 4.7, "type": "Object", "generator": "envlights"}
 
 
-def three(
-    rig: Rig | Lights | Cards, environment: EnvMap | ArrayLike | None = None
-) -> dict[str, Any]:
+def three(rig: Exportable, environment: AnyMap | None = None) -> dict[str, Any]:
     """A scene of lights, for ``new THREE.ObjectLoader().parse(json)``.
 
     Axes: our +x, +y, +z are -z, +y, +x in three.js, so the lights fit the panorama as an
@@ -77,23 +70,19 @@ def three(
     if scene.panels:
         written |= three_cards.tables(scene.panels)
         children += three_cards.things(scene.panels)
-    if environment is not None and scene.environment is not None:
+    if scene.has_map and scene.environment is not None:
         image, texture = _map(_at_most(scene.environment))
         for name, each in {"images": image, "textures": texture}.items():
             written[name] = [*written.get(name, []), each]
         root |= {"environment": texture["uuid"], "background": texture["uuid"]}
     elif scene.ambient is not None or scene.environment is not None:
-        children.append(_ambient(rig))
+        children.append(_ambient(scene))
     return {**written, "object": root}
 
 
-def save_three(
-    rig: Rig | Lights | Cards,
-    path: str | os.PathLike[str],
-    environment: EnvMap | ArrayLike | None = None,
-) -> None:
+def save_three(rig: Exportable, path: AnyPath, environment: AnyMap | None = None) -> None:
     """Write `three` at `path`."""
-    save_scene(path, json.dumps(three(rig, environment), allow_nan=False) + "\n")
+    save_scene(path, json_text(three(rig, environment), indent=None))
 
 
 def _light(
@@ -106,14 +95,14 @@ def _light(
     return thing_of("DirectionalLight", f"light_{j}", matrix=matrix, userData=size, **shone)
 
 
-def _ambient(rig: Any) -> dict[str, Any]:
+def _ambient(scene: Scene) -> dict[str, Any]:
     """Light of three.js with the irradiance of an ambient term."""
-    if rig.ambient.ndim == 2:
+    if scene.term.ndim == 2:
         # three.js has our order, signs and lengths of harmonics.
-        harmonics = turned_ambient(rig.ambient, AXES["three"].matrix)
+        harmonics = turned_ambient(scene.term, AXES["three"].matrix)
         return thing_of("LightProbe", "ambient", sh=harmonics.ravel().tolist())
-    lit = colour_of(np.pi * rig.ambient)
-    if rig.floor:
+    lit = colour_of(np.pi * scene.term)
+    if scene.floor:
         return thing_of("HemisphereLight", "ambient", groundColor=0, **lit)
     return thing_of("AmbientLight", "ambient", **lit)
 

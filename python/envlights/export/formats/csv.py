@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import os
-
 import numpy as np
 
 from envlights._common.printable import printable
 from envlights._common.tables import csv_text
-from envlights.export.files import save_scene
-from envlights.export.scene import check_rig
-from envlights.rigs.csv_table import AMBIENTS, FORMAT, HEADER, SCALE
-from envlights.rigs.lights import Lights
-from envlights.rigs.rig import Rig
+from envlights.export.files import AnyPath, save_scene
+from envlights.export.formats.csv_table import AMBIENTS, FORMAT, HEADER, SCALE
+from envlights.export.scene import Exportable, check_rig
 
 _FRAME = (
     "# right-handed, +y up; image centre +z, left quarter +x; x, y, z: towards the light;"
@@ -21,7 +17,7 @@ _FRAME = (
 )
 
 
-def csv(rig: Rig | Lights) -> str:
+def csv(rig: Exportable) -> str:
     """Lossless table with a row for each light and for the ambient term (nine for harmonics).
 
     Comments that begin with ``#`` give frame and units.
@@ -52,6 +48,6 @@ def csv(rig: Rig | Lights) -> str:
     return "\n".join([*lines, HEADER, csv_text(rows)])
 
 
-def save_csv(rig: Rig | Lights, path: str | os.PathLike[str]) -> None:
+def save_csv(rig: Exportable, path: AnyPath) -> None:
     """Write `csv` at `path`."""
     save_scene(path, csv(rig))

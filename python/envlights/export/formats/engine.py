@@ -7,22 +7,19 @@ it is left-handed.
 
 from __future__ import annotations
 
-import json
-import os
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from envlights._common.check import describe
 from envlights._native import EnvLightsError
-from envlights.environment.envmap import EnvMap
+from envlights.environment.envmap import AnyMap
 from envlights.export.axes import AXES, Axes, Matrix
-from envlights.export.files import check_link, panorama, save_scene
-from envlights.export.scene import Scene, scene_of
+from envlights.export.files import AnyPath, check_link, json_text
+from envlights.export.scene import Exportable, Scene, scene_of
+from envlights.export.textures import Beside, save_beside
 from envlights.kernels.ambient import turned_ambient
-from envlights.rigs.lights import Lights
-from envlights.rigs.rig import Rig
 
 _FORMAT, _VERSION = "envlights engine", 1
 _UNITS = (
@@ -32,8 +29,8 @@ _UNITS = (
 
 
 def engine(
-    rig: Rig | Lights,
-    environment: EnvMap | ArrayLike | None = None,
+    rig: Exportable,
+    environment: AnyMap | None = None,
     *,
     right: str,
     up: str,
@@ -70,28 +67,12 @@ def engine(
     >>> scene["lights"][0]["to_light"], scene["handedness"]
     ([0.0, 0.0, -1.0], 'right')
     """
-    axes = Axes(matrix_of(right, up, forward))
     scene = scene_of(rig, environment, target="engine")
-    # A map replaces the harmonics.
-    harmonics = getattr(rig, "ambient", ()) if environment is None else ()
-    described = {"right": right, "up": up, "forward": forward}
-    return {
-        "format": _FORMAT,
-        "version": _VERSION,
-        "axes": described,
-        "handedness": "right" if axes.handedness > 0 else "left",
-        "matrix": [list(row) for row in axes.matrix],
-        "units": f"{_UNITS}; {scene.statement}",
-        "lights": _lights(scene, axes),
-        **_ambient(scene, harmonics, axes, texture),
-    }
+    return _engine(scene, Beside(texture), right, up, forward)
 
 
 def unity(
-    rig: Rig | Lights,
-    environment: EnvMap | ArrayLike | None = None,
-    *,
-    texture: str = "ambient.exr",
+    rig: Exportable, environment: AnyMap | None = None, *, texture: str = "ambient.exr"
 ) -> dict[str, Any]:
     """`engine` for Unity: left-handed, +x right, +y up, +z forward; our x is mirrored.
 
@@ -108,7 +89,11 @@ def unity(
     >>> noon["lights"][0]["euler_angles"]
     [90.0, 0.0, 0.0]
     """
-    scene = engine(rig, environment, right="+x", up="+y", forward="+z", texture=texture)
+    return _unity(scene_of(rig, environment, target="unity"), Beside(texture))
+
+
+def _unity(parts: Scene, names: Beside) -> dict[str, Any]:
+    scene = _engine(parts, names, "+x", "+y", "+z")
     for light in scene["lights"]:
         x, y, z = light["forward"]
         # Unity rotates about z, then x, then y; the light shines along its own +z.
@@ -121,10 +106,7 @@ def unity(
 
 
 def unreal(
-    rig: Rig | Lights,
-    environment: EnvMap | ArrayLike | None = None,
-    *,
-    texture: str = "ambient.exr",
+    rig: Exportable, environment: AnyMap | None = None, *, texture: str = "ambient.exr"
 ) -> dict[str, Any]:
     """`engine` for Unreal: left-handed, +x forward, +y right, +z up.
 
@@ -139,7 +121,11 @@ def unreal(
     >>> noon["lights"][0]["rotator"]
     {'pitch': -90.0, 'yaw': 0.0, 'roll': 0.0}
     """
-    scene = engine(rig, environment, right="+y", up="+z", forward="+x", texture=texture)
+    return _unreal(scene_of(rig, environment, target="unreal"), Beside(texture))
+
+
+def _unreal(parts: Scene, names: Beside) -> dict[str, Any]:
+    scene = _engine(parts, names, "+y", "+z", "+x")
     for light in scene["lights"]:
         x, y, z = light["forward"]
         # The light shines along its own +x; pitch is up, yaw is to the right.
@@ -150,9 +136,9 @@ def unreal(
 
 
 def save_engine(
-    rig: Rig | Lights,
-    path: str | os.PathLike[str],
-    environment: EnvMap | ArrayLike | None = None,
+    rig: Exportable,
+    path: AnyPath,
+    environment: AnyMap | None = None,
     *,
     right: str,
     up: str,
@@ -160,36 +146,42 @@ def save_engine(
     texture: str | None = None,
 ) -> None:
     """Write `engine` as JSON; a map goes beside it, unless it is the file `texture`."""
-    axes = {"right": right, "up": up, "forward": forward}
-    around = scene_of(rig, environment, target="engine").environment
-    name, textures = panorama(path, around, texture)
-    _save(engine(rig, environment, **axes, texture=name), path, textures)
+    scene = scene_of(rig, environment, target="engine")
+
+    def content(scene: Scene, names: Beside) -> str:
+        return json_text(_engine(scene, names, right, up, forward))
+
+    save_beside(path, scene, "engine", content, texture)
 
 
 def save_unity(
-    rig: Rig | Lights,
-    path: str | os.PathLike[str],
-    environment: EnvMap | ArrayLike | None = None,
-    *,
-    texture: str | None = None,
+    rig: Exportable, path: AnyPath, environment: AnyMap | None = None, *, texture: str | None = None
 ) -> None:
     """Write `unity` as JSON; a map goes beside it, unless it is the file `texture`."""
-    around = scene_of(rig, environment, target="unity").environment
-    name, textures = panorama(path, around, texture)
-    _save(unity(rig, environment, texture=name), path, textures)
+    scene = scene_of(rig, environment, target="unity")
+    save_beside(path, scene, "unity", lambda *parts: json_text(_unity(*parts)), texture)
 
 
 def save_unreal(
-    rig: Rig | Lights,
-    path: str | os.PathLike[str],
-    environment: EnvMap | ArrayLike | None = None,
-    *,
-    texture: str | None = None,
+    rig: Exportable, path: AnyPath, environment: AnyMap | None = None, *, texture: str | None = None
 ) -> None:
     """Write `unreal` as JSON; a map goes beside it, unless it is the file `texture`."""
-    around = scene_of(rig, environment, target="unreal").environment
-    name, textures = panorama(path, around, texture)
-    _save(unreal(rig, environment, texture=name), path, textures)
+    scene = scene_of(rig, environment, target="unreal")
+    save_beside(path, scene, "unreal", lambda *parts: json_text(_unreal(*parts)), texture)
+
+
+def _engine(scene: Scene, names: Beside, right: str, up: str, forward: str) -> dict[str, Any]:
+    axes = Axes(matrix_of(right, up, forward))
+    return {
+        "format": _FORMAT,
+        "version": _VERSION,
+        "axes": {"right": right, "up": up, "forward": forward},
+        "handedness": "right" if axes.handedness > 0 else "left",
+        "matrix": [list(row) for row in axes.matrix],
+        "units": f"{_UNITS}; {scene.statement}",
+        "lights": _lights(scene, axes),
+        **_ambient(scene, axes, names.map),
+    }
 
 
 def matrix_of(right: str, up: str, forward: str) -> Matrix:
@@ -232,25 +224,18 @@ def _light(
     }
 
 
-def _ambient(scene: Scene, harmonics: ArrayLike, axes: Axes, texture: str) -> dict[str, Any]:
+def _ambient(scene: Scene, axes: Axes, texture: str) -> dict[str, Any]:
     """Surroundings of the lights; empty if there are none."""
     if scene.ambient is not None:
         return {"ambient": scene.ambient.tolist()}
     if scene.environment is None:
         return {}
     check_link(texture, "a reader of JSON")
-    coefficients = np.asarray(harmonics, np.float64)
-    if coefficients.ndim < 2:
+    if scene.term.ndim < 2:
         return {"map": texture}
-    return {"harmonics": turned_ambient(coefficients, axes.matrix).tolist(), "map": texture}
+    return {"harmonics": turned_ambient(scene.term, axes.matrix).tolist(), "map": texture}
 
 
 def _about_y(turn: NDArray[np.float64]) -> float:
     """Degrees of a turn about +y, as Unity's Skybox/Panoramic counts them."""
     return float(np.rad2deg(np.arctan2(turn[2, 0], turn[0, 0])) % 360)
-
-
-def _save(
-    scene: dict[str, Any], path: str | os.PathLike[str], textures: dict[str, NDArray[np.float32]]
-) -> None:
-    save_scene(path, json.dumps(scene, indent=2, allow_nan=False) + "\n", textures)

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from envlights._common.template import fill_template
+from envlights.export.formats.usd_text import asset, colour, prim
 from envlights.export.panels import Panel, crop_names
-from envlights.export.usd_text import asset, colour, prim
 
 #: Surface of a mesh light: black, with the texture as emission.
 _MATERIAL = """\
@@ -40,14 +41,9 @@ token outputs:surface.connect = <@PATH@/surface.outputs:surface>
         }"""
 
 
-def textures(panels: tuple[Panel, ...], prefix: str) -> dict[str, NDArray[np.float32]]:
-    """Textures by their names; a mesh light hides the map, so it shows it too."""
-    names = crop_names(panels, prefix, "usd")
-    return {
-        name: panel.texture if panel.is_rectangle else panel.opaque_texture
-        for name, panel in zip(names, panels, strict=True)
-        if name
-    }
+def texture(panel: Panel) -> NDArray[np.float32]:
+    """Texture of a light; a mesh light hides the map, so it shows it too."""
+    return panel.texture if panel.is_rectangle else panel.opaque_texture
 
 
 def prims(panels: tuple[Panel, ...], prefix: str) -> list[str]:
@@ -111,7 +107,7 @@ def _mesh(panel: Panel, file: str) -> list[str]:
         f"rel material:binding = <{path}>",
     ]
     schemas = '"MaterialBindingAPI", "MeshLightAPI"'
-    material = _MATERIAL.replace("@PATH@", path).replace("@FILE@", asset(file))
+    material = fill_template(_MATERIAL, path=path, file=asset(file))
     return [
         prim("Mesh", panel.name, mesh, schemas),
         prim("Material", f"{panel.name}_surface", [material]),

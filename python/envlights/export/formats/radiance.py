@@ -2,30 +2,27 @@
 
 from __future__ import annotations
 
-import os
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights._common.check import describe
+from envlights._common.template import fill_template
 from envlights._native import EnvLightsError
-from envlights.environment.envmap import EnvMap
+from envlights.environment.envmap import AnyMap, EnvMap
 from envlights.export.axes import AXES
 from envlights.export.discs import split_by_size, with_discs
-from envlights.export.files import CONTROLS, check_link, save_scene, texture_name
+from envlights.export.files import CONTROLS, AnyPath, check_link
 from envlights.export.look_up import looked_up
-from envlights.export.scene import Scene, scene_of
-from envlights.rigs.light_arrays import LARGEST_LIGHT
-from envlights.rigs.lights import Lights
-from envlights.rigs.rig import Rig
+from envlights.export.scene import Exportable, Scene, scene_of
+from envlights.export.textures import Beside, save_beside
 
 #: Angular radius in radians above which a light is drawn into the sky. Radiance samples a source
 #: near its centre only: the error is 0.9 % for a radius of 0.25, and 2.2 % for 0.6.
 _WIDE = 0.2
+#: Largest radiance, because Radiance has single precision.
+_LARGEST = float(np.finfo(np.float32).max)
 #: Angular radius of a point; a source must have one.
 _POINT = 1e-4
-#: End of the name of a picture whose mantissas are rounded as Radiance reads them.
-TEXTURE = ".ambient.hdr"
 _HEADER = """\
 # Lights of envlights, z up. Units: @UNITS@.
 # rtrace and rpict: -ab 1 or more for the ambient term and wide lights, -dj 1 for soft shadows.
@@ -33,9 +30,7 @@ _HEADER = """\
 
 
 def radiance(
-    rig: Rig | Lights,
-    environment: EnvMap | ArrayLike | None = None,
-    texture: str = "ambient.hdr",
+    rig: Exportable, environment: AnyMap | None = None, texture: str = "ambient.hdr"
 ) -> str:
     r"""A description with a `source` for each light, and one for the sky.
 
@@ -63,10 +58,6 @@ def radiance(
         Name of the picture of the sky, if there is one; `save_radiance` writes it. Radiance looks
         for it in the working directory, then in the folders of RAYPATH.
 
-    Returns
-    -------
-    str
-
     Examples
     --------
     >>> import envlights as el
@@ -81,33 +72,28 @@ def radiance(
     0
     4 0 0 1 11.4591559
     """
-    return _description(*_parts(scene_of(rig, environment, target="radiance")), texture)
+    return _description(_scene(rig, environment), Beside(texture))
 
 
-def save_radiance(
-    rig: Rig | Lights,
-    path: str | os.PathLike[str],
-    environment: EnvMap | ArrayLike | None = None,
-) -> None:
+def save_radiance(rig: Exportable, path: AnyPath, environment: AnyMap | None = None) -> None:
     """Write `radiance` at `path`, and the picture of the sky beside it, if there is one."""
-    lights, scene = _parts(scene_of(rig, environment, target="radiance"))
-    name = texture_name(path, TEXTURE)
-    textures = {} if scene.environment is None else {name: _picture(scene.environment)}
-    save_scene(path, _description(lights, scene, name), textures)
+    save_beside(path, _scene(rig, environment), "radiance", _description, map_of=_picture)
 
 
-def _parts(scene: Scene) -> tuple[Lights, Scene]:
-    """Lights that are sampled one by one, and the sky with the wide lights."""
+def _scene(rig: Exportable, environment: AnyMap | None) -> Scene:
+    """Lights that are sampled one by one, with the wide lights in the sky around them."""
+    scene = scene_of(rig, environment, target="radiance")
     narrow, wide = split_by_size(scene.lights, least=_WIDE)
-    return narrow, with_discs(scene, wide)
+    return with_discs(scene, wide)._replace(lights=narrow)
 
 
-def _description(lights: Lights, scene: Scene, name: str) -> str:
+def _description(scene: Scene, names: Beside) -> str:
+    lights = scene.lights
     radius = np.maximum(lights.angular_radius, _POINT)
-    seen = lights.irradiance / (np.pi * np.sin(radius) ** 2)[:, None] + _sky(scene, lights)
-    if seen.max(initial=0) > LARGEST_LIGHT:
+    seen = lights.irradiance / (np.pi * np.sin(radius) ** 2)[:, None] + _sky(scene)
+    if seen.max(initial=0) > _LARGEST:
         raise EnvLightsError(
-            f"Radiance has single precision (up to {LARGEST_LIGHT:.3g}), and a light has the"
+            f"Radiance has single precision (up to {_LARGEST:.3g}), and a light has the"
             f" radiance {seen.max():.3g}; scale the rig, or give its lights a size"
         )
     towards = AXES["radiance"].to_target(lights.direction)
@@ -115,15 +101,15 @@ def _description(lights: Lights, scene: Scene, name: str) -> str:
         _source("light", f"light_{j}", rgb, direction, 2 * angle)
         for j, (rgb, direction, angle) in enumerate(zip(seen, towards, radius, strict=True))
     ]
-    header = _HEADER.replace("@UNITS@", scene.statement)
-    return "\n".join([header, *sources, *_glow(scene, name)])
+    header = fill_template(_HEADER, units=scene.statement)
+    return "\n".join([header, *sources, *_glow(scene, names.map)])
 
 
-def _sky(scene: Scene, lights: Lights) -> NDArray[np.float64]:
+def _sky(scene: Scene) -> NDArray[np.float64]:
     """Radiance of the sky behind each light, (n, 3)."""
     if scene.environment is not None:
-        return looked_up(scene.environment, lights.direction).astype(np.float64)
-    return np.zeros(3) if scene.ambient is None else scene.ambient
+        return looked_up(scene.environment, scene.lights.direction).astype(np.float64)
+    return scene.constant
 
 
 def _glow(scene: Scene, name: str) -> list[str]:
@@ -138,9 +124,11 @@ def _glow(scene: Scene, name: str) -> list[str]:
     return []
 
 
-def _picture(env: EnvMap) -> NDArray[np.float32]:
+def _picture(scene: Scene) -> NDArray[np.float32] | None:
     """Pixels of a map with one more pixel on each side, because Radiance does not wrap pictures."""
-    rows = np.pad(env.radiance, ((1, 1), (0, 0), (0, 0)), "edge")
+    if scene.environment is None:
+        return None
+    rows = np.pad(scene.environment.radiance, ((1, 1), (0, 0), (0, 0)), "edge")
     return np.pad(rows, ((0, 0), (1, 1), (0, 0)), "wrap")
 
 

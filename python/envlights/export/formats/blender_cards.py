@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from envlights._common.template import fill_template
 from envlights.export.files import check_link
 from envlights.export.panels import Panel, crop_names
 
@@ -92,12 +92,6 @@ def image_node(nodes, texture):
 '''
 
 
-def textures(panels: tuple[Panel, ...], prefix: str) -> dict[str, NDArray[np.float32]]:
-    """Textures of the light alone, by their names."""
-    names = crop_names(panels, prefix, "blender")
-    return {name: panel.texture for name, panel in zip(names, panels, strict=True)}
-
-
 def code(panels: tuple[Panel, ...], prefix: str) -> str:
     """Numbers and functions for a script; empty without panels."""
     if not panels:
@@ -108,11 +102,7 @@ def code(panels: tuple[Panel, ...], prefix: str) -> str:
     pairs = list(zip(panels, names, strict=True))
     rectangles = [_rectangle(*pair) for pair in pairs if _is_lamp(pair[0])]
     planes = [_plane(*pair) for pair in pairs if not _is_lamp(pair[0])]
-    parts = {"@RECTANGLES@": "".join(rectangles), "@PLANES@": "".join(planes)}
-    script = _CODE
-    for mark, text in parts.items():
-        script = script.replace(mark, text)
-    return script
+    return fill_template(_CODE, rectangles="".join(rectangles), planes="".join(planes))
 
 
 def _is_lamp(panel: Panel) -> bool:

@@ -3,24 +3,22 @@
 from __future__ import annotations
 
 import importlib
-import os
 import tempfile
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from envlights._common.files import as_path
+from envlights._common.template import fill_template
 from envlights._native import EnvLightsError
-from envlights.cards import Cards
-from envlights.environment.envmap import EnvMap
-from envlights.export import usd_cards
+from envlights.environment.envmap import AnyMap
 from envlights.export.axes import AXES
-from envlights.export.files import panorama, save_scene
-from envlights.export.scene import Scene, scene_of
-from envlights.export.usd_text import asset, colour, prim
-from envlights.rigs.lights import Lights
-from envlights.rigs.rig import Rig
+from envlights.export.files import AnyPath
+from envlights.export.formats import usd_cards
+from envlights.export.formats.usd_text import asset, colour, prim
+from envlights.export.scene import Exportable, Scene, scene_of
+from envlights.export.textures import Beside, save_beside
 
 _HEAD = """#usda 1.0
 (
@@ -35,12 +33,7 @@ def Xform "rig"
 """
 
 
-def usd(
-    rig: Rig | Lights | Cards,
-    environment: EnvMap | ArrayLike | None = None,
-    *,
-    texture: str = "ambient.exr",
-) -> str:
+def usd(rig: Exportable, environment: AnyMap | None = None, *, texture: str = "ambient.exr") -> str:
     r"""A stage of lights as text, to be referenced or opened.
 
     Parameters
@@ -67,43 +60,40 @@ def usd(
     >>> "float inputs:intensity = 3.0" in text, "color3f inputs:color = (1.0, 0.5, 0.0)" in text
     (True, True)
     """
-    return _text(scene_of(rig, environment, target="usd"), texture, "")
+    return _text(scene_of(rig, environment, target="usd"), Beside(texture))
 
 
 def save_usd(
-    rig: Rig | Lights | Cards,
-    path: str | os.PathLike[str],
-    environment: EnvMap | ArrayLike | None = None,
-    *,
-    texture: str | None = None,
+    rig: Exportable, path: AnyPath, environment: AnyMap | None = None, *, texture: str | None = None
 ) -> None:
     """Write `usd` as text (.usda, .usd), or as a crate (.usdc), which needs the extra `usd`.
 
     A map goes beside it, ``scene.ambient.exr``, unless it is the file `texture`.
     """
     scene = scene_of(rig, environment, target="usd")
-    name, textures = panorama(path, scene.environment, texture)
-    prefix = f"{as_path(path).stem}."
-    text = _text(scene, name, prefix)
-    textures = {**textures, **usd_cards.textures(scene.panels, prefix)}
-    content = crate(text) if as_path(path).suffix.lower() == ".usdc" else text
-    save_scene(path, content, textures)
+    is_crate = as_path(path).suffix.lower() == ".usdc"
+
+    def content(scene: Scene, names: Beside) -> str | bytes:
+        text = _text(scene, names)
+        return crate(text) if is_crate else text
+
+    save_beside(path, scene, "usd", content, texture, crop_of=usd_cards.texture)
 
 
-def _text(scene: Scene, texture: str, prefix: str) -> str:
+def _text(scene: Scene, names: Beside) -> str:
     lights = scene.lights
     rows = zip(lights.direction, lights.irradiance, lights.angular_radius, strict=True)
     prims = [_light(f"light_{j}", *row) for j, row in enumerate(rows)]
-    prims += usd_cards.prims(scene.panels, prefix)
+    prims += usd_cards.prims(scene.panels, names.prefix)
     if scene.environment is not None:
         file = [
-            f"asset inputs:texture:file = {asset(texture)}",
+            f"asset inputs:texture:file = {asset(names.map)}",
             'token inputs:texture:format = "latlong"',
         ]
         prims.append(prim("DomeLight", "ambient", ["float inputs:intensity = 1.0", *file]))
     elif scene.ambient is not None:
         prims.append(prim("DomeLight", "ambient", colour(scene.ambient)))
-    return _HEAD.replace("@UNITS@", scene.statement) + "\n".join(prims) + "}\n"
+    return fill_template(_HEAD, units=scene.statement) + "\n".join(prims) + "}\n"
 
 
 def _light(

@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-import json
-import os
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from envlights.cards import Cards
-from envlights.environment.envmap import EnvMap
-from envlights.export import gltf_cards
+from envlights.environment.envmap import AnyMap
 from envlights.export.axes import AXES
-from envlights.export.files import check_link, panorama, save_scene
-from envlights.export.panels import distant_and_panels
-from envlights.export.scene import check_rig, scene_of, statement_of
-from envlights.rigs.lights import Lights
-from envlights.rigs.rig import Rig
+from envlights.export.files import AnyPath, check_link, json_text
+from envlights.export.formats import gltf_cards
+from envlights.export.scene import Exportable, Scene, scene_of
+from envlights.export.textures import Beside, save_beside
 
 _EXTENSION = "KHR_lights_punctual"
 #: Direction in which a light of glTF shines if its node has no rotation.
@@ -36,10 +31,7 @@ _MAP_NOTE = (
 
 
 def gltf(
-    rig: Rig | Lights | Cards,
-    environment: EnvMap | ArrayLike | None = None,
-    *,
-    texture: str = "ambient.exr",
+    rig: Exportable, environment: AnyMap | None = None, *, texture: str = "ambient.exr"
 ) -> dict[str, Any]:
     """A glTF 2.0 asset: a node for each light.
 
@@ -79,12 +71,24 @@ def gltf(
     >>> light["color"], light["intensity"]
     ([1.0, 0.5, 0.25], 4.0)
     """
-    every = check_rig(rig).discs()
-    around = None if environment is None else scene_of(rig, environment, target="gltf").environment
-    lights, panels = distant_and_panels(rig, around)
+    return _asset(scene_of(rig, environment, target="gltf"), Beside(texture))
+
+
+def save_gltf(
+    rig: Exportable, path: AnyPath, environment: AnyMap | None = None, *, texture: str | None = None
+) -> None:
+    """Write `gltf` at `path`; a map goes beside it, unless it is the file `texture`."""
+    scene = scene_of(rig, environment, target="gltf")
+    if not scene.has_map:
+        scene = scene._replace(environment=None)  # harmonics are written as numbers
+    save_beside(path, scene, "gltf", lambda *parts: json_text(_asset(*parts)), texture)
+
+
+def _asset(written: Scene, names: Beside) -> dict[str, Any]:
+    lights, panels = written.lights, written.panels
     towards = AXES["gltf"].to_target(lights.direction)
     scene: dict[str, Any] = {"name": "envlights"}
-    extras = {"units": statement_of(every, every.units, "gltf")}
+    extras = {"units": written.statement}
     about = {"version": "2.0", "generator": "envlights", "extras": extras}
     asset: dict[str, Any] = {"asset": about, "scene": 0}
     asset["scenes"] = [scene]
@@ -105,26 +109,13 @@ def gltf(
         asset["extensionsUsed"] = [_EXTENSION]
     if panels:
         gltf_cards.add(asset, panels)
-    if environment is not None:
-        check_link(texture, "a reader of JSON")
-        scene["extras"] = {"environment": texture, "note": _MAP_NOTE}
-    elif np.any(getattr(rig, "ambient", 0)):
-        scene["extras"] = _extras(rig)
+    if written.has_map:
+        check_link(names.map, "a reader of JSON")
+        scene["extras"] = {"environment": names.map, "note": _MAP_NOTE}
+    elif written.term.any():
+        term = {"ambient": written.term.tolist(), "floor": written.floor}
+        scene["extras"] = {**term, "note": _NOTE}
     return asset
-
-
-def save_gltf(
-    rig: Rig | Lights | Cards,
-    path: str | os.PathLike[str],
-    environment: EnvMap | ArrayLike | None = None,
-    *,
-    texture: str | None = None,
-) -> None:
-    """Write `gltf` at `path`; a map goes beside it, unless it is the file `texture`."""
-    around = None if environment is None else scene_of(rig, environment, target="gltf").environment
-    name, textures = panorama(path, around, texture)
-    asset = gltf(rig, environment, texture=name)
-    save_scene(path, json.dumps(asset, indent=2, allow_nan=False) + "\n", textures)
 
 
 def _light(j: int, irradiance: NDArray[np.float64], radius: float) -> dict[str, Any]:
@@ -137,10 +128,6 @@ def _light(j: int, irradiance: NDArray[np.float64], radius: float) -> dict[str, 
         "intensity": most,
         "extras": {"angular_radius": float(radius)},
     }
-
-
-def _extras(rig: Any) -> dict[str, Any]:
-    return {"ambient": rig.ambient.tolist(), "floor": rig.floor, "note": _NOTE}
 
 
 def rotation_between(start: NDArray[np.float64], end: NDArray[np.float64]) -> NDArray[np.float64]:

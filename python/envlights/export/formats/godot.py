@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 import json
-import os
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from envlights._common.srgb import encode_srgb
-from envlights.environment.envmap import EnvMap
+from envlights.environment.envmap import AnyMap
 from envlights.export.axes import AXES
-from envlights.export.files import CONTROLS, check_link, panorama, save_scene
-from envlights.export.scene import CASTERS, Scene, at_most, scene_of
-from envlights.rigs.lights import Lights
-from envlights.rigs.rig import Rig
+from envlights.export.files import CONTROLS, AnyPath, check_link
+from envlights.export.scene import Exportable, Scene, at_most, scene_of
+from envlights.export.targets import CASTERS, target_named
+from envlights.export.textures import Beside, save_beside
 
-#: Directional lights that Godot draws; it drops any others.
-DIRECTIONAL_LIGHTS = 8
+#: Directional lights that Godot draws.
+_LIGHTS = target_named("godot").shows.lights
 #: Largest angular size that is written, in degrees. Godot adds 1 minus its cosine to the cosine of
 #: each surface, which adds 0.07 % to the flux here, and 27 % for a lamp of 30 degrees.
 _WIDEST = 1.5
@@ -27,11 +26,7 @@ _WIDEST = 1.5
 _COLOUR_BACKGROUND, _SKY_BACKGROUND, _COLOUR_LIGHT, _SKY_LIGHT = 1, 2, 2, 3
 
 
-def godot(
-    rig: Rig | Lights,
-    environment: EnvMap | ArrayLike | None = None,
-    texture: str = "ambient.exr",
-) -> str:
+def godot(rig: Exportable, environment: AnyMap | None = None, texture: str = "ambient.exr") -> str:
     """A scene for Godot 4, with the suffix ``.tscn``, of lights and a `WorldEnvironment`.
 
     Put it and its map into a project, and add it to your scene as a child. A scene may have only
@@ -57,10 +52,6 @@ def godot(
     texture : str
         Name of the map's file beside the scene, if there is a map; `save_godot` writes it.
 
-    Returns
-    -------
-    str
-
     Notes
     -----
     A larger angular size would brighten surfaces that face away from the light. The renderer
@@ -75,29 +66,24 @@ def godot(
     >>> [line for line in scene.splitlines() if line.startswith("light_")]
     ['light_color = Color(1, 0, 0, 1)', 'light_energy = 1.0']
     """
-    return _text(at_most(scene_of(rig, environment, target="godot"), DIRECTIONAL_LIGHTS), texture)
+    return _text(at_most(scene_of(rig, environment, target="godot"), _LIGHTS), Beside(texture))
 
 
 def save_godot(
-    rig: Rig | Lights,
-    path: str | os.PathLike[str],
-    environment: EnvMap | ArrayLike | None = None,
-    *,
-    texture: str | None = None,
+    rig: Exportable, path: AnyPath, environment: AnyMap | None = None, *, texture: str | None = None
 ) -> None:
     """Write `godot` at `path`; a map goes beside it, unless it is the file `texture`.
 
     With more lights than Godot draws, the map holds the others, so it is never that file.
     """
     every = scene_of(rig, environment, target="godot")
-    scene = at_most(every, DIRECTIONAL_LIGHTS)
+    scene = at_most(every, _LIGHTS)
     is_whole = len(scene.lights) == len(every.lights)
-    name, textures = panorama(path, scene.environment, texture if is_whole else None)
-    save_scene(path, _text(scene, name), textures)
+    save_beside(path, scene, "godot", _text, texture if is_whole else None)
 
 
-def _text(scene: Scene, texture: str) -> str:
-    parts = ["[gd_scene format=3]", *_environment(scene, texture)]
+def _text(scene: Scene, names: Beside) -> str:
+    parts = ["[gd_scene format=3]", *_environment(scene, names.map)]
     units = json.dumps(scene.statement, ensure_ascii=False)
     parts.append(f'[node name="envlights" type="Node3D"]\nmetadata/units = {units}')
     parts.append(
@@ -114,8 +100,7 @@ def _text(scene: Scene, texture: str) -> str:
 def _environment(scene: Scene, texture: str) -> list[str]:
     """Resources of the environment: a sky of the map, or one colour."""
     if scene.environment is None:
-        ambient = np.zeros(3) if scene.ambient is None else scene.ambient
-        return [_colour_environment(ambient)]
+        return [_colour_environment(scene.constant)]
     check_link(texture, "Godot", ("\\", *CONTROLS))
     name = json.dumps(texture, ensure_ascii=False)
     return [

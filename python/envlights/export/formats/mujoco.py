@@ -7,24 +7,23 @@ lights, and the headlight is one of them.
 
 from __future__ import annotations
 
-import os
 from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from envlights._common.check import amount
-from envlights.environment.envmap import EnvMap
+from envlights._common.template import fill_template
+from envlights.environment.envmap import AnyMap
 from envlights.export.axes import AXES
-from envlights.export.files import save_scene
-from envlights.export.scene import CASTERS, Scene, at_most, mean_radiance, scene_of
+from envlights.export.files import AnyPath, save_scene
+from envlights.export.scene import Discs, Exportable, at_most, mean_radiance, scene_of
+from envlights.export.targets import CASTERS, target_named
 from envlights.kernels.sampling import icosphere
-from envlights.rigs.lights import Lights
-from envlights.rigs.rig import Rig
 
-#: Lights beside the headlight: OpenGL has eight, and MuJoCo ignores any others.
-LAMPS = 7
+#: Lights beside the headlight; MuJoCo ignores any others.
+_LIGHTS = target_named("mujoco").shows.lights
 #: Metres from the origin to each lamp, where its shadow map begins. MuJoCo draws shadow maps to 50
 #: times the extent of the model, so shadows need an extent of 0.2 to 10 metres.
 _DISTANCE = 10.0
@@ -40,10 +39,7 @@ _COMMENT = """
 
 
 def mujoco(
-    rig: Rig | Lights,
-    environment: EnvMap | ArrayLike | None = None,
-    *,
-    scale: float | None = None,
+    rig: Exportable, environment: AnyMap | None = None, *, scale: float | None = None
 ) -> str:
     """MJCF of up to seven directional lights, and an ambient term in the headlight.
 
@@ -95,11 +91,13 @@ def mujoco(
     >>> lamp.get("dir"), lamp.get("diffuse")
     ('-1.0 0.0 0.0', '1.0 0.5 0.25')
     """
-    scene = _scene(rig, scene_of(rig, environment, target="mujoco"), environment is not None)
-    lights, ambient = scene.lights, np.pi * np.asarray(scene.ambient)
+    scene = scene_of(rig, environment, target="mujoco")
+    mean = mean_radiance(scene)
+    scene = at_most(scene._replace(ambient=mean, environment=None), _LIGHTS)
+    lights, ambient = scene.lights, np.pi * scene.constant
     factor = _largest_scale(lights, ambient) if scale is None else amount("scale", scale)
     root = ElementTree.Element("mujoco", model="envlights")
-    root.append(ElementTree.Comment(_COMMENT.replace("@UNITS@", scene.statement)))
+    root.append(ElementTree.Comment(fill_template(_COMMENT, units=scene.statement)))
     custom = ElementTree.SubElement(root, "custom")
     ElementTree.SubElement(custom, "numeric", name="envlights_scale", data=repr(factor))
     # Its other parts would light what the camera sees from the camera.
@@ -113,23 +111,13 @@ def mujoco(
 
 
 def save_mujoco(
-    rig: Rig | Lights,
-    path: str | os.PathLike[str],
-    environment: EnvMap | ArrayLike | None = None,
-    *,
-    scale: float | None = None,
+    rig: Exportable, path: AnyPath, environment: AnyMap | None = None, *, scale: float | None = None
 ) -> None:
     """Write `mujoco` at `path`."""
     save_scene(path, mujoco(rig, environment, scale=scale))
 
 
-def _scene(rig: Rig | Lights, scene: Scene, is_map: bool) -> Scene:
-    """Scene with the lights that MuJoCo shows, and one radiance around them."""
-    mean = mean_radiance(rig, scene.environment if is_map else None)
-    return at_most(scene._replace(ambient=mean, environment=None), LAMPS)
-
-
-def _lamps(lights: Lights, factor: float) -> list[dict[str, str]]:
+def _lamps(lights: Discs, factor: float) -> list[dict[str, str]]:
     """Attributes of each light; its highlights on a material are as bright as its diffuse light."""
     return [
         {
@@ -146,7 +134,7 @@ def _lamps(lights: Lights, factor: float) -> list[dict[str, str]]:
     ]
 
 
-def _largest_scale(lights: Lights, ambient: NDArray[np.float64]) -> float:
+def _largest_scale(lights: Discs, ambient: NDArray[np.float64]) -> float:
     """Scale at which the brightest channel of the brightest white surface is 1."""
     towards = lights.direction
     normals = np.concatenate([towards, icosphere(_NORMALS)[0]])

@@ -11,7 +11,9 @@ from envlights._common.files import as_path, check_writable
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import EnvMap
 from envlights.environment.files.image_output import MAP_SUFFIXES
-from envlights.rigs.targets import PANORAMA, Target, save_for, target_of
+from envlights.export.files import AnyPath
+from envlights.export.saving import save_for
+from envlights.export.targets import PANORAMA, Target, target_of
 
 
 class LinkedFile(NamedTuple):
@@ -33,9 +35,7 @@ class LinkedFile(NamedTuple):
     """Textures of cards that are written with it."""
 
 
-def save_with_map(
-    lights: Any, environment: EnvMap, paths: Iterable[str | os.PathLike[str]]
-) -> tuple[Path, ...]:
+def save_with_map(lights: Any, environment: EnvMap, paths: Iterable[AnyPath]) -> tuple[Path, ...]:
     """Write lights and the map around them; scenes name the map, which is written once.
 
     Parameters
@@ -69,14 +69,14 @@ def save_with_map(
 
 
 class LinkedParts:
-    """Lights, `lights`, and the map around them, `remainder`, which are saved and shown together."""
+    """Lights, `lights`, and the map around them, `remainder`, saved and shown together."""
 
     __slots__ = ()
 
     lights: Any
     remainder: EnvMap
 
-    def save(self, *paths: str | os.PathLike[str]) -> tuple[Path, ...]:
+    def save(self, *paths: AnyPath) -> tuple[Path, ...]:
         """Write the lights with the rest around them, for one program or several.
 
         A scene loads the rest by a relative name. Blender, OpenUSD, Unity and Unreal name the file
@@ -122,9 +122,7 @@ class LinkedParts:
         return f"{self.lights._repr_html_()}{self.remainder._repr_html_()}"
 
 
-def plan(
-    environment: EnvMap, paths: Iterable[str | os.PathLike[str]], lights: Any = None
-) -> list[LinkedFile]:
+def plan(environment: EnvMap, paths: Iterable[AnyPath], lights: Any = None) -> list[LinkedFile]:
     """Files of `save_with_map`, checked before the first is written."""
     given = [as_path(path) for path in paths]
     panorama = _panorama(environment, given)

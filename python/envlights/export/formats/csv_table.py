@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 from collections.abc import Callable
 from typing import NamedTuple, TypeVar
@@ -14,6 +13,7 @@ from envlights._common.errors import DamagedFileError
 from envlights._common.files import read_text
 from envlights._common.units import OWN_SCALE, PHOTOMETRIC
 from envlights._native import EnvLightsError
+from envlights.export.files import AnyPath
 
 _T = TypeVar("_T")
 
@@ -52,7 +52,7 @@ class Table(NamedTuple):
     """True if a floor hides the ambient light from below."""
 
 
-def read_csv(path: str | os.PathLike[str]) -> Table:
+def read_csv(path: AnyPath) -> Table:
     """Read what `save_csv` wrote.
 
     Raises
@@ -78,7 +78,7 @@ def read_csv(path: str | os.PathLike[str]) -> Table:
     return Table(lights[:, :3], lights[:, 3:6], lights[:, 6], ambient, rms, units, floor)
 
 
-def load_csv(path: str | os.PathLike[str], build: Callable[[Table], _T]) -> _T:
+def load_csv(path: AnyPath, build: Callable[[Table], _T]) -> _T:
     """Result of `build` for the table in a file, or a refusal that names the file."""
     table = read_csv(path)
     try:

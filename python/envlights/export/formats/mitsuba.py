@@ -8,28 +8,22 @@ the ambient term. The first and the last row of that map lie on the poles.
 from __future__ import annotations
 
 import importlib
-import os
 from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from envlights import kernels
-from envlights._common.files import as_path
 from envlights._native import EnvLightsError
-from envlights.cards import Cards
-from envlights.environment.envmap import EnvMap
-from envlights.export import mitsuba_cards
+from envlights.environment.envmap import AnyMap, EnvMap
 from envlights.export.discs import MOST_ROWS, rows_for, split_by_size
-from envlights.export.files import check_link, save_scene, texture_name
+from envlights.export.files import AnyPath, check_link
+from envlights.export.formats import mitsuba_cards
 from envlights.export.panels import crop_names
-from envlights.export.scene import Scene, scene_of
-from envlights.rigs.lights import Lights
-from envlights.rigs.rig import Rig
+from envlights.export.scene import Discs, Exportable, Scene, scene_of
+from envlights.export.textures import Beside, save_beside
 
-#: End of the name of a map with its rows as Mitsuba reads them.
-TEXTURE = ".ambient.mitsuba.exr"
 #: A dollar sign begins the name of a parameter; XML forbids the others.
 _REFUSED = ("$", "\ufffe", "\uffff", *(chr(c) for c in range(32) if chr(c) not in "\t\n\r"))
 
@@ -40,9 +34,7 @@ _NORMALS = kernels.pixel_directions(8, 16).reshape(-1, 3)
 _LEAST_WEIGHT = 0.01
 
 
-def mitsuba(
-    rig: Rig | Lights | Cards, environment: EnvMap | ArrayLike | None = None
-) -> dict[str, Any]:
+def mitsuba(rig: Exportable, environment: AnyMap | None = None) -> dict[str, Any]:
     r"""The emitters of a rig, to be merged into the dictionary of a scene.
 
     Parameters
@@ -81,7 +73,7 @@ def mitsuba(
     """
     scene = scene_of(rig, environment, target="mitsuba")
     emitters = {**directional(scene.lights), **mitsuba_cards.shapes(scene.panels)}
-    radiance = _map_of(scene, is_sharp=environment is not None)
+    radiance = _map_of(scene)
     if radiance is not None:
         emitters["ambient"] = envmap(radiance)
     elif scene.ambient is not None:
@@ -90,17 +82,25 @@ def mitsuba(
     return add_weights(emitters, largest_irradiance(radiance, scene.ambient), cards)
 
 
-def save_mitsuba(
-    rig: Rig | Lights | Cards,
-    path: str | os.PathLike[str],
-    environment: EnvMap | ArrayLike | None = None,
-) -> None:
+def save_mitsuba(rig: Exportable, path: AnyPath, environment: AnyMap | None = None) -> None:
     """Write `mitsuba` as XML: a scene of emitters, to be loaded or included in another scene.
 
     A map goes beside it, ``scene.ambient.mitsuba.exr``, with its rows as Mitsuba reads them.
     """
     scene = scene_of(rig, environment, target="mitsuba")
-    radiance = _map_of(scene, is_sharp=environment is not None)
+    radiance = _map_of(scene)
+    save_beside(
+        path,
+        scene,
+        "mitsuba",
+        lambda scene, names: _xml(scene, radiance, names),
+        map_of=lambda _: radiance,
+        crop_of=mitsuba_cards.texture_of,
+    )
+
+
+def _xml(scene: Scene, radiance: NDArray[np.float64] | None, names: Beside) -> str:
+    """Scene of emitters as XML."""
     root = ElementTree.Element("scene", version="3.0.0")
     root.append(ElementTree.Comment(f" {scene.statement} "))
     lights = directional(scene.lights)
@@ -109,19 +109,14 @@ def save_mitsuba(
         x, y, z = map(repr, light["direction"])
         ElementTree.SubElement(emitter, "vector", name="direction", x=x, y=y, z=z)
         _rgb_element(emitter, "irradiance", light["irradiance"]["value"])
-    names = crop_names(scene.panels, f"{as_path(path).stem}.", "mitsuba")
-    textures: dict[str, NDArray[Any]] = {}
-    for panel, name in zip(scene.panels, names, strict=True):
+    crops = crop_names(scene.panels, names.prefix, "mitsuba")
+    for name in crops:
         check_link(name, "Mitsuba", _REFUSED)
-        if name:
-            textures[name] = mitsuba_cards.texture_of(panel)
-    mitsuba_cards.elements(root, scene.panels, names)
+    mitsuba_cards.elements(root, scene.panels, crops)
     if radiance is not None:
-        name = texture_name(path, TEXTURE)
-        check_link(name, "Mitsuba", _REFUSED)
+        check_link(names.map, "Mitsuba", _REFUSED)
         emitter = ElementTree.SubElement(root, "emitter", type="envmap", id="ambient")
-        ElementTree.SubElement(emitter, "string", name="filename", value=name)
-        textures[name] = radiance
+        ElementTree.SubElement(emitter, "string", name="filename", value=names.map)
     elif scene.ambient is not None:
         emitter = ElementTree.SubElement(root, "emitter", type="constant", id="ambient")
         _rgb_element(emitter, "radiance", scene.ambient.tolist())
@@ -130,10 +125,10 @@ def save_mitsuba(
     for emitter, weight in zip(root.iter("emitter"), weights, strict=True):
         ElementTree.SubElement(emitter, "float", name="sampling_weight", value=repr(weight))
     ElementTree.indent(root)
-    save_scene(path, ElementTree.tostring(root, encoding="unicode") + "\n", textures)
+    return ElementTree.tostring(root, encoding="unicode") + "\n"
 
 
-def directional(lights: Lights) -> dict[str, dict[str, Any]]:
+def directional(lights: Discs) -> dict[str, dict[str, Any]]:
     """The points among `lights` as emitters, with the direction in which light travels."""
     points = np.flatnonzero(lights.angular_radius == 0)
     return {
@@ -218,7 +213,7 @@ def largest_irradiance(
     return largest
 
 
-def discs_on_poles(lights: Lights, least_rows: int = 0) -> NDArray[np.float64] | None:
+def discs_on_poles(lights: Discs, least_rows: int = 0) -> NDArray[np.float64] | None:
     """A map of the lights with a size, rows on the poles, (rows + 1, 2 * rows, 3), or None.
 
     A map is the most accurate form of a disc at infinity in Mitsuba. A far sphere as an area
@@ -247,14 +242,14 @@ def sharp_rows_on_poles(env: EnvMap) -> NDArray[np.float64]:
     return rows_on_poles(env.cells().repeat(times, axis=0).repeat(times, axis=1))
 
 
-def _map_of(scene: Scene, *, is_sharp: bool) -> NDArray[np.float64] | None:
+def _map_of(scene: Scene) -> NDArray[np.float64] | None:
     """Map of a scene: its discs added to its environment; None if it needs no map."""
     if scene.environment is None:
         discs = discs_on_poles(scene.lights)
         if discs is None or scene.ambient is None:
             return discs
         return discs + scene.ambient
-    if not is_sharp and not scene.lights.angular_radius.any():
+    if not scene.has_map and not scene.lights.angular_radius.any():
         return rows_on_poles(scene.environment.cells())
     around = sharp_rows_on_poles(scene.environment)
     discs = discs_on_poles(scene.lights, len(around) - 1)

@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-import os
-
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from envlights._common.files import as_path
-from envlights.cards import Cards
-from envlights.environment.envmap import EnvMap
+from envlights.environment.envmap import AnyMap
 from envlights.environment.layouts.layout import Layout, equirectangular
 from envlights.environment.resample import resample
 from envlights.export.axes import AXES
 from envlights.export.discs import split_by_size, with_discs
-from envlights.export.files import check_link, save_scene, texture_name
+from envlights.export.files import AnyPath, check_link
 from envlights.export.panels import Panel, crop_names
-from envlights.export.scene import Scene, scene_of
-from envlights.rigs.lights import Lights
-from envlights.rigs.rig import Rig
+from envlights.export.scene import Exportable, Scene, scene_of
+from envlights.export.textures import Beside, save_beside
 
 #: Angular radius in radians below which a light has no size in pbrt: 0.7 degrees, which is four
 #: pixels in the largest map of discs.
@@ -28,8 +23,6 @@ _SIDE = 1.25
 #: Directions of the centre, of the right and of the upper edge of that map, which has +z of pbrt in
 #: its centre.
 _SQUARE = ((0.0, 1.0, 0.0), (0.0, 0.0, -1.0), (-1.0, 0.0, 0.0))
-#: End of the name of an equal-area map.
-TEXTURE = ".ambient.pbrt.exr"
 #: Escapes of pbrt in a string.
 _ESCAPES = str.maketrans(
     {
@@ -47,9 +40,7 @@ _HEADER = "# Lights of envlights for pbrt-v4: Include this file after WorldBegin
 
 
 def pbrt(
-    rig: Rig | Lights | Cards,
-    environment: EnvMap | ArrayLike | None = None,
-    texture: str = "ambient.pbrt.exr",
+    rig: Exportable, environment: AnyMap | None = None, texture: str = "ambient.pbrt.exr"
 ) -> str:
     """Light sources for pbrt-v4, to be included after ``WorldBegin``.
 
@@ -74,60 +65,48 @@ def pbrt(
     texture : str
         Name of the map's file, if there is an infinite light with a map; `save_pbrt` writes it.
 
-    Returns
-    -------
-    str
-
     Examples
     --------
     >>> import envlights as el
     >>> print(el.export.pbrt(el.Lights([[0, 1, 0]], [[3, 2, 1]])).splitlines()[-1])
     LightSource "distant" "rgb L" [3 2 1] "point3 from" [0 0 1] "point3 to" [0 0 0]
     """
-    return _sources(*_parts(scene_of(rig, environment, target="pbrt")), texture, "")
+    return _sources(_scene(rig, environment), Beside(texture))
 
 
-def save_pbrt(
-    rig: Rig | Lights | Cards,
-    path: str | os.PathLike[str],
-    environment: EnvMap | ArrayLike | None = None,
-) -> None:
+def save_pbrt(rig: Exportable, path: AnyPath, environment: AnyMap | None = None) -> None:
     """Write `pbrt` at `path`, and the map of an infinite light beside it, if there is one."""
-    lights, scene = _parts(scene_of(rig, environment, target="pbrt"))
-    name = texture_name(path, TEXTURE)
-    textures = {} if scene.environment is None else {name: _equal_area(scene.environment)}
-    prefix = f"{as_path(path).stem}."
-    textures |= _crops(scene.panels, prefix)
-    save_scene(path, _sources(lights, scene, name, prefix), textures)
+    scene = _scene(rig, environment)
+    save_beside(path, scene, "pbrt", _sources, map_of=_equal_area, crop_of=_crop)
 
 
-def _parts(scene: Scene) -> tuple[Lights, Scene]:
-    """Distant lights, and the scene around them with the larger lights in its map."""
+def _crop(panel: Panel) -> NDArray[np.float32]:
+    """Texture of a card; it hides the map, so it shows it too."""
+    return panel.opaque_texture
+
+
+def _scene(rig: Exportable, environment: AnyMap | None) -> Scene:
+    """Distant lights, with the larger lights in the map around them."""
+    scene = scene_of(rig, environment, target="pbrt")
     narrow, wide = split_by_size(scene.lights, least=_NARROW)
-    return narrow, with_discs(scene, wide)
+    return with_discs(scene, wide)._replace(lights=narrow)
 
 
-def _sources(lights: Lights, scene: Scene, name: str, prefix: str) -> str:
+def _sources(scene: Scene, names: Beside) -> str:
+    lights = scene.lights
     towards = AXES["pbrt"].to_target(lights.direction)
     lines = [
         f'LightSource "distant" "rgb L" {_numbers(irradiance)}'
         f' "point3 from" {_numbers(direction)} "point3 to" [0 0 0]'
         for direction, irradiance in zip(towards, lights.irradiance, strict=True)
     ]
-    names = crop_names(scene.panels, prefix, "pbrt")
-    lines += [_card(*each) for each in zip(scene.panels, names, strict=True)]
+    crops = crop_names(scene.panels, names.prefix, "pbrt")
+    lines += [_card(*each) for each in zip(scene.panels, crops, strict=True)]
     if scene.environment is not None:
-        lines.append(f'LightSource "infinite" "string filename" {_string(name)}')
+        lines.append(f'LightSource "infinite" "string filename" {_string(names.map)}')
     elif scene.ambient is not None:
         lines.append(f'LightSource "infinite" "rgb L" {_numbers(scene.ambient)}')
     return "\n".join([_HEADER, f"# Units: {scene.statement}.", *lines]) + "\n"
-
-
-def _crops(panels: tuple[Panel, ...], prefix: str) -> dict[str, NDArray[np.float32]]:
-    """Textures by their names; a card hides the map, so it shows it too."""
-    names = crop_names(panels, prefix, "pbrt")
-    pairs = zip(names, panels, strict=True)
-    return {name: panel.opaque_texture for name, panel in pairs if name}
 
 
 def _card(panel: Panel, name: str) -> str:
@@ -168,8 +147,11 @@ def _string(name: str) -> str:
     return f'"{name.translate(_ESCAPES)}"'
 
 
-def _equal_area(env: EnvMap) -> NDArray[np.float32]:
-    """A map in the form of pbrt: a square of pixels with equal solid angles."""
+def _equal_area(scene: Scene) -> NDArray[np.float32] | None:
+    """Map of a scene in the form of pbrt: a square of pixels with equal solid angles."""
+    env = scene.environment
+    if env is None:
+        return None
     side = int(np.ceil(_SIDE * env.height))
     square = Layout("octahedral-equal-area", side, side, axes=_SQUARE)
     return resample(env.radiance, None, equirectangular(env.height), square)[0]

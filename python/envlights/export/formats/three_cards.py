@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from envlights.export.formats.three_things import colour_of, image_of, texture_of, thing_of, uuid_of
 from envlights.export.panels import Panel
-from envlights.export.three_things import colour_of, image_of, texture_of, thing_of, uuid_of
 
 #: Constants of three.js: UVMapping, and ClampToEdgeWrapping along both axes.
 _CLAMPED = {"mapping": 300, "wrap": [1001, 1001]}

@@ -1,8 +1,7 @@
-"""Reader of the package's own JSON files, which `envlights.export` writes."""
+"""Lossless JSON of the package, with format, version, frame and units: reader and writer."""
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from typing import Any, TypeVar
 
@@ -10,16 +9,33 @@ from envlights._common.check import describe
 from envlights._common.errors import DamagedFileError, FileError
 from envlights._common.files import read_text
 from envlights._common.printable import printable_parts
+from envlights._common.units import statement
 from envlights._native import EnvLightsError
+from envlights.export.files import AnyPath, json_text, save_scene
+from envlights.kernels.sphere import FRAME
 
 _T = TypeVar("_T")
 
+#: Header of a file of lights. `Lights.to_dict` holds only arrays, as a part of a rig.
+LIGHTS_HEADER: dict[str, str | int] = {
+    "format": "envlights lights",
+    "version": 2,
+    "frame": FRAME,
+    "units": "irradiance: at normal incidence; linear Rec.709 RGB; angular_radius: radians",
+}
+
+
+def save_json(rig: Any, path: AnyPath) -> None:
+    """Write the result of `to_dict`, which `load` of the same class reads."""
+    data = rig.to_dict()
+    if "format" not in data:
+        units = f"{LIGHTS_HEADER['units']}; {statement(data['scale'])}"
+        data = {**LIGHTS_HEADER, "units": units, **data}
+    save_scene(path, json_text(data))
+
 
 def read_json(
-    path: str | os.PathLike[str],
-    kind: str,
-    versions: tuple[int, ...],
-    build: Callable[[dict[str, Any]], _T],
+    path: AnyPath, kind: str, versions: tuple[int, ...], build: Callable[[dict[str, Any]], _T]
 ) -> _T:
     """Read a file of a `kind`, such as "rig", and pass its content to `build`.
 

@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-import os
 import tempfile
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from envlights._common.files import as_path
+from envlights._common.template import fill_template
 from envlights._native import EnvLightsError
-from envlights.cards import Cards
-from envlights.environment.envmap import EnvMap
-from envlights.export import blender_cards
+from envlights.environment.envmap import AnyMap
 from envlights.export.axes import AXES
-from envlights.export.files import check_link, panorama, save_scene
-from envlights.export.scene import Scene, scene_of
-from envlights.rigs.light import POLES, angle_cells
-from envlights.rigs.lights import Lights
-from envlights.rigs.rig import Rig
+from envlights.export.files import AnyPath, check_link
+from envlights.export.formats import blender_cards
+from envlights.export.scene import Exportable, Scene, scene_of
+from envlights.export.textures import Beside, save_beside
+from envlights.kernels.angles import POLES, angle_cells
 
 #: Runs in Blender 4.2 and newer. A second run replaces the objects of the first.
 _SCRIPT = '''\
@@ -99,9 +96,7 @@ main()
 
 
 def blender(
-    rig: Rig | Lights | Cards,
-    environment: EnvMap | ArrayLike | None = None,
-    texture: str = "ambient.exr",
+    rig: Exportable, environment: AnyMap | None = None, texture: str = "ambient.exr"
 ) -> str:
     """A Python script that makes sun lamps and a world; it replaces those of its last run.
 
@@ -126,10 +121,6 @@ def blender(
     texture : str
         Name of the map's file beside the script, if there is a map; `save_blender` writes it.
 
-    Returns
-    -------
-    str
-
     See Also
     --------
     add_to_blender : add the lights to a running Blender.
@@ -141,27 +132,18 @@ def blender(
     >>> next(line for line in script.splitlines() if line.startswith("    ("))
     '    ([0.0, 0.0, 1.0], [3.0, 2.0, 1.0], 0.5),  # zenith'
     """
-    return _script(scene_of(rig, environment, target="blender"), texture, "")
+    return _script(scene_of(rig, environment, target="blender"), Beside(texture))
 
 
 def save_blender(
-    rig: Rig | Lights | Cards,
-    path: str | os.PathLike[str],
-    environment: EnvMap | ArrayLike | None = None,
-    *,
-    texture: str | None = None,
+    rig: Exportable, path: AnyPath, environment: AnyMap | None = None, *, texture: str | None = None
 ) -> None:
     """Write `blender` at `path`, and its map beside it, unless the map is the file `texture`."""
     scene = scene_of(rig, environment, target="blender")
-    name, textures = panorama(path, scene.environment, texture)
-    prefix = f"{as_path(path).stem}."
-    textures = {**textures, **blender_cards.textures(scene.panels, prefix)}
-    save_scene(path, _script(scene, name, prefix), textures)
+    save_beside(path, scene, "blender", _script, texture, crop_of=lambda panel: panel.texture)
 
 
-def add_to_blender(
-    rig: Rig | Lights | Cards, environment: EnvMap | ArrayLike | None = None
-) -> None:
+def add_to_blender(rig: Exportable, environment: AnyMap | None = None) -> None:
     """Run the script of `blender` in this process: in Blender, or with `bpy` from PyPI.
 
     The open scene gets a collection "envlights" of sun lamps, and a new world; a map is packed.
@@ -195,10 +177,10 @@ def _place(direction: NDArray[np.float64]) -> str:
     return azimuth if azimuth in POLES else f"azimuth {azimuth}, elevation {elevation}"
 
 
-def _script(scene: Scene, name: str, prefix: str) -> str:
+def _script(scene: Scene, names: Beside) -> str:
     if scene.environment is not None:
         # Blender takes backslashes in paths for slashes on all systems.
-        check_link(name, "Blender", "\\")
+        check_link(names.map, "Blender", "\\")
     lights = scene.lights
     towards = AXES["blender"].to_target(lights.direction).tolist()
     arrays = towards, lights.irradiance.tolist(), lights.angular_radius.tolist()
@@ -206,16 +188,12 @@ def _script(scene: Scene, name: str, prefix: str) -> str:
     written = "".join(
         f"    ({there}, {at}, {2 * radius}),  # {place}\n" for there, at, radius, place in rows
     )
-    ambient = np.zeros(3) if scene.ambient is None else scene.ambient
-    parts = {
-        "@UNITS@": scene.statement,
-        "@LIGHTS@": written,
-        "@AMBIENT@": str(ambient.tolist()),
-        "@MAP@": "None" if scene.environment is None else ascii(name),
-        "@CARDS@": blender_cards.code(scene.panels, prefix),
-        "@ADD_CARDS@": "    add_cards(new)\n" if scene.panels else "",
-    }
-    script = _SCRIPT
-    for mark, text in parts.items():
-        script = script.replace(mark, text)
-    return script
+    return fill_template(
+        _SCRIPT,
+        units=scene.statement,
+        lights=written,
+        ambient=str(scene.constant.tolist()),
+        map="None" if scene.environment is None else ascii(names.map),
+        cards=blender_cards.code(scene.panels, names.prefix),
+        add_cards="    add_cards(new)\n" if scene.panels else "",
+    )

@@ -1,0 +1,84 @@
+"""Writer of a rig in the format of a suffix, with a warning about losses."""
+
+from __future__ import annotations
+
+import warnings
+from typing import Any
+
+from envlights._native import EnvLightsError
+from envlights.environment.envmap import AnyMap
+from envlights.export.files import AnyPath
+from envlights.export.targets import Target, target_of
+
+#: Error in a file up to which `save` does not warn, and largest ratio to the error of the rig: a
+#: tenth is the accuracy at which stated errors are compared with files.
+_SMALL_ERROR, _SAME_ERROR = 1e-3, 1.1
+
+
+def save(rig: Any, path: AnyPath, environment: AnyMap | None = None) -> None:
+    """Write a rig, or lights alone, in the format that the suffix of `path` names.
+
+    Parameters
+    ----------
+    rig : Rig or Lights
+    path : path-like
+        Textures are written beside it, ``scene.ambient.exr`` beside ``scene.usda``.
+    environment : EnvMap or array_like, optional
+        Map that replaces the ambient term, such as the remainder of a split map.
+
+    Raises
+    ------
+    EnvLightsError
+        If the suffix is unknown, the target accepts no map but `environment` is one, or the file
+        cannot be written.
+
+    Warns
+    -----
+    UserWarning
+        If the target shows the rig with a larger error, such as lights with a size as points.
+    """
+    target = target_of(path)
+    if environment is not None and not target.shows.environment:
+        raise EnvLightsError(f"cannot write {path}: {target.title} accepts no environment map")
+    save_for(target, rig, path, environment)
+
+
+def save_for(
+    target: Target, rig: Any, path: AnyPath, environment: AnyMap | None = None, **options: Any
+) -> None:
+    """Write a file for a target, with a warning if it shows the rig with a larger error."""
+    shown = getattr(rig, "distant", rig) if target.shows.cards else rig
+    if environment is None:
+        _warn_of_losses(shown, target)
+        target.save(rig, path, **options)
+    else:
+        # The map replaces the ambient term, so only the lights can change.
+        _warn_of_losses(getattr(shown, "lights", shown), target)
+        target.save(rig, path, environment, **options)
+
+
+def _warn_of_losses(rig: Any, target: Target) -> None:
+    """Warn if the error in the file is larger than that of the rig, with both figures."""
+    if not hasattr(getattr(rig, "lights", rig), "discs"):
+        return  # The writer refuses it.
+    losses, stated = target.shows.losses(rig), getattr(rig, "error", 0.0)
+    if not losses:
+        return
+    error = target.shows.error(rig)
+    if error > max(_SAME_ERROR * stated, _SMALL_ERROR):
+        lost = f"{target.title} shows {' and '.join(losses)}"
+        warnings.warn(f"{lost}: {_figures(rig, target, error)}", stacklevel=5)
+
+
+def _figures(rig: Any, target: Target, error: float) -> str:
+    """Error in the file, that of the rig, and that of a fit for the target."""
+    if not hasattr(rig, "error"):
+        return f"the irradiance changes by {_percent(error)}"
+    fitted = rig.report.fitted_points_error
+    both = f"the error in the file is {_percent(error)}, not {_percent(rig.error)}"
+    refit = "" if fitted is None else f" has at most {_percent(fitted)} with as many lights"
+    return f"{both}; `fit(env, target={target.name!r})`{refit or ' is made for it'}"
+
+
+def _percent(fraction: float) -> str:
+    return f"{100 * fraction:.3g} %"

@@ -1,0 +1,40 @@
+"""Azimuth and elevation of directions, as numbers and in words."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights.kernels import sphere
+
+#: Directions without an azimuth, at elevations that are printed as 90 and -90 degrees.
+POLES = ("zenith", "nadir")
+
+
+def place_of(direction: NDArray[np.float64]) -> str:
+    """Azimuth and elevation of a direction, in words."""
+    (azimuth,), (elevation,) = azimuths(direction[None]), elevations(direction[None])
+    if round(abs(np.rad2deg(elevation))) == 90:
+        return f"the {POLES[int(elevation < 0)]}"
+    return f"azimuth {np.rad2deg(azimuth):.0f}°, elevation {np.rad2deg(elevation):.0f}°"
+
+
+def angle_cells(direction: NDArray[np.float64]) -> tuple[str, str]:
+    """Azimuth and elevation in degrees; at a pole its name in place of the azimuth."""
+    (azimuth,), (elevation,) = azimuths(direction[None]), elevations(direction[None])
+    height = f"{np.rad2deg(elevation):+.1f}°"
+    if height in ("+90.0°", "-90.0°"):
+        return POLES[int(height[0] == "-")], height
+    return f"{np.rad2deg(azimuth):.1f}°", height
+
+
+def azimuths(direction: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Radians from -z over +x, in the order of map columns, from 0 to 2 pi, (n,)."""
+    radians: NDArray[np.float64] = 2 * np.pi * sphere.direction_to_uv(direction)[:, 0]
+    return radians
+
+
+def elevations(direction: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Radians above the horizon, from -pi / 2 to pi / 2, (n,)."""
+    radians: NDArray[np.float64] = np.pi * (0.5 - sphere.direction_to_uv(direction)[:, 1])
+    return radians
