@@ -13,14 +13,15 @@ from skimage import feature, filters, measure
 
 import envlights as el
 from envlights.kernels.image import LUMINANCE
+from envlights.papers import loghin
 
 #: Rounds of the median cut; each doubles the cells. The best of 3 to 7 on `TUNING`.
 _CUTS = 5
 
 
-def ours(**options):
+def ours(detect=el.detect, **options):
     def detector(radiance):
-        lights = el.detect(radiance, **options)
+        lights = detect(radiance, **options)
         return lights.direction, lights.flux
 
     return detector
@@ -150,12 +151,11 @@ def _logarithm(luminance):
     return np.log(np.maximum(luminance, 1e-6 * brightest if brightest else 1.0))
 
 
+IMPROVED = loghin.Settings(relative=True, move_to_maximum=True, sphere=True, reduction="area")
 DETECTORS = {
-    "tree": ours(method="tree"),
-    "article": ours(method="article"),
-    "article improved": ours(
-        method="article", relative=True, move_to_maximum=True, sphere=True, reduction="area"
-    ),
+    "tree": ours(),
+    "loghin": ours(loghin.detect),
+    "loghin improved": ours(loghin.detect, settings=IMPROVED),
     "threshold + components": components(twice_the_90_percent_quantile),
     "threshold + OpenCV": components(twice_the_90_percent_quantile, by_opencv),
     "Otsu + components": components(otsu_of_the_logarithm),

@@ -8,5 +8,5 @@ The method of the article: bright samples, a link between neighbours, and one li
 import envlights as el
 
 env = el.EnvMap(el.synthetic.hall(256).radiance)
-print(el.detect(env, "article"))
-figure = el.plot.article_picture(env)
+print(el.papers.loghin.detect(env))
+figure = el.plot.loghin_picture(env)

@@ -14,7 +14,7 @@ OPEN = (el.EnvMap.open, el.EnvMap.calibrated)
 #: Functions of each subcommand.
 FUNCTIONS = {
     "fit": (el.fit, *OPEN),
-    "detect": (el.detect, el.detect, el.papers.loghin.detect, *OPEN),
+    "detect": (el.detect, el.papers.loghin.detect, *OPEN),
     "split": (el.split, el.limit, el.with_sun, el.detect, *OPEN),
     "error-curve": (el.error_curve, *OPEN),
     "follow": (el.follow,),
@@ -63,6 +63,9 @@ OTHER_NAMES = {
     ("convert", "maximum"): "--limit",
     ("merge", "pictures"): "GLOB",
     ("photograph", "image"): "PHOTO",
+    ("photograph", "settings"): "--set",
+    ("detect", "settings"): "--set",
+    ("detect", "lights"): "--max-lights",
     ("follow", "frames"): "FRAMES",
     ("compare", "truth"): "TRUTH",
     ("compare", "guess"): "GUESS",

@@ -14,20 +14,19 @@ from envlights._common.files import PICTURES
 from envlights.cli.outputs import (
     OUTPUTS,
     check_output,
-    default_of,
     output_option,
     say_written,
     verbose_option,
 )
-from envlights.cli.settings import settings_from, settings_of, settings_option
+from envlights.cli.settings import settings_from, settings_of, settings_option, with_settings
 from envlights.export.targets import SUFFIXES
-from envlights.papers.loghin_steps import SAMPLINGS
+from envlights.papers.loghin_steps import PHOTOGRAPH, SAMPLINGS
 from envlights.papers.photograph import detect_photograph
 from envlights.papers.photograph_lights import PhotographLights
 
 #: Parameters without an option of their own.
 _SETTINGS = settings_of(
-    [detect_photograph], ("fov", "colour", "part", "max_lights", "relative", "sampling")
+    [detect_photograph], ("fov", "colour", "part", "lights", "relative", "sampling")
 )
 
 
@@ -45,17 +44,19 @@ _SETTINGS = settings_of(
     help="Colour space of PHOTO instead of what the file says: linear, srgb, p3, ...",
 )
 @click.option("--part", help="Part or layer of PHOTO, by name or number from 0.")
-@click.option("-n", "--max-lights", type=int, help="Largest number of lights; others are dropped.")
+@click.option(
+    "-n", "--lights", "--max-lights", type=int, help="Largest number of lights; others are dropped."
+)
 @click.option(
     "--relative/--absolute",
-    default=default_of(detect_photograph, "relative"),
+    default=PHOTOGRAPH.relative,
     show_default=True,
     help="Levels from the picture's own histogram, or the fixed ones of Loghin (2021).",
 )
 @click.option(
     "--sampling",
     type=click.Choice(list(SAMPLINGS)),
-    default=default_of(detect_photograph, "sampling"),
+    default=PHOTOGRAPH.sampling,
     show_default=True,
     help="Sequence of the samples.",
 )
@@ -68,7 +69,7 @@ def command(
     fov: float | None,
     colour: str | None,
     part: str | None,
-    max_lights: int | None,
+    lights: int | None,
     relative: bool,
     sampling: str,
     settings: Sequence[str],
@@ -79,19 +80,16 @@ def command(
     """Find the lights of PHOTO, a plane picture of any aspect (.jpg, .png, .tif, .exr, .hdr)."""
     for output in outputs:
         check_output(output, (*SUFFIXES, *PICTURES), {"the photograph": path})
-    options: dict[str, Any] = {
-        "fov": fov,
-        "max_lights": max_lights,
-        "relative": relative,
-        "sampling": sampling,
-        **settings_from(settings, "detection", _SETTINGS.__contains__),
-    }
+    given = settings_from(settings, "detection", _SETTINGS.__contains__)
+    given |= {"relative": relative, "sampling": sampling}
+    options: dict[str, Any] = {"fov": fov, "lights": lights}
+    options |= with_settings(detect_photograph, given)
     detect_photograph(np.ones((8, 16, 3), np.float32), **options)  # refuses impossible options
-    lights = detect_photograph(path, colour=colour, part=part, **options)
+    found = detect_photograph(path, colour=colour, part=part, **options)
     for output in outputs:
-        _write(lights, output)
-    text = lights.verbose() if verbose else str(lights)
-    click.echo(json.dumps(lights.to_dict(), indent=2) if as_json else text)
+        _write(found, output)
+    text = found.verbose() if verbose else str(found)
+    click.echo(json.dumps(found.to_dict(), indent=2) if as_json else text)
     say_written(outputs)
 
 

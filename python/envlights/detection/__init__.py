@@ -7,10 +7,6 @@
 | detection by the steps of Loghin (2021)                | `loghin.py`         |
 | - steps 3 to 9, for maps and photographs               | `article_steps.py`  |
 | detection in a photograph by these steps               | `photograph.py`     |
-| - pixels of a photograph                               | `photograph_pixels.py` |
-| - measurement of its lights                            | `photograph_measure.py` |
-| - lights of a photograph                               | `photograph_lights.py` |
-| - files of these lights                                | `photograph_file.py` |
 | pixels of the lights                                   | `members.py`        |
 | lights whose colour may be damaged                     | `colour_casts.py`   |
 | sentences of the reports                               | `wording.py`        |
