@@ -282,13 +282,7 @@ class PhotographLights(Result):
         return [*place, forward, rgb_cell(self.irradiance[row]), remark]
 
     def discs(self) -> Lights:
-        """The lights as points with their irradiance, in the frame of the photograph.
-
-        Raises
-        ------
-        EnvLightsError
-            If there are no directions, because the field of view is unknown.
-        """
+        """The lights as points, in the frame of the photograph; refused without directions."""
         if self.direction is None or self.irradiance is None:
             raise EnvLightsError(
                 "the lights of this photograph have no directions, because its field of view is"
@@ -346,13 +340,7 @@ class PhotographLights(Result):
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> PhotographLights:
-        """Read lights that `save` wrote as ``.json``, without their times and picture.
-
-        Raises
-        ------
-        EnvLightsError
-            If the file is missing, has another kind or version, or holds impossible lights.
-        """
+        """Read lights that `save` wrote as ``.json``, without times and picture, or refuse them."""
         return read_json(path, _KIND, (_VERSION,), _from_dict)
 
     def to_dict(self) -> dict[str, Any]:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from envlights._common.check import count
 from envlights._common.interruptible import interruptible
 from envlights._native import EnvLightsError
-from envlights.synthetic.smoothstep import smoothstep
+from envlights.synthetic.shapes import smoothstep
 from envlights.transfer.files.database import ImagePairs
 
 #: Corners of the room, whose inner faces are used, and of the boxes, with outer faces; in metres.

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights._common.check import first_not_finite
+from envlights._common.result import Result
 from envlights._native import EnvLightsError
 
 
@@ -42,6 +43,27 @@ class Pairs:
     def is_lazy(self) -> bool:
         """True if the indirect images are an array of Dask, which has yet to be computed."""
         return _is_lazy(self.indirect)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PairSummary(Result):
+    """Summary of the pairs of a model, without their texels, so that more pairs can be added."""
+
+    direct: NDArray[np.float64]
+    """Direct images at norm 1, (k, 3, h * w)."""
+
+    coefficients: NDArray[np.float64]
+    """Coefficients of the indirect images in the basis, (k, 3, rank)."""
+
+    outside: NDArray[np.float64]
+    """Inner products of the residuals of the three rows of each image, (k, 3, 3)."""
+
+    energy: NDArray[np.float64]
+    """Sum of squares of each indirect image, (k,)."""
+
+    def in_short(self) -> str:
+        """Number of pairs, and rank."""
+        return f"{len(self.energy)} pairs at rank {self.coefficients.shape[2]}"
 
 
 def pairs_of(direct: ArrayLike, indirect: ArrayLike) -> Pairs:

@@ -18,8 +18,7 @@ from envlights.environment import thumbnails
 from envlights.transfer.compact import CompactBasis
 from envlights.transfer.consistency import check_fields
 from envlights.transfer.expand import check_range, expand, project, region_mask, truncate
-from envlights.transfer.files.pair_summary import PairSummary
-from envlights.transfer.pairs import image_stack, rgb_rows
+from envlights.transfer.pairs import PairSummary, image_stack, rgb_rows
 from envlights.transfer.report import TransferReport
 from envlights.transfer.training import familiarity
 from envlights.transfer.training.basis import check_parameters

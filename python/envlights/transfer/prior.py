@@ -12,8 +12,10 @@ radiance, y = G V (I - rho_s F V)^-1 rho_s x.
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,13 +24,17 @@ from envlights._common.check import count, flag
 from envlights._common.result import Result
 from envlights._native import EnvLightsError
 from envlights.transfer.consistency import check_array, pixels_of
-from envlights.transfer.files import prior_file
+from envlights.transfer.files import npz_file
+from envlights.transfer.files.npz_file import Kind
 from envlights.transfer.pairs import image_stack, pairs_of, rgb_rows
 
 #: Largest number of rays from a texel, which two bytes can count.
 MOST_RAYS = 65535
 #: Texels whose form factors are held as floats at once.
 _BLOCK = 4096
+#: Arrays of a file, and its kind.
+_ARRAYS = ("hits", "between", "visible", "albedo", "covered", "direct_albedo")
+_KIND = Kind("prior", "envlights transfer prior", 1, (1,), (*_ARRAYS, "rays", "size", "irradiance"))
 #: Assumptions of every prior.
 _ASSUMED = "diffuse surfaces, the same light over each direct texel"
 
@@ -190,12 +196,12 @@ class TransferPrior(Result):
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the prior as one .npz file with a version; a failure leaves no file behind."""
-        prior_file.save(path, vars(self))
+        npz_file.write(path, _KIND, {name: np.asarray(vars(self)[name]) for name in _KIND.names})
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> TransferPrior:
         """Read a prior that `save` wrote, or refuse a file of another kind or version."""
-        return prior_file.load(path, cls)
+        return npz_file.load(path, _KIND, _from_file)
 
     def in_short(self) -> str:
         """Sizes of the images, and rays."""
@@ -218,3 +224,12 @@ def _check_albedo(albedo: NDArray[np.float64]) -> None:
             f"albedo must be from 0 to below 1, or light would not fade; it is from {least:.6g}"
             f" to {most:.6g}; divide the albedo of the scene by a scale"
         )
+
+
+def _from_file(data: Mapping[str, NDArray[Any]]) -> TransferPrior:
+    return TransferPrior(
+        **{name: data[name] for name in _ARRAYS},
+        rays=int(data["rays"]),
+        size=tuple(data["size"].tolist()),
+        irradiance=bool(data["irradiance"]),
+    )

@@ -20,8 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights.transfer.files.pair_summary import PairSummary
-from envlights.transfer.pairs import Pairs
+from envlights.transfer.pairs import Pairs, PairSummary
 from envlights.transfer.training.basis import BasisSize, Directions, directions, mixtures
 from envlights.transfer.training.gram import gram, parts, texel_rows
 from envlights.transfer.training.products import eigensystem, product
