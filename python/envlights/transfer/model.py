@@ -323,10 +323,11 @@ def _solve(
 
 def _to_file(model: TransferModel) -> dict[str, Any]:
     """Arrays of a file."""
-    basis = model.basis
-    is_compact = isinstance(basis, CompactBasis)
+    basis: dict[str, Any] = {"basis": model.basis}
+    if isinstance(model.basis, CompactBasis):
+        basis = {"basis": model.basis.values, "scales": model.basis.scales}
     return {
-        **({"basis": basis.values, "scales": basis.scales} if is_compact else {"basis": basis}),
+        **basis,
         **{name: getattr(model, name) for name in _ARRAYS},
         "size": np.array(model.size),
         **vars(model.learnt),
@@ -339,7 +340,7 @@ def _from_file(data: Mapping[str, NDArray[Any]]) -> TransferModel:
     """Model of the arrays of a file; its constructor checks them."""
     basis: NDArray[Any] | CompactBasis = data["basis"]
     if "scales" in data:
-        basis = CompactBasis(basis, data["scales"], places_of(data["lit"]))
+        basis = CompactBasis(data["basis"], data["scales"], places_of(data["lit"]))
     return TransferModel(
         basis,
         **{name: data[name] for name in _ARRAYS},
