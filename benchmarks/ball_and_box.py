@@ -3,7 +3,7 @@
 import numpy as np
 
 from envlights.scene.mitsuba.path_traced import Still
-from envlights.scene.mitsuba.still_life import still_life
+from envlights.scene.still_life import still_life
 
 #: From where the scene is seen, in radians.
 AZIMUTHS = np.arange(8) * np.pi / 4

@@ -18,7 +18,7 @@ import envlights as el
 from envlights.export.look_up import looked_up
 from envlights.plot.ball import ball
 from envlights.scene.mitsuba.path_traced import Still
-from envlights.scene.mitsuba.still_life import still_life
+from envlights.scene.still_life import still_life
 
 #: Interiors whose lights have shapes.
 _MAPS = ("empty_warehouse_01", "env_home_office", "studio_small_03", "f3d_defaultHDRI")

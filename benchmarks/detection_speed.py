@@ -61,8 +61,8 @@ def methods(radiance):
     compare(
         "a usual map, 1024x512",
         {
-            "papers.loghin.detect": lambda: el.papers.loghin.detect(radiance),
-            "detect": lambda: el.detect(radiance),
+            "loghin": lambda: el.papers.loghin.detect(radiance),
+            "tree": lambda: el.detect(radiance),
         },
     )
 
@@ -76,10 +76,7 @@ def worst_cases(usual):
         "all bright": np.ones_like(usual),
         "all black": np.zeros_like(usual),
     }
-    for method, detect in {
-        "detect": el.detect,
-        "papers.loghin.detect": el.papers.loghin.detect,
-    }.items():
+    for method, detect in {"tree": el.detect, "loghin": el.papers.loghin.detect}.items():
         compare(
             f"worst cases, 1024x512, {method}",
             {name: lambda r=r, d=detect: d(r) for name, r in maps.items()},

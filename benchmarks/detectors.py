@@ -13,6 +13,7 @@ from skimage import feature, filters, measure
 
 import envlights as el
 from envlights.kernels.image import LUMINANCE
+from envlights.papers import loghin
 
 #: Rounds of the median cut; each doubles the cells. The best of 3 to 7 on `TUNING`.
 _CUTS = 5
@@ -150,12 +151,11 @@ def _logarithm(luminance):
     return np.log(np.maximum(luminance, 1e-6 * brightest if brightest else 1.0))
 
 
+IMPROVED = loghin.Settings(relative=True, move_to_maximum=True, sphere=True, reduction="area")
 DETECTORS = {
     "tree": ours(),
-    "article": ours(el.papers.loghin.detect),
-    "article improved": ours(
-        el.papers.loghin.detect, relative=True, move_to_maximum=True, sphere=True, reduction="area"
-    ),
+    "loghin": ours(loghin.detect),
+    "loghin improved": ours(loghin.detect, settings=IMPROVED),
     "threshold + components": components(twice_the_90_percent_quantile),
     "threshold + OpenCV": components(twice_the_90_percent_quantile, by_opencv),
     "Otsu + components": components(otsu_of_the_logarithm),

@@ -30,7 +30,7 @@ def figures(env: el.EnvMap) -> dict[str, Callable[[], plot.Picture]]:
         "errors": partial(plot.error_picture, rigs[-1]),
         "detected": partial(plot.detection_picture, env, found),
         "sphere": partial(plot.sphere_picture, env, found),
-        "article": partial(plot.article_picture, env),
+        "article": partial(plot.loghin_picture, env),
         "split": partial(plot.split_picture, env, el.split(env)),
     }
     if found.weight is not None:

@@ -14,6 +14,7 @@ Defaults of `detect_photograph` were chosen on the views of `hdr/` at 20 degrees
 import argparse
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -81,12 +82,13 @@ def codes(image):
     return np.round(255 * encode_srgb(image / white)).astype(np.uint8)
 
 
-def row(name, values, views, picture, settings):
+def row(name, values, views, picture, changes):
     nearest, lights, near, seconds = [], 0, 0, []
     for _, image, d, radii in views:
         given = picture(image)
         start = time.perf_counter()
-        found = el.detect_photograph(given, FOV, **settings)
+        settings = replace(el.papers.loghin.PHOTOGRAPH, **changes)
+        found = el.detect_photograph(given, FOV, settings=settings)
         seconds.append(time.perf_counter() - start)
         angles = angle_deg(d[:, None], found.direction[None])
         nearest += angles.min(axis=1, initial=180.0).tolist()

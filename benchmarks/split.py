@@ -16,7 +16,7 @@ from tests.helpers import EQUIRECTANGULAR, paths_of_real_maps
 
 import envlights as el
 from envlights.scene.mitsuba.path_traced import Still
-from envlights.scene.mitsuba.still_life import still_life
+from envlights.scene.still_life import still_life
 
 #: Paths of the images for the error, and of those for the noise, over four.
 _EXACT, _NOISY = 200, 128

@@ -63,12 +63,8 @@ PIXELS = st.sampled_from([[[0, 0]], [[0, 0], [1, 1]], np.zeros((0, 2), int)])
 AMBIENT_MODEL = st.sampled_from(["constant", "none", "sh2"])
 UNKNOWNS = st.sampled_from([np.full(3 + 5 * n, 0.5) for n in (0, 1, 4)])
 LIGHTS = st.one_of(st.none(), st.integers(0, 5))
-#: Arguments of `detect_photograph`.
-PHOTOGRAPHS = {
-    "image": st.one_of([array(*shape) for shape in [(2, 2), (30, 40), (33, 48, 4)]]),
-    "fov": st.one_of(st.none(), st.floats(1, 170)),
-    "max_lights": LIGHTS,
-    "working_side": SIZE,
+#: Settings of the steps of Loghin (2021), in maps and in photographs.
+STEPS = {
     "reduction": st.sampled_from(["bilinear", "area"]),
     "blur_px": SMALL,
     "sampling": st.sampled_from(["hammersley", "halton"]),
@@ -76,13 +72,28 @@ PHOTOGRAPHS = {
     "window_px": st.one_of(st.none(), COUNT),
     "relative": FLAG,
     "threshold": SMALL,
+    "tolerance": SHARE,
+    "ceiling": SMALL,
+    "move_to_maximum": FLAG,
+}
+OF_MAPS = {
+    "suppression_deg": SMALL,
+    "merge_cap_deg": st.one_of(st.none(), SMALL),
+    "sphere": FLAG,
+}
+OF_PHOTOGRAPHS = {
     "rise": SMALL,
     "suppression_px": SMALL,
-    "tolerance": SHARE,
     "tolerance_stops": SMALL,
-    "ceiling": SMALL,
     "merge_cap_px": st.one_of(st.none(), SMALL),
-    "move_to_maximum": FLAG,
+}
+#: Arguments of `detect_photograph`.
+PHOTOGRAPHS = {
+    "image": st.one_of([array(*shape) for shape in [(2, 2), (30, 40), (33, 48, 4)]]),
+    "fov": st.one_of(st.none(), st.floats(1, 170)),
+    "lights": LIGHTS,
+    "working_side": SIZE,
+    "settings": st.builds(el.papers.loghin.Settings, **STEPS, **OF_PHOTOGRAPHS),
 }
 TURN = st.sampled_from([np.eye(3), np.eye(3)[[1, 2, 0]], np.eye(3)[[0, 2, 1]].tolist()])
 AXIS_OF_SURFACE = st.sampled_from([(0, 1, 0), [1, 0, 0], np.array([0.6, -0.8, 0])])

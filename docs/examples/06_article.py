@@ -9,4 +9,4 @@ import envlights as el
 
 env = el.EnvMap(el.synthetic.hall(256).radiance)
 print(el.papers.loghin.detect(env))
-figure = el.plot.article_picture(env)
+figure = el.plot.loghin_picture(env)

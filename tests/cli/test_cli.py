@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import click
@@ -334,8 +335,10 @@ def test_photograph_prints_places_and_draws_them(street, tmp_path):
 def test_photograph_prints_what_the_function_finds(street, options):
     result = run("photograph", street, "--json", *options)
     assert result.exit_code == 0, result.output
-    keywords = {"relative": False, "sampling": "hammersley"} if "--absolute" in options else {}
-    wanted = el.detect_photograph(street, 60 if "--fov" in options else None, **keywords)
+    settings = el.papers.loghin.PHOTOGRAPH
+    if "--absolute" in options:
+        settings = replace(settings, relative=False, sampling="hammersley")
+    wanted = el.detect_photograph(street, 60 if "--fov" in options else None, settings=settings)
     assert json.loads(result.stdout) == json.loads(json.dumps(wanted.to_dict()))
 
 
@@ -349,7 +352,8 @@ def test_detect_names_the_subcommand_of_photographs(street):
 def test_detect_takes_a_sampling_of_the_article(hall):
     result = run("detect", hall, "--method", "loghin", "--sampling", "halton", "--json")
     assert result.exit_code == 0, result.output
-    wanted = el.papers.loghin.detect(hall, sampling="halton")
+    settings = el.papers.loghin.Settings(sampling="halton")
+    wanted = el.papers.loghin.detect(hall, settings=settings)
     assert json.loads(result.stdout) == json.loads(json.dumps(wanted.to_dict()))
     refused = run("detect", hall, "--sampling", "halton")
     assert refused.exit_code == 2

@@ -1,10 +1,13 @@
 """Detection as in Loghin (2021): each step against its own truth, all against the reference."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import envlights as el
 from envlights import kernels
+from envlights.papers.loghin import Settings
 from envlights.synthetic import Disc, Rectangle, scene
 from tests.conftest import real_maps
 from tests.helpers import printed_by_threads
@@ -33,7 +36,7 @@ OPTIONS = [
 def assert_agrees_with_the_reference(radiance, options):
     """Same samples in the same order, same light for each, same directions."""
     width = radiance.shape[1]
-    found = el.papers.loghin.detect(radiance, working_width=width, **options)
+    found = el.papers.loghin.detect(radiance, working_width=width, settings=Settings(**options))
     rest = {name: value for name, value in options.items() if name != "relative"}
     unit = found.report.threshold / 0.8
     kept, light, directions = loghin.detect(kernels.luminance(radiance), unit=unit, **rest)
@@ -66,7 +69,8 @@ def lamps_before_noise():
 def test_reduction_and_blur_are_those_of_the_reference_from_end_to_end(blur_px, options):
     """Here the reference has its own steps 1 and 2, in float64."""
     radiance = lamps_before_noise()
-    found = el.papers.loghin.detect(radiance, working_width=200, blur_px=blur_px, **options)
+    settings = Settings(blur_px=blur_px, **options)
+    found = el.papers.loghin.detect(radiance, working_width=200, settings=settings)
     image = loghin.reduce_bilinear(radiance.astype(float) @ [0.2126, 0.7152, 0.0722], 200)
     if blur_px:
         image = loghin.blur(image, blur_px)
@@ -94,7 +98,7 @@ def test_a_flat_top_at_the_maximum_is_clipped(reduction, sphere):
     """Both detectors agree, in the map's own pixels."""
     lamps = [Disc((1, 0.1, 0.1), 8.0, (9, 9, 9)), Disc((-1, 0.1, 0.1), 8.0, (0.9, 0.9, 0.9))]
     radiance = scene(512, background=[0.1] * 3, shapes=lamps).radiance
-    options = {"reduction": reduction, "sphere": sphere, "working_width": 256}
+    options = {"settings": Settings(reduction=reduction, sphere=sphere), "working_width": 256}
     clipped = el.papers.loghin.detect(np.minimum(radiance, 1), **options)
     assert clipped.is_clipped.tolist() == [True, False]
     assert clipped.direction[0] @ [1, 0, 0] > 0.9
@@ -118,8 +122,8 @@ def test_the_improvements_find_what_the_article_misses():
     dim = scene(512, background=[0.1] * 3, shapes=[lamp])
     radiance = (1e-3 * dim.radiance).astype(np.float32)
     assert len(el.papers.loghin.detect(radiance)) == 0
-    options = {"relative": True, "move_to_maximum": True, "sphere": True, "reduction": "area"}
-    found = el.papers.loghin.detect(radiance, **options)
+    settings = Settings(relative=True, move_to_maximum=True, sphere=True, reduction="area")
+    found = el.papers.loghin.detect(radiance, settings=settings)
     assert len(found) == 1
     angle = np.rad2deg(np.arccos(found.direction[0] @ dim.lights.direction[0]))
     assert angle < 1.5, f"{angle} degrees off a lamp of 1.5 degrees"
@@ -130,7 +134,7 @@ def test_the_improvements_find_what_the_article_misses():
 def test_the_irradiance_of_a_lamp_is_the_sum_over_its_samples(radius, options):
     """Also where samples move: a lamp does not shine from all places that see it."""
     one = scene(512, background=[0.05] * 3, shapes=[Disc((1, 0.2, 0.1), radius, (5, 4, 3))])
-    found = el.papers.loghin.detect(one.radiance, **options)
+    found = el.papers.loghin.detect(one.radiance, settings=Settings(**options))
     wanted = one.lights
     np.testing.assert_allclose(found.flux.sum(axis=0), wanted.irradiance[0], rtol=0.12)
     # Samples beside it that see it may be lights of their own: the lamp itself comes first.
@@ -142,9 +146,10 @@ def test_the_irradiance_of_a_lamp_is_the_sum_over_its_samples(radius, options):
 def test_relative_levels_follow_the_exposure(exponent):
     """A power of 2, so that nothing is rounded."""
     radiance = el.synthetic.hall(128).radiance
-    options = {"relative": True}
-    plain = el.papers.loghin.detect(radiance, **options)
-    scaled = el.papers.loghin.detect(np.float32(2.0**exponent) * radiance, **options)
+    plain, scaled = (
+        el.papers.loghin.detect(np.float32(scale) * radiance, settings=Settings(relative=True))
+        for scale in (1.0, 2.0**exponent)
+    )
     assert len(plain) > 0
     np.testing.assert_array_equal(scaled.direction, plain.direction)
     np.testing.assert_array_equal(scaled.flux, 2.0**exponent * plain.flux)
@@ -155,8 +160,8 @@ def test_one_lit_pixel_is_found_where_it_is(pixel):
     """On the poles, on either side of the seam and at a corner."""
     radiance = np.zeros((256, 512, 3), np.float32)
     radiance[pixel] = 9.0
-    options = {"move_to_maximum": True, "sphere": True, "window_px": 40}
-    found = el.papers.loghin.detect(radiance, **options)
+    settings = Settings(move_to_maximum=True, sphere=True, window_px=40)
+    found = el.papers.loghin.detect(radiance, settings=settings)
     assert len(found) == 1
     uv = [[(pixel[1] + 0.5) / 512, (pixel[0] + 0.5) / 256]]
     np.testing.assert_allclose(found.direction, kernels.uv_to_direction(uv), atol=1e-12)
@@ -167,8 +172,8 @@ def test_any_number_of_threads_gives_the_same_bits():
     code = (
         "import numpy as np, envlights as el;"
         "radiance = 2 * np.random.default_rng(0).random((256, 512, 3), dtype=np.float32);"
-        "options = dict(blur_px=1.0, sphere=True, working_width=300);"
-        "found = el.papers.loghin.detect(radiance, **options);"
+        "settings = el.papers.loghin.Settings(blur_px=1.0, sphere=True);"
+        "found = el.papers.loghin.detect(radiance, working_width=300, settings=settings);"
         "print(found.direction.tobytes().hex(), found.members.light.tolist())"
     )
     assert len(printed_by_threads(code)) == 1
@@ -185,7 +190,7 @@ def test_any_number_of_threads_gives_the_same_bits():
     ],
 )
 def test_worst_cases_are_answered(radiance, count, options):
-    found = el.papers.loghin.detect(radiance, **options)
+    found = el.papers.loghin.detect(radiance, settings=Settings(**options))
     assert len(found) == count
     assert np.isfinite(found.direction).all()
     assert np.isfinite(found.flux).all()
@@ -227,8 +232,19 @@ def test_worst_cases_are_answered(radiance, count, options):
         (lambda: kernels.suppress([[np.nan, 0]], 1), "points must be finite"),
         (lambda: kernels.suppress([[1, 2, 3, 4]], 1), r"\(n, 2\)"),
         (lambda: kernels.luminance(np.ones((4, 8))), "3 axes"),
-        (lambda: el.papers.loghin.detect(np.ones((4, 8, 3)), reduction="x"), "'bilinear'"),
-        (lambda: el.papers.loghin.detect(np.ones((4, 8, 3)), threshold=-1), "threshold"),
+        (lambda: Settings(reduction="x"), "'bilinear'"),
+        (lambda: Settings(sampling="x"), "'hammersley' or 'halton'"),
+        (lambda: Settings(threshold=-1), "threshold"),
+        (lambda: Settings(blur_px=None), "blur_px"),
+        (lambda: Settings(merge_cap_deg=181), "merge_cap_deg must be .* to 180"),
+        (
+            lambda: el.papers.loghin.detect(np.ones((4, 8, 3)), settings=Settings(rise=3.0)),
+            "rise cannot be set for a map",
+        ),
+        (
+            lambda: el.detect_photograph(np.ones((4, 8, 3)), settings=Settings(sphere=True)),
+            "sphere cannot be set for a photograph",
+        ),
     ],
 )
 def test_bad_input_is_refused_by_name(call, message):
@@ -251,3 +267,20 @@ def test_lights_at_the_poles_hold_no_more_than_the_flux():
     assert len(found)
     assert (found.flux_fraction <= 1).all()
     assert found.flux_fraction.sum() <= 1 + 1e-6
+
+
+def test_former_keywords_give_the_same_and_warn_once():
+    radiance = el.synthetic.hall(64).radiance
+    with pytest.warns(DeprecationWarning, match="sphere, max_lights of detect") as warned:
+        former = el.papers.loghin.detect(radiance, sphere=True, max_lights=2)
+    assert len(warned) == 1
+    assert former == el.papers.loghin.detect(radiance, lights=2, settings=Settings(sphere=True))
+    with pytest.warns(DeprecationWarning, match="blur_px of detect_photograph is called settings="):
+        former = el.detect_photograph(radiance, blur_px=1.0)
+    settings = replace(el.papers.loghin.PHOTOGRAPH, blur_px=1.0)
+    assert former == el.detect_photograph(radiance, settings=settings)
+
+
+def test_the_steps_are_functions_of_the_paper():
+    assert el.papers.loghin.suppress is kernels.suppress
+    assert el.papers.madsen.probe_residual is kernels.probe_residual

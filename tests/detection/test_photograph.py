@@ -1,5 +1,7 @@
 """Detection in photographs: against the slow reference, in closed form, and on views of maps."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -8,7 +10,8 @@ from hypothesis import strategies as st
 import envlights as el
 from envlights import kernels
 from envlights.environment.layouts.layout import planar
-from envlights.papers.photograph_measure import _solid_angles
+from envlights.papers.loghin import PHOTOGRAPH
+from envlights.papers.photograph import _solid_angles
 from envlights.synthetic import Disc, Rectangle, scene
 from tests.conftest import real_maps
 from tests.helpers import angle_deg, printed_by_threads
@@ -21,6 +24,12 @@ ARTICLE = {
     "suppression_px": 20.0,
     "window_px": 12,
 }
+
+
+def detect(image, fov=None, *, working_side=1024, **settings):
+    """`detect_photograph` with some settings of its own."""
+    settings = replace(PHOTOGRAPH, **settings)
+    return el.detect_photograph(image, fov, working_side=working_side, settings=settings)
 
 
 def some_pictures():
@@ -44,7 +53,7 @@ def test_it_agrees_with_the_slow_reference(which, sampling, is_article):
     """Same samples in the same order, same light for each, same places."""
     luminance = list(some_pictures())[which]
     options = ARTICLE if is_article else {}
-    found = el.detect_photograph(luminance, sampling=sampling, **options)
+    found = detect(luminance, sampling=sampling, **options)
     level = found.report.threshold
     settings = {"per_pixel": 0.012, "apart": 10.0, "bright": level, "peak": 2 * level, "reach": 6}
     settings = {} if is_article else settings
@@ -75,7 +84,7 @@ def test_lamps_at_opposite_borders_are_two_lights():
     image = np.full((200, 400, 3), 0.01)
     image[90:110, :10] = image[90:110, -10:] = 1.0
     for options in ({}, ARTICLE, {"blur_px": 1.0}):
-        x = el.detect_photograph(image, **options).position[:, 0]
+        x = detect(image, **options).position[:, 0]
         assert len(x) == 2
         assert min(x) < 12
         assert max(x) > 388
@@ -84,7 +93,7 @@ def test_lamps_at_opposite_borders_are_two_lights():
 def test_a_blurred_lamp_at_one_border_does_not_show_at_the_other():
     image = np.full((200, 400, 3), 0.01)
     image[90:110, :10] = 1.0
-    found = el.detect_photograph(image, blur_px=2.0)
+    found = detect(image, blur_px=2.0)
     assert len(found) == 1
     assert found.position[0, 0] < 15
 
@@ -110,7 +119,7 @@ def test_the_longer_side_of_a_portrait_is_reduced():
 def test_a_reduced_picture_reports_places_in_its_own_pixels(reduction):
     image = np.full((2000, 3000, 3), 0.1)
     image[500:580, 2400:2520] = 5.0
-    found = el.detect_photograph(image, reduction=reduction)
+    found = detect(image, reduction=reduction)
     assert found.report.working_size == (683, 1024)
     np.testing.assert_allclose(found.position, [[2460, 540]], atol=15)
     np.testing.assert_allclose(found.luminance, 5 * 80 * 120, rtol=0.2)
@@ -119,10 +128,10 @@ def test_a_reduced_picture_reports_places_in_its_own_pixels(reduction):
 
 def test_an_area_reduction_keeps_the_mean_of_any_size():
     image = np.random.default_rng(0).random((113, 201, 3))
-    found = el.detect_photograph(image, reduction="area", working_side=50, relative=False)
+    found = detect(image, reduction="area", working_side=50, relative=False)
     assert found.report.working_size == (28, 50)
     image[60, 120] = 4000.0
-    (light,) = el.detect_photograph(image, reduction="area", working_side=50)
+    (light,) = detect(image, reduction="area", working_side=50)
     np.testing.assert_allclose(light.position, (120.5, 60.5), atol=3)
 
 
@@ -133,8 +142,8 @@ def test_an_area_reduction_keeps_the_mean_of_any_size():
 )
 def test_the_exposure_has_no_influence(exposure, seed, sampling):
     image = np.random.default_rng(seed).random((40, 60, 3), dtype=np.float32) ** 9
-    one = el.detect_photograph(image, 60, sampling=sampling)
-    other = el.detect_photograph(image * np.float32(2.0**exposure), 60, sampling=sampling)
+    one = detect(image, 60, sampling=sampling)
+    other = detect(image * np.float32(2.0**exposure), 60, sampling=sampling)
     np.testing.assert_array_equal(one.position, other.position)
     np.testing.assert_allclose(one.irradiance * 2.0**exposure, other.irradiance)
 
@@ -258,7 +267,7 @@ class TestInput:
     @pytest.mark.parametrize(("code", "lights"), [(231, 0), (232, 1)])
     def test_the_absolute_threshold_is_the_code_231(self, code, lights):
         picture = np.full((64, 99, 3), code, np.uint8)
-        assert len(el.detect_photograph(picture, relative=False)) == lights
+        assert len(detect(picture, relative=False)) == lights
 
     @pytest.mark.parametrize("bright", [1.0, 0.3])
     def test_a_clipped_picture_that_is_bright_everywhere_has_lights(self, bright):
@@ -303,8 +312,8 @@ class TestInput:
             (lambda: el.detect_photograph(np.ones((9, 9)), 0), "from 0.05 to 179; got 0"),
             (lambda: el.detect_photograph(np.ones((9, 9)), colour="srgb"), "colour describe a fil"),
             (lambda: el.detect_photograph(np.ones((9, 9)), part=0), "part describe a file"),
-            (lambda: el.detect_photograph(np.ones((9, 9)), sampling="x"), "'hammersley' or"),
-            (lambda: el.detect_photograph(np.ones((9, 9)), reduction="x"), "'bilinear' or 'area'"),
+            (lambda: detect(np.ones((9, 9)), sampling="x"), "'hammersley' or"),
+            (lambda: detect(np.ones((9, 9)), reduction="x"), "'bilinear' or 'area'"),
             (lambda: el.detect_photograph(np.full((9, 9), np.nan)), "no finite sample"),
             (lambda: el.detect(np.ones((9, 16, 3))), "detect_photograph"),
             (
@@ -353,16 +362,18 @@ class TestResult:
         rows = found.table().rows
         assert [row[0] for row in rows] == [str(j + 1) for j in range(len(rows))]
 
-    def test_max_lights_drops_the_dimmest(self):
+    def test_a_limit_drops_the_dimmest(self):
         image = np.random.default_rng(3).random((90, 150, 3), dtype=np.float32) ** 12
-        assert el.detect_photograph(image, 60, max_lights=2) == self.FOUND[:2]
+        assert el.detect_photograph(image, 60, lights=2) == self.FOUND[:2]
 
 
 def test_any_number_of_threads_gives_the_same_bits():
     code = (
         "import numpy as np, envlights as el;"
         "image = np.random.default_rng(0).random((300, 500, 3), dtype=np.float32) ** 9;"
-        "found = el.detect_photograph(image, 70, blur_px=1.0, working_side=400);"
+        "from dataclasses import replace;"
+        "settings = replace(el.papers.loghin.PHOTOGRAPH, blur_px=1.0);"
+        "found = el.detect_photograph(image, 70, working_side=400, settings=settings);"
         "print(found.irradiance.tobytes().hex(), found.samples.light.tolist())"
     )
     assert len(printed_by_threads(code)) == 1

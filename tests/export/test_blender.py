@@ -11,6 +11,7 @@ import pytest
 
 import envlights as el
 from envlights.export import AXES, blender
+from envlights.scene.mitsuba.renderer import mitsuba
 from tests.export.balls import CAMERA, check_balls, environment
 from tests.export.rigs import AXES as LAMPS
 from tests.export.rigs import DISCS, POINTS, relative, relative_error, rigs
@@ -63,16 +64,24 @@ def test_map_and_lights_meet_on_two_balls(tmp_path):
 def test_image_errors_of_rigs_are_those_of_mitsuba(tmp_path):
     """A ball and a box on a floor under a map, and under two rigs for it."""
     pytest.importorskip("mitsuba")
-    stills = importlib.import_module("envlights.scene.mitsuba.still_life")
+    stills = importlib.import_module("envlights.scene.still_life")
     env = el.EnvMap(el.synthetic.hall(128).radiance)
     rigs = {count: el.fit(env, lights=count) for count in (1, 4)}
     nothing = POINTS[:0]
     nothing.save(tmp_path / "map.py", environment=env)
     for count, rig in rigs.items():
         rig.save(tmp_path / f"rig_{count}.py")
-    with stills.mitsuba() as mi:
-        shapes = stills._shapes(mi, azimuth=1.0)
-        frames = {name: np.array(each["to_world"].matrix) for name, each in shapes.items()}
+    (ball, box), camera = stills.still_scene(1.0).solids, stills.still_camera(1.0)
+    with mitsuba() as mi:
+        place = mi.ScalarTransform4f()
+        turned = place.translate(box.centre).rotate([0, 1, 0], np.rad2deg(box.turn))
+        frames = {
+            "floor": place.scale(40).rotate([1, 0, 0], -90),
+            "ball": place.translate(ball.centre).scale(ball.radius),
+            "box": turned.scale(0.4),
+            "eye": place.look_at(camera.eye, camera.target, [0, 1, 0]),
+        }
+        frames = {name: np.array(each.matrix) for name, each in frames.items()}
     there = np.eye(4)
     there[:3, :3] = AXES["blender"].matrix
     # Mitsuba's eye looks along its +z with +x on the left, Blender's along -z with +x on the right.

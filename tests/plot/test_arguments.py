@@ -65,7 +65,7 @@ def frame(pairs):
 
 #: Each public picture with its data and options, and its number of panels.
 PICTURES = {
-    "article_picture": (lambda: ((HALL,), {}), 4),
+    "loghin_picture": (lambda: ((HALL,), {}), 4),
     "axes_picture": (lambda: ((), {}), len(el.export.axes.AXES)),
     "basis_picture": (lambda: ((room()[0],), {"directions": 4}), 4),
     "card_balls": (lambda: ((HALL, in_cards()), {}), 3),

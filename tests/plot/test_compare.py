@@ -72,13 +72,15 @@ def test_the_map_lies_on_the_sphere_as_it_is_seen_from_outside():
     assert pixels[middle, 30, 2] > 0.5 > pixels[middle, 30, 0]
 
 
-def test_the_steps_of_the_article_count_what_the_detector_found():
+def test_the_steps_of_loghin_count_what_the_detector_found():
     lights = el.papers.loghin.detect(HALL)
-    figure = plot.article_picture(HALL)
+    figure = plot.loghin_picture(HALL)
     titles = [axes.get_title() for axes in figure.axes]
     assert titles[1].startswith(f"2. bright samples: {len(lights.members.pixel)},")
     assert titles[3].startswith(f"4. lights: {len(lights)}")
-    dark = plot.article_picture(np.full((16, 32, 3), 0.01))
+    few = plot.loghin_picture(HALL, lights=1)
+    assert few.axes[3].get_title().startswith("4. lights: 1")
+    dark = plot.loghin_picture(np.full((16, 32, 3), 0.01))
     assert dark.axes[3].get_title().startswith("4. lights: 0")
 
 

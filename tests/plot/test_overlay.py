@@ -7,7 +7,7 @@ import pytest
 
 import envlights as el
 from envlights import plot
-from envlights.scene.closed_still import closed_still
+from envlights.scene.still_life import closed_still
 
 LIGHTS = el.Lights([[0.48, 0.8, 0.36], [-0.6, 0.64, -0.48]], [[3, 2, 1], [1, 1.5, 2]], [0.05, 0.4])
 RIG = el.Rig([0.1, 0.2, 0.3], LIGHTS, error=0.0)
@@ -64,7 +64,7 @@ def test_what_has_no_closed_form_is_refused():
 @pytest.mark.mitsuba
 def test_the_closed_form_is_near_a_path_tracer():
     pytest.importorskip("mitsuba")
-    from envlights.scene.mitsuba.still_life import Still, still_life
+    from envlights.scene.still_life import Still, still_life
 
     truth = still_life(RIG, 1.0, 64, 0)
     image = closed_still(RIG, 1.0)

@@ -8,7 +8,7 @@ from envlights import plot
 
 pytest.importorskip("mitsuba")
 
-from envlights.scene.mitsuba.still_life import still_life
+from envlights.scene.still_life import still_life
 
 LIGHTS = el.Lights(
     [[0.48, 0.8, 0.36], [-0.6, 0.64, -0.48], [0, 0.28, 0.96]],

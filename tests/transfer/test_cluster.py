@@ -40,13 +40,13 @@ def test_the_model_is_that_of_numpy(chunks, options):
 
 def test_blocks_are_many_and_each_holds_all_images(monkeypatch):
     shapes = []
-    gram = el.transfer.cluster.local_gram.gram
+    gram = el.transfer.training.cluster.local_gram.gram
 
     def record(pairs, centred):
         shapes.append(pairs.indirect.shape)
         return gram(pairs, centred)
 
-    monkeypatch.setattr(el.transfer.cluster.local_gram, "gram", record)
+    monkeypatch.setattr(el.transfer.training.cluster.local_gram, "gram", record)
     el.TransferModel.fit(room().direct, da.from_array(room().indirect, chunks=(3, 32, 32, 3)))
     assert len(shapes) > 5
     assert sum(shape[1] for shape in shapes) == 32

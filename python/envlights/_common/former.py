@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 import functools
+import inspect
 import warnings
 from collections.abc import Callable
 from operator import attrgetter
@@ -39,6 +41,30 @@ def former_arguments(**names: str) -> Callable[[_Function], _Function]:
             for old in names.keys() & keywords.keys():
                 _warn(f"{old}= of {function.__qualname__}", f"{names[old]}=", 3)
                 keywords[names[old]] = keywords.pop(old)
+            return function(*args, **keywords)
+
+        return call  # type: ignore[return-value]
+
+    return decorate
+
+
+def former_settings(**names: str) -> Callable[[_Function], _Function]:
+    """Function that accepts the fields of its `settings` as keywords, and former keywords."""
+
+    def decorate(function: _Function) -> _Function:
+        default = inspect.signature(function).parameters["settings"].default
+        fields = {each.name for each in dataclasses.fields(default)}
+
+        @functools.wraps(function)
+        def call(*args: Any, **keywords: Any) -> Any:
+            if old := [name for name in keywords if name in fields or name in names]:
+                now = {f"{names[name]}=" if name in names else "settings=" for name in old}
+                _warn(f"{', '.join(old)} of {function.__qualname__}", " and ".join(sorted(now)), 3)
+            given = {name: keywords.pop(name) for name in old if name in fields}
+            keywords |= {names[name]: keywords.pop(name) for name in old if name in names}
+            if given:
+                settings = keywords.get("settings", default)
+                keywords["settings"] = dataclasses.replace(settings, **given)
             return function(*args, **keywords)
 
         return call  # type: ignore[return-value]

@@ -21,7 +21,7 @@ from envlights.cli.outputs import (
     verbose_option,
     write,
 )
-from envlights.cli.settings import settings_option
+from envlights.cli.settings import settings_option, with_settings
 from envlights.export.targets import SUFFIXES
 from envlights.papers.loghin_steps import SAMPLINGS
 
@@ -64,8 +64,10 @@ def command(
     check_outputs(outputs, (*SUFFIXES, *PICTURES), {"the map": map_file.path})
     if sampling is not None and method != "loghin":
         raise EnvLightsError(f"--sampling is an option of --method loghin; got {method}")
-    options = {"max_lights": max_lights, **detection_settings(settings, method)}
+    options = detection_settings(settings, method)
     options |= {} if sampling is None else {"sampling": sampling}
+    options = with_settings(METHODS[method], options)
+    options["lights" if method == "loghin" else "max_lights"] = max_lights
     check_options("detect", options, METHODS[method])
     env = map_file.open()
     lights = METHODS[method](env, **options)

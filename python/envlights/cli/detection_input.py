@@ -12,7 +12,7 @@ from envlights.papers import loghin
 #: Detectors, by the name of the option ``--method``.
 METHODS: dict[str, Callable[..., Any]] = {"tree": detect, "loghin": loghin.detect}
 #: Parameters with an option of their own.
-_OWN = ("max_lights", "sampling")
+_OWN = ("lights", "max_lights", "sampling")
 #: Names of the settings of all methods.
 SETTINGS = settings_of(METHODS.values(), _OWN)
 

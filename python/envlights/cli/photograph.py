@@ -12,7 +12,6 @@ from envlights._common.files import PICTURES
 from envlights.cli.outputs import (
     OUTPUTS,
     check_outputs,
-    default_of,
     json_option,
     output_option,
     print_result,
@@ -20,14 +19,14 @@ from envlights.cli.outputs import (
     verbose_option,
     write,
 )
-from envlights.cli.settings import settings_from, settings_of, settings_option
+from envlights.cli.settings import settings_from, settings_of, settings_option, with_settings
 from envlights.export.targets import SUFFIXES
-from envlights.papers.loghin_steps import SAMPLINGS
+from envlights.papers.loghin_steps import PHOTOGRAPH, SAMPLINGS
 from envlights.papers.photograph import detect_photograph
 
 #: Parameters without an option of their own.
 _SETTINGS = settings_of(
-    [detect_photograph], ("fov", "colour", "part", "max_lights", "relative", "sampling")
+    [detect_photograph], ("fov", "colour", "part", "lights", "relative", "sampling")
 )
 
 
@@ -45,17 +44,19 @@ _SETTINGS = settings_of(
     help="Colour space of PHOTO instead of what the file says: linear, srgb, p3, ...",
 )
 @click.option("--part", help="Part or layer of PHOTO, by name or number from 0.")
-@click.option("-n", "--max-lights", type=int, help="Largest number of lights; others are dropped.")
+@click.option(
+    "-n", "--lights", "--max-lights", type=int, help="Largest number of lights; others are dropped."
+)
 @click.option(
     "--relative/--absolute",
-    default=default_of(detect_photograph, "relative"),
+    default=PHOTOGRAPH.relative,
     show_default=True,
     help="Levels from the picture's own histogram, or the fixed ones of Loghin (2021).",
 )
 @click.option(
     "--sampling",
     type=click.Choice(list(SAMPLINGS)),
-    default=default_of(detect_photograph, "sampling"),
+    default=PHOTOGRAPH.sampling,
     show_default=True,
     help="Sequence of the samples.",
 )
@@ -67,6 +68,9 @@ def command(
     path: str,
     colour: str | None,
     part: str | None,
+    lights: int | None,
+    relative: bool,
+    sampling: str,
     settings: Sequence[str],
     outputs: Sequence[str],
     verbose: bool,
@@ -75,9 +79,12 @@ def command(
 ) -> None:
     """Find the lights of PHOTO, a plane picture of any aspect (.jpg, .png, .tif, .exr, .hdr)."""
     check_outputs(outputs, (*SUFFIXES, *PICTURES), {"the photograph": path})
-    options |= settings_from(settings, "detection", _SETTINGS.__contains__)
+    given = settings_from(settings, "detection", _SETTINGS.__contains__)
+    given |= {"relative": relative, "sampling": sampling}
+    options["lights"] = lights
+    options |= with_settings(detect_photograph, given)
     detect_photograph(np.ones((8, 16, 3), np.float32), **options)  # refuses impossible options
-    lights = detect_photograph(path, colour=colour, part=part, **options)
-    write(outputs, lights.save, lambda plot: plot.photograph(lights))
-    print_result(lights, as_json, verbose)
+    found = detect_photograph(path, colour=colour, part=part, **options)
+    write(outputs, found.save, lambda plot: plot.photograph(found))
+    print_result(found, as_json, verbose)
     say_written(outputs)

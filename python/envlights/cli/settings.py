@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Collection, Iterable, Sequence
+from dataclasses import fields, replace
 from inspect import signature
 from typing import Any
 
@@ -13,9 +14,30 @@ from envlights._native import EnvLightsError
 
 
 def settings_of(functions: Iterable[Callable[..., Any]], besides: Collection[str]) -> list[str]:
-    """Parameters of functions in their order, except for the first and some others."""
-    names = [name for function in functions for name in list(signature(function).parameters)[1:]]
+    """Parameters of functions in their order, except for the first and some others.
+
+    The fields of a parameter `settings` stand in its place.
+    """
+    names = []
+    for function in functions:
+        for each in list(signature(function).parameters.values())[1:]:
+            names += _fields(each.default) if each.name == "settings" else [each.name]
     return [name for name in dict.fromkeys(names) if name not in besides]
+
+
+def with_settings(function: Callable[..., Any], options: dict[str, Any]) -> dict[str, Any]:
+    """Arguments of a function: options that are fields of its `settings` become that value."""
+    parameter = signature(function).parameters.get("settings")
+    if parameter is None:
+        return options
+    names = _fields(parameter.default)
+    given = {name: value for name, value in options.items() if name in names}
+    others = {name: value for name, value in options.items() if name not in names}
+    return {**others, "settings": replace(parameter.default, **given)}
+
+
+def _fields(settings: Any) -> list[str]:
+    return [each.name for each in fields(settings)]
 
 
 def settings_option(of: str, names: Sequence[str] = ()) -> Callable[[Any], Any]:

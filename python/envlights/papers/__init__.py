@@ -2,8 +2,11 @@
 
 | paper                                                        | file                            |
 |--------------------------------------------------------------|---------------------------------|
-| Loghin (2021): detection in a map                            | `loghin.py`, `loghin_steps.py`  |
-| the same in a photograph                                     | `photograph.py` and the files `photograph_*.py` |
+| Loghin (2021): detection in a map                            | `loghin.py`                     |
+| - its settings and steps, for maps and photographs           | `loghin_steps.py`               |
+| - detection in a photograph                                  | `photograph.py`                 |
+| - the file or array of a photograph                          | `photograph_pixels.py`          |
+| - lights of a photograph, and their files                    | `photograph_lights.py`          |
 | Madsen, Sørensen and Vittrup (2003): the fit                 | `madsen.py`                     |
 """
 

@@ -1,56 +1,89 @@
-"""Detection by the steps of Loghin (2021)."""
+"""Loghin (2021): detection of lights, its steps on arrays, and its settings.
+
+`detect` runs the steps on a map, `envlights.detect_photograph` on a photograph, and
+`envlights.plot.loghin_picture` draws them. The steps themselves are functions on arrays:
+
+| step                                         | function            |
+|----------------------------------------------|---------------------|
+| 5: brightest pixel around each sample        | `neighbour_maximum` |
+| 7: suppression of samples near brighter ones | `suppress`          |
+| 8: lines between samples, and their merging  | `bresenham_line`, `merge_along_lines` |
+| 9: weighted means                            | `weighted_means`    |
+"""
 
 from __future__ import annotations
 
-import math
 import time
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _native
-from envlights._common.check import amount, check_choice, count, flag
-from envlights._common.srgb import encode_srgb
-from envlights.detection import wording
+from envlights._common.check import count
+from envlights._common.former import former_settings
 from envlights.detection.detect import detect as detect_tree
 from envlights.detection.lights import DetectedLights, DetectionReport
 from envlights.detection.members import Members
 from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
 from envlights.kernels import image as images
 from envlights.kernels import sampling as sampling_kernels
+from envlights.kernels.loghin import (
+    bresenham_line,
+    merge_along_lines,
+    neighbour_maximum,
+    suppress,
+    weighted_means,
+)
 from envlights.kernels.sphere import direction_to_uv, pixel_solid_angles, uv_to_direction
 from envlights.papers.loghin_steps import (
-    BrightSamples,
+    PHOTOGRAPH,
     MergedSamples,
     MergeRule,
+    Settings,
+    Steps,
+    blur,
     bright_samples,
+    check_settings,
     merged_samples,
-    square_points,
-    sums_of_lights,
+    threshold_reason,
 )
 
+__all__ = [
+    "PHOTOGRAPH",
+    "Settings",
+    "bresenham_line",
+    "detect",
+    "merge_along_lines",
+    "neighbour_maximum",
+    "suppress",
+    "weighted_means",
+]
+
+#: Settings of maps: those of the article.
+_MAP = Settings()
+#: Settings that maps do not use.
+_OF_PHOTOGRAPHS = ("rise", "suppression_px", "merge_cap_px", "tolerance_stops")
 #: Divisor in place of a flux of 0.
 _TINY = np.finfo(float).tiny
 
 
+class Detection(NamedTuple):
+    """Lights, and the steps that lead to them."""
+
+    lights: DetectedLights
+    steps: Steps
+    light: NDArray[np.int64]
+    """Light of each bright sample, (k,); the numbers of dropped lights come last."""
+
+
+@former_settings(max_lights="lights")
 def detect(
     env: AnyMap,
     *,
-    max_lights: int | None = None,
+    lights: int | None = None,
     working_width: int = 1024,
-    reduction: str = "bilinear",
-    blur_px: float = 0.0,
-    samples_per_pixel: float = 0.006,
-    window_px: int = 12,
-    threshold: float = 0.8,
-    suppression_deg: float = 5.0,
-    tolerance: float = 0.15,
-    ceiling: float = 1.25,
-    merge_cap_deg: float | None = None,
-    relative: bool = False,
-    move_to_maximum: bool = False,
-    sphere: bool = False,
-    sampling: str = "hammersley",
+    settings: Settings = _MAP,
 ) -> DetectedLights:
     """Lights of a map by the steps of Loghin (2021).
 
@@ -58,44 +91,19 @@ def detect(
     near a brighter sample are suppressed, and samples that a bright line joins are merged. The
     defaults are those of the article, with its errors corrected: 32-bit masks, a line check that
     ends, ``sum(w p) / sum(w)``, only survivors suppress and merge, pixel centres, the frame of
-    `EnvMap`. `relative`, `move_to_maximum`, `sphere` and `merge_cap_deg` improve on the article.
+    `EnvMap`. The settings `relative`, `move_to_maximum`, `sphere` and `merge_cap_deg` improve on
+    the article.
 
     Parameters
     ----------
     env : EnvMap, path-like or array_like, shape (height, 2 * height, 3)
         The map.
-    max_lights : int, optional
+    lights : int, optional
         Largest number of lights. The dimmest are dropped; nothing is merged.
     working_width : int
         Largest number of columns of the reduced map; a map is not enlarged.
-    reduction : {"bilinear", "area"}
-        Reduction of the map. Bilinear, as in the article, skips pixels.
-    blur_px : float
-        Standard deviation of a blur; optional in the article, with 1 to 2.
-    samples_per_pixel : float
-        Number of samples divided by the number of pixels of the reduced map.
-    window_px : int
-        Width of the window around a sample, less one, in a map of 1024 columns.
-    threshold : float
-        Luminance that the brightest pixel of a window must exceed. It is linear: 8-bit pictures
-        are decoded from sRGB when they are opened, so 0.8 is the code 231 of 255.
-    suppression_deg : float
-        Samples closer to a brighter sample are suppressed. The article gives no number; the
-        default is 1.5 times the distance between samples.
-    tolerance, ceiling : float
-        Limits of the line check; see `kernels.merge_along_lines`.
-    merge_cap_deg : float, optional
-        Samples farther apart are not merged. The article has no such limit.
-    relative : bool
-        If true, the threshold is that of `detect`, from the map's histogram, and the levels of
-        the line check are relative to it. In the article all are absolute.
-    move_to_maximum : bool
-        If true, a sample moves to the brightest pixel of its window. In the article it stays.
-    sphere : bool
-        If true, windows, distances, lines and means are those on the sphere, across the seam. In
-        the article they are those on the image.
-    sampling : {"hammersley", "halton"}
-        Sequence of points, mapped to the sphere at equal solid angles.
+    settings : papers.loghin.Settings
+        Settings of the steps, by default those of the article.
 
     Returns
     -------
@@ -112,6 +120,11 @@ def detect(
     EnvLightsError
         If `env` is not a map or an option is out of its range.
 
+    See Also
+    --------
+    detect_photograph : the same for photographs.
+    plot.loghin_picture : a picture of the steps.
+
     Examples
     --------
     >>> import envlights as el
@@ -120,68 +133,74 @@ def detect(
     >>> detect(env).direction.round(1) + 0.0
     array([[0.7, 0.7, 0. ]])
     """
+    return detect_with_steps(env, lights, working_width, settings).lights
+
+
+@former_settings(max_lights="lights")
+def detect_with_steps(
+    env: AnyMap,
+    lights: int | None = None,
+    working_width: int = 1024,
+    settings: Settings = _MAP,
+) -> Detection:
+    """Lights of a map, and the steps that lead to them; see `detect`."""
     env = as_envmap(env)
     start = time.perf_counter()
-    relative = flag("relative", relative)
-    move_to_maximum = flag("move_to_maximum", move_to_maximum)
-    threshold = amount("threshold", threshold)
-    unit = _unit_of_luminance(env, threshold) if relative else 1.0
-    level = unit * threshold
-    image = _working_image(env, working_width, reduction, blur_px)
-    height, width = image.shape
-    reach = int(count("window_px", window_px) * width / 1024) // 2
-    uv = direction_to_uv(
-        sampling_kernels.uniform_sphere(square_points(sampling, image, samples_per_pixel))
-    )
-    pixel = images.uv_to_pixel(uv, height, width)
-    samples = bright_samples(image, pixel, reach, level, move_to_maximum, sphere)
-    samples = _seen_samples(env, image.shape, samples)
-    farthest = np.inf
-    if merge_cap_deg is not None:
-        farthest = _distance("merge_cap_deg", merge_cap_deg, width, sphere)
-    rule = MergeRule(
-        apart=_distance("suppression_deg", suppression_deg, width, sphere),
-        farthest=farthest,
-        tolerance=unit * amount("tolerance", tolerance),
-        ceiling=unit * amount("ceiling", ceiling),
-        bright=unit,
-    )
-    merged = merged_samples(
-        image, samples, _points(samples.pixel, image.shape, sphere), rule, sphere
-    )
+    check_settings(settings, _OF_PHOTOGRAPHS, "map")
+    unit = _unit_of_luminance(env, settings.threshold) if settings.relative else 1.0
+    steps = _steps(env, _working_image(env, working_width, settings), unit, settings)
+    rule = "chosen by the tree method's rule" if settings.relative else ""
     report = DetectionReport(
         method="loghin",
-        threshold=level,
-        reason=_reason(env, level, relative),
-        working_size=(height, width),
-        details=(f"{samples.total - len(samples.pixel)} of {samples.total} samples are dark",),
+        threshold=steps.threshold,
+        reason=threshold_reason(rule, steps.threshold, env.clip_level),
+        working_size=steps.size,
+        details=steps.details,
         notes=(*env.notes, *_registration_notes(env)),
         seconds={"detect": time.perf_counter() - start},
     )
-    lights = _lights(env, image, samples, merged, report, reach, sphere)
-    return lights if max_lights is None else lights[: count("max_lights", max_lights, least=1)]
+    found = _lights(env, steps, report, settings.sphere)
+    light = found.members.light
+    kept = found if lights is None else found[: count("lights", lights, least=1)]
+    return Detection(kept, steps, light)
 
 
-def _working_image(env: EnvMap, width: int, reduction: str, blur_px: float) -> NDArray[np.float32]:
+def _steps(env: EnvMap, image: NDArray[np.float32], unit: float, settings: Settings) -> Steps:
+    """Steps 3 to 9, with `unit` in place of the article's luminance of 1."""
+    height, width = image.shape
+    reach, level = settings.reach(width), unit * settings.threshold
+    points = direction_to_uv(sampling_kernels.uniform_sphere(settings.points(image.size)))
+    pixel = images.uv_to_pixel(points, height, width)
+    samples = bright_samples(image, pixel, reach, level, settings)
+    if env.coverage is not None:
+        uv = (samples.first[:, ::-1] + 0.5) / (width, height)
+        samples = samples.of(
+            env.coverage[tuple(images.uv_to_pixel(uv, env.height, env.width).T)] > 0
+        )
+    sphere, cap = settings.sphere, settings.merge_cap_deg
+    rule = MergeRule(
+        apart=_distance(settings.suppression_deg, width, sphere),
+        farthest=np.inf if cap is None else _distance(cap, width, sphere),
+        tolerance=unit * settings.tolerance,
+        ceiling=unit * settings.ceiling,
+        bright=unit,
+    )
+    where = _points(samples.pixel, image.shape, sphere)
+    merged = merged_samples(image, samples, where, rule, sphere)
+    return Steps(image, points, samples, merged, reach, level)
+
+
+def _working_image(env: EnvMap, width: int, settings: Settings) -> NDArray[np.float32]:
     """Steps 1 and 2: luminance in at most `width` columns."""
-    check_choice("reduction", reduction, ("bilinear", "area"))
     width = min(count("working_width", width, least=16), env.width)
-    if reduction == "area":
+    if settings.reduction == "area":
         border_sampled = env.registration == "border-sampled"
         image = images.reduced_luminance(env.radiance, width, border_sampled=border_sampled)
     else:
         image = images.luminance(env.radiance)
         if width < env.width:
             image = images.resize_bilinear(image, width // 2, width, wrap=True)
-    return images.blur(image, blur_px, wrap=True) if amount("blur_px", blur_px) > 0 else image
-
-
-def _reason(env: EnvMap, level: float, relative: bool) -> str:
-    """Rule that set the threshold."""
-    rule = "chosen by the tree method's rule" if relative else ""
-    fraction = 0.0 if env.clip_level is None else min(level / env.clip_level, 1.0)
-    code = 255 * float(encode_srgb(np.array(fraction)))
-    return wording.reason_of_article(rule, level, env.clip_level, code)
+    return blur(image, settings, wrap=True)
 
 
 def _registration_notes(env: EnvMap) -> tuple[str, ...]:
@@ -199,22 +218,6 @@ def _unit_of_luminance(env: EnvMap, threshold: float) -> float:
     return level / threshold if level > 0 and threshold > 0 else 1.0
 
 
-def _seen_samples(env: EnvMap, size: tuple[int, ...], samples: BrightSamples) -> BrightSamples:
-    """Samples in the seen part of the map."""
-    if env.coverage is None:
-        return samples
-    uv = (samples.own_pixel[:, ::-1] + 0.5) / (size[1], size[0])
-    row, column = images.uv_to_pixel(uv, env.height, env.width).T
-    is_seen = env.coverage[row, column] > 0
-    return BrightSamples(
-        samples.pixel[is_seen],
-        samples.luminance[is_seen],
-        samples.own_pixel[is_seen],
-        samples.maximum[is_seen],
-        samples.total,
-    )
-
-
 def _points(pixel: NDArray[np.int64], size: tuple[int, ...], sphere: bool) -> NDArray[np.float64]:
     """Positions of pixels: unit vectors on the sphere, else rows and columns."""
     if not sphere:
@@ -222,84 +225,58 @@ def _points(pixel: NDArray[np.int64], size: tuple[int, ...], sphere: bool) -> ND
     return uv_to_direction((pixel[:, ::-1] + 0.5) / (size[1], size[0]))
 
 
-def _distance(name: str, angle_deg: float, width: int, sphere: bool) -> float:
+def _distance(angle_deg: float, width: int, sphere: bool) -> float:
     """Distance between two `_points` that are an angle apart."""
-    angle = amount(name, angle_deg, most=180.0)
-    return float(2 * np.sin(np.deg2rad(angle) / 2)) if sphere else angle * width / 360
+    return float(2 * np.sin(np.deg2rad(angle_deg) / 2)) if sphere else angle_deg * width / 360
 
 
-def _directions(means: NDArray[np.float64], size: tuple[int, ...]) -> NDArray[np.float64]:
-    """Unit vectors of `_points` or of their means."""
-    if means.shape[1] == 2:
-        return uv_to_direction((means[:, ::-1] + 0.5) / (size[1], size[0]))
-    return _unit(means)
-
-
-def _lights(
-    env: EnvMap,
-    image: NDArray[np.float32],
-    samples: BrightSamples,
-    merged: MergedSamples,
-    report: DetectionReport,
-    reach: int,
-    sphere: bool,
-) -> DetectedLights:
+def _lights(env: EnvMap, steps: Steps, report: DetectionReport, sphere: bool) -> DetectedLights:
     """Measure each light on its samples; each has 4 pi / n steradians."""
-    direction = _directions(merged.means, image.shape)
-    lights, each = len(direction), 4 * np.pi / max(samples.total, 1)
+    merged, each = steps.merged, 4 * np.pi / max(len(steps.points), 1)
+    means = merged.means
+    direction = uv_to_direction(steps.uv(means)) if means.shape[1] == 2 else _unit(means)
     # Measure each sample at its first position. All samples around a lamp may have moved to its
     # maximum, where a lamp of 2 degrees would count four times.
-    first = _points(samples.own_pixel, image.shape, sphere=True)
-    place = images.uv_to_pixel(direction_to_uv(first), env.height, env.width)
-    radiance = env.radiance[place[:, 0], place[:, 1]].astype(np.float64)
-    flux = each * sums_of_lights(radiance, merged.light, lights)
-    vectors = sums_of_lights((radiance @ images.LUMINANCE)[:, None] * first, merged.light, lights)
-    towards = each * np.linalg.norm(vectors, axis=1) / np.maximum(flux @ images.LUMINANCE, _TINY)
-    is_bright = image[samples.own_pixel[:, 0], samples.own_pixel[:, 1]] > report.threshold
-    bright = np.bincount(merged.light, is_bright, minlength=lights)
-    elongation, orientation = _shapes(first, direction, merged.light)
-    bands = pixel_solid_angles(image.shape[0], 2)[:, 0] * 2 / image.shape[1]
+    first = uv_to_direction(steps.uv(steps.samples.first))
+    pixel = images.uv_to_pixel(direction_to_uv(first), env.height, env.width)
+    radiance = env.radiance[pixel[:, 0], pixel[:, 1]].astype(np.float64)
+    sums, length = merged.flux(radiance, np.ones(len(first)), first)
+    flux = each * sums
+    luminance = flux @ images.LUMINANCE
+    received = each * length / np.maximum(luminance, _TINY)
+    is_bright = steps.first_luminance > steps.threshold
+    bright = np.bincount(merged.light, is_bright, minlength=len(direction))
+    elongation, orientation = _shapes(first, direction, merged)
+    bands = pixel_solid_angles(steps.size[0], 2)[:, 0] * 2 / steps.size[1]
     # A sample may stand for many times the solid angle of a bright pixel, as at a pole.
-    total = max(float(image.sum(axis=1) @ bands), float((flux @ images.LUMINANCE).sum())) or 1.0
+    total = max(float(steps.image.sum(axis=1) @ bands), float(luminance.sum())) or 1.0
+    # As in `detect`, a flat top is looked for in the pixels of the full map.
+    shape = env.radiance.shape
+    peaks, reach = steps.pixels_in(shape), steps.reach_in(shape)
     return DetectedLights(
         direction,
-        flux * towards[:, None],
+        flux * received[:, None],
         flux=flux,
-        peak_direction=_points(merged.peak, image.shape, sphere=True),
+        peak_direction=uv_to_direction(steps.uv(merged.peak)),
         solid_angle=each * np.maximum(bright, 1.0),
         elongation=elongation,
         orientation=orientation,
-        peak_luminance=image[merged.peak[:, 0], merged.peak[:, 1]].astype(np.float64),
-        flux_fraction=flux @ images.LUMINANCE / total,
-        is_clipped=_are_clipped(env, image.shape, merged, reach, sphere),
-        members=Members(samples.pixel, merged.light),
+        peak_luminance=steps.peak_luminance,
+        flux_fraction=luminance / total,
+        is_clipped=_native.are_clipped(env.radiance, peaks, reach, sphere, env.clip_level),
+        members=Members(steps.samples.pixel, merged.light),
         report=report,
         units=env.units,
     )
 
 
-def _are_clipped(
-    env: EnvMap, size: tuple[int, ...], merged: MergedSamples, reach: int, sphere: bool
-) -> NDArray[np.bool_]:
-    """True for each light with a flat top at the maximum, in the window of its brightest sample.
-
-    As in `detect`, the pixels of the full map count.
-    """
-    height, width = size
-    uv = (merged.peak[:, ::-1] + 0.5) / (width, height)
-    place = images.uv_to_pixel(uv, env.height, env.width)
-    reach_in_map = math.ceil((reach + 0.5) * env.width / width)
-    return _native.are_clipped(env.radiance, place, reach_in_map, sphere, env.clip_level)
-
-
 def _shapes(
-    first: NDArray[np.float64], direction: NDArray[np.float64], light: NDArray[np.int64]
+    first: NDArray[np.float64], direction: NDArray[np.float64], merged: MergedSamples
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Elongation and long axis of each light, from the second moments of its samples."""
-    offset = first - direction[light]
+    offset = first - direction[merged.light]
     moments = (offset[:, :, None] * offset[:, None, :]).reshape(-1, 9)
-    matrices = sums_of_lights(moments, light, len(direction)).reshape(-1, 3, 3)
-    values, axes = np.linalg.eigh(matrices)
+    values, axes = np.linalg.eigh(merged.sums(moments).reshape(-1, 3, 3))
     with np.errstate(invalid="ignore", divide="ignore"):
         elongation = np.sqrt(values[:, 2] / values[:, 1])
     along = axes[:, :, 2]

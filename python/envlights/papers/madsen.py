@@ -1,4 +1,4 @@
-"""The fit of Madsen, Sørensen and Vittrup (2003), section 3, by the steps of the paper."""
+"""Madsen, Sørensen and Vittrup (2003), section 3: the fit, and its equations on arrays."""
 
 from __future__ import annotations
 
@@ -19,11 +19,22 @@ from envlights._native import EnvLightsError
 from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
 from envlights.environment.fill import Fill
 from envlights.fitting.wording import clipping
-from envlights.kernels import madsen, probe, sampling
+from envlights.kernels import probe, sampling
 from envlights.kernels.angles import azimuths, elevations
+from envlights.kernels.madsen import (
+    face_radiance,
+    pack_lights,
+    probe_jacobian,
+    probe_model,
+    probe_residual,
+    unpack_lights,
+)
 from envlights.rigs.lights import Lights, rgb_cell, rgb_heading
 from envlights.rigs.report import FitReport, StopReason
 from envlights.rigs.rig import Rig
+
+__all__ = ["PaperFit", "face_radiance", "fit", "pack_lights", "probe_jacobian", "probe_model"]
+__all__ += ["probe_residual", "unpack_lights"]
 
 #: Faces of the probe and of the scene (section 3.1).
 PROBE_FACES, SCENE_FACES = 320, 5120
@@ -114,7 +125,7 @@ class PaperFit(Result):
     @property
     def parameters(self) -> _Reals:
         """Unknowns in the order of `kernels.probe_residual`, for another solver."""
-        return madsen.pack_lights(self.ambient, self.direction, self.irradiance)
+        return pack_lights(self.ambient, self.direction, self.irradiance)
 
     def rig(self) -> Rig:
         """Convert to a physical rig.
@@ -132,8 +143,8 @@ class PaperFit(Result):
         least = min(self.ambient.min(), self.irradiance.min(initial=0.0))
         if least < 0:
             raise EnvLightsError(
-                f"a rig must not hold negative light; the smallest value is {least:.3g}. Use `envlights.fit`"
-                " for the best lights without negative ones"
+                f"a rig must not hold negative light; the smallest value is {least:.3g}."
+                " Use `envlights.fit` for the best lights without negative ones"
             )
         measured_on = f"the {PROBE_FACES} fitted normals"
         report = FitReport(steps=self.steps, stop_reason=self.stop_reason, measured_on=measured_on)
@@ -177,7 +188,8 @@ def fit(
         Colour of the probe, each above 0. It only weights the errors of the three channels.
     start : array_like, shape (lights, 3), optional
         Unit vectors where the lights start. When left out, a spiral of equal areas from +y to -y
-        whose first light is on the side of +z. (It is not the even start of `envlights.fit`; see the notes.)
+        whose first light is on the side of +z. (It is not the even start of `envlights.fit`; see
+        the notes.)
     damped : bool
         True: a step is shortened if it would rotate a light by more than 0.25 radians or raise the
         error. False: full Gauss-Newton steps, as in the text of the paper.
@@ -207,9 +219,9 @@ def fit(
     tetrahedron turned at random, whole steps placed three lights at the windows and the fourth at
     the wall from 5 of 60 turns (from 2 within 20 steps), damped ones from 34 (27). The default
     start is one from which damped steps get there, on the hall times 0.3 to 10000; from the even
-    start of `envlights.fit` they do not on the hall times 0.3. But the spiral and the 0.25 radians were
-    chosen on that hall: on halls turned about +y they get there for 17 of 25 azimuths, whole steps
-    for 5.
+    start of `envlights.fit` they do not on the hall times 0.3. But the spiral and the 0.25 radians
+    were chosen on that hall: on halls turned about +y they get there for 17 of 25 azimuths, whole
+    steps for 5.
 
     The paper says that ambient radiances for a `k_a` of 0.1 are ten times lower than for 1. By its
     equations 4 to 6, which count ``k_a L_a``, they are ten times higher; so they are here.
@@ -218,7 +230,7 @@ def fit(
     --------
     >>> import envlights as el
     >>> hall = el.synthetic.hall(256)
-    >>> found = el.fit(hall.radiance, lights=4)
+    >>> found = fit(hall.radiance, lights=4)
     >>> at_window = (hall.lights.direction @ found.direction.T).max(axis=1) > np.cos(np.deg2rad(3))
     >>> bool(at_window.all()), found.steps <= 20, found.stop_reason.name
     (True, True, 'CONVERGED')
@@ -229,9 +241,9 @@ def fit(
     env = as_envmap(env).filled(fill)
     problem = _render(env, surface)
     ambient = np.full(3, 1.0 if surface.k_a > 0 else 0.0)
-    x = madsen.pack_lights(ambient, first, np.ones((lights, 3)))
+    x = pack_lights(ambient, first, np.ones((lights, 3)))
     x, errors, stop = _gauss_newton(problem, x, damped, max_steps)
-    found, directions, irradiance = (freeze(part) for part in madsen.unpack_lights(x))
+    found, directions, irradiance = (freeze(part) for part in unpack_lights(x))
     history, (k_a, k_d, _) = tuple(errors), surface
     notes = (*env.notes, *clipping(env.clipped_flux_fraction if env.clip_level else 0.0))
     return PaperFit(found, directions, irradiance, history, stop, k_a, k_d, notes, env.units)
@@ -253,10 +265,10 @@ class _Problem(NamedTuple):
     surface: _Surface
 
     def residual(self, x: _Reals) -> _Reals:
-        return madsen.probe_residual(x, self.normals, self.probe, **self.surface._asdict())
+        return probe_residual(x, self.normals, self.probe, **self.surface._asdict())
 
     def jacobian(self, x: _Reals) -> _Reals:
-        return madsen.probe_jacobian(x, self.normals, self.probe, **self.surface._asdict())
+        return probe_jacobian(x, self.normals, self.probe, **self.surface._asdict())
 
     def error(self, x: _Reals) -> float:
         """Relative RMS error; the absolute one where the probe is black."""
@@ -269,7 +281,7 @@ def _render(env: EnvMap, surface: _Surface) -> _Problem:
     normals, _ = sampling.icosphere(PROBE_FACES)
     directions, solid_angles = sampling.icosphere(SCENE_FACES)
     border_sampled = env.registration == "border-sampled"
-    scene = madsen.face_radiance(env.radiance, SCENE_FACES, border_sampled=border_sampled)
+    scene = face_radiance(env.radiance, SCENE_FACES, border_sampled=border_sampled)
     values = probe.sum_over_sources(
         normals, directions, scene, solid_angles, k_d=surface.k_d, C=surface.C
     )

@@ -5,38 +5,37 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _native
-from envlights._common.check import amount, check_choice, count, flag
-from envlights._common.srgb import encode_srgb
-from envlights.detection import wording
+from envlights._common.check import amount, count
+from envlights._common.former import former_settings
 from envlights.detection.lights import DetectionReport
+from envlights.environment import thumbnails
 from envlights.environment.colour.choice import ColourArgument
 from envlights.environment.layouts import layout as layouts
 from envlights.environment.layouts.layout import Layout
 from envlights.kernels import image as images
 from envlights.kernels import loghin
 from envlights.papers.loghin_steps import (
-    BrightSamples,
-    MergedSamples,
+    PHOTOGRAPH,
+    REFERENCE_PX,
     MergeRule,
+    Settings,
+    Steps,
+    blur,
     bright_samples,
+    check_settings,
     climb,
     merged_samples,
-    square_points,
+    threshold_reason,
 )
-from envlights.papers.photograph_lights import PhotographLights
-from envlights.papers.photograph_measure import measure
+from envlights.papers.photograph_lights import PhotographLights, PhotographSamples
 from envlights.papers.photograph_pixels import AnyPhotograph, PhotographPixels, photograph_pixels
 
-#: Longer side of a picture in which lengths in pixels are given.
-_REFERENCE_PX = 1024
-#: Default width of a window divided by the distance between samples: at 1, gaps would remain.
-_WINDOW_OVER_SPACING = 1.3
 #: Narrowest and widest field of view in degrees; no photograph of a plane shows 180.
 _VIEWS_DEG = (0.05, 179.0)
 #: Stops below the threshold at which the relative line check treats pixels as equally dark: one
@@ -46,6 +45,10 @@ _STOPS_BELOW = 2
 _MOST_STOPS = 30
 #: Limit in stops that no luminance reaches.
 _NO_LIMIT = 1e3
+#: Longer side of the picture that the lights hold for display.
+_PICTURE_PX = 1024
+#: Settings that photographs do not use.
+_OF_MAPS = ("suppression_deg", "merge_cap_deg", "sphere")
 #: Divisor in place of a flux of 0.
 _TINY = np.finfo(float).tiny
 
@@ -66,46 +69,23 @@ class _Levels(NamedTuple):
     """Rule that set them."""
 
 
-class _Options(NamedTuple):
-    """Checked options of steps 3 to 9; lengths are in pixels of the working image."""
-
-    sampling: str
-    samples_per_pixel: float
-    reach: int
-    move_to_maximum: bool
-    rule: MergeRule
-
-
+@former_settings(max_lights="lights")
 def detect_photograph(
     image: AnyPhotograph,
     fov: float | None = None,
     *,
+    lights: int | None = None,
     colour: ColourArgument | None = None,
     part: str | int | None = None,
-    max_lights: int | None = None,
     working_side: int = 1024,
-    reduction: str = "bilinear",
-    blur_px: float = 0.0,
-    sampling: str = "halton",
-    samples_per_pixel: float = 0.012,
-    window_px: int | None = None,
-    relative: bool = True,
-    threshold: float = 0.8,
-    rise: float = 2.0,
-    suppression_px: float = 10.0,
-    tolerance: float = 0.15,
-    tolerance_stops: float = 1.5,
-    ceiling: float = 1.25,
-    merge_cap_px: float | None = None,
-    move_to_maximum: bool = True,
+    settings: Settings = PHOTOGRAPH,
 ) -> PhotographLights:
     """Lights of a photograph or another plane picture, by the steps of Loghin (2021).
 
     The plane is sampled with Halton points, as the article advises. Samples near a bright pixel are
     retained, samples near a brighter sample are suppressed, and samples that a bright line joins
-    are merged. By default, levels follow the exposure and samples move to maxima.
-    ``relative=False, move_to_maximum=False, samples_per_pixel=0.006, window_px=12`` is the article
-    itself.
+    are merged. By default, levels follow the exposure and samples move to maxima. The settings
+    ``papers.loghin.Settings(sampling="halton")`` are the article itself.
 
     Parameters
     ----------
@@ -117,46 +97,14 @@ def detect_photograph(
         out, the file gives it: a picture of `EnvMap.view` states it, and EXIF has the focal length
         equivalent to 35 mm film, by the diagonal, or the focal length with the resolution of the
         sensor. A note names the source.
+    lights : int, optional
+        Largest number of lights. The dimmest are dropped; nothing is merged.
     colour, part
         Colour space of the samples of a file, and its layer; see `EnvMap.open`.
-    max_lights : int, optional
-        Largest number of lights. The dimmest are dropped; nothing is merged.
     working_side : int
         Pixels of the longer side of the reduced picture; a picture is not enlarged.
-    reduction : {"bilinear", "area"}
-        Reduction of the picture. Bilinear, as in the article, skips pixels.
-    blur_px : float
-        Standard deviation of a blur in the reduced picture; optional in the article, with 1 to 2.
-    sampling : {"halton", "hammersley"}
-        Sequence of points.
-    samples_per_pixel : float
-        Number of samples divided by the number of pixels of the reduced picture: 0.006 in the
-        article.
-    window_px : int, optional
-        Width of the window around a sample, less one, in a picture of 1024 pixels: 12 in the
-        article. By default 1.3 times the distance between samples, for pictures of any size.
-    relative : bool
-        True: the threshold comes from the histogram of the picture, by the rule of `detect`
-        with equal weights of all pixels, and lines are checked in stops, so that the exposure has
-        no influence. In a clipped picture, such as most of 8 bits, the levels of the article are
-        relative to the clip level. False: they are absolute, as in the article.
-    threshold : float
-        Luminance that the brightest pixel of a window must exceed, in the article and in clipped
-        pictures. It is linear: 0.8 is the code 231 of 255.
-    rise : float
-        Least ratio of the maximum of a light to the relative threshold, as in `detect`.
-    suppression_px : float
-        Samples closer to a brighter sample are suppressed, in a picture of 1024 pixels.
-    tolerance, ceiling : float
-        Limits of the absolute line check; see `kernels.merge_along_lines`.
-    tolerance_stops : float
-        Limit of the relative line check: largest difference of the mean of a line from its start,
-        in stops (powers of two).
-    merge_cap_px : float, optional
-        Samples farther apart are not merged. The article has no such limit.
-    move_to_maximum : bool
-        True: samples climb from window to window to a maximum, and the place of a light is the mean
-        over these maxima and over the samples on the light. False: they stay, as in the article.
+    settings : papers.loghin.Settings
+        Settings of the steps, by default ``papers.loghin.PHOTOGRAPH``.
 
     Returns
     -------
@@ -173,8 +121,9 @@ def detect_photograph(
 
     See Also
     --------
-    detect : the same for maps, and with `EnvMap(image, projection="planar", fov=...)` the component
-        tree for photographs, which is more exact on linear pictures.
+    papers.loghin.detect : the same for maps.
+    detect : with `EnvMap(image, projection="planar", fov=...)` the component tree for photographs,
+        which is more exact on linear pictures.
 
     Examples
     --------
@@ -187,64 +136,49 @@ def detect_photograph(
     array([[0. , 0.1, 1. ]])
     """
     start = time.perf_counter()
-    options = (amount("threshold", threshold), amount("rise", rise), flag("relative", relative))
+    check_settings(settings, _OF_MAPS, "photograph")
     photograph = photograph_pixels(image, colour, part)
     camera, notes = _camera(photograph, fov)
     luminance = images.luminance(photograph.radiance)
-    working = _working_image(luminance, working_side, reduction, blur_px)
-    levels = _levels(working, photograph.clip_level, *options)
-    scale = max(working.shape) / _REFERENCE_PX
-    cap = math.inf if merge_cap_px is None else scale * amount("merge_cap_px", merge_cap_px)
-    absolute = amount("tolerance", tolerance), amount("ceiling", ceiling)
-    limits = amount("tolerance_stops", tolerance_stops), _NO_LIMIT, _NO_LIMIT
-    if levels.unit is not None:
-        limits = levels.unit * absolute[0], levels.unit * absolute[1], levels.unit
-    steps = _Options(
-        sampling=sampling,
-        samples_per_pixel=samples_per_pixel,
-        reach=_reach(window_px, scale, amount("samples_per_pixel", samples_per_pixel, most=1.0)),
-        move_to_maximum=flag("move_to_maximum", move_to_maximum),
-        rule=MergeRule(scale * amount("suppression_px", suppression_px), cap, *limits),
-    )
-    samples, merged = _lights_of(working, levels, steps)
+    working = _working_image(luminance, working_side, settings)
+    levels = _levels(working, photograph.clip_level, settings)
+    steps = _steps(working, levels, settings)
     report = DetectionReport(
         method="loghin",
         threshold=levels.bright,
         reason=levels.reason,
-        working_size=(working.shape[0], working.shape[1]),
-        details=(f"{samples.total - len(samples.pixel)} of {samples.total} samples are dark",),
+        working_size=steps.size,
+        details=steps.details,
         notes=(*photograph.notes, *notes),
         seconds={"detect": time.perf_counter() - start},
     )
-    lights = measure(photograph, camera, luminance, working, samples, merged, report, steps.reach)
-    return lights if max_lights is None else lights[: count("max_lights", max_lights, least=1)]
+    found = _measure(photograph, camera, float(luminance.sum(dtype=np.float64)), steps, report)
+    return found if lights is None else found[: count("lights", lights, least=1)]
 
 
-def _reach(window_px: int | None, scale: float, samples_per_pixel: float) -> int:
-    """Pixels from a sample to the border of its window."""
-    if window_px is not None:
-        return int(count("window_px", window_px) * scale) // 2
-    spacing = 1 / math.sqrt(samples_per_pixel) if samples_per_pixel > 0 else 0.0
-    return round(_WINDOW_OVER_SPACING / 2 * min(spacing, _REFERENCE_PX))
-
-
-def _lights_of(
-    working: NDArray[np.float32], levels: _Levels, options: _Options
-) -> tuple[BrightSamples, MergedSamples]:
+def _steps(working: NDArray[np.float32], levels: _Levels, settings: Settings) -> Steps:
     """Steps 3 to 9."""
-    uv = square_points(options.sampling, working, options.samples_per_pixel)
-    pixel = images.uv_to_pixel(uv, *working.shape)
-    is_moved, reach = options.move_to_maximum, options.reach
-    samples = bright_samples(working, pixel, reach, levels.bright, is_moved, sphere=False)
-    if is_moved:
+    points, reach = settings.points(working.size), settings.reach(max(working.shape))
+    pixel = images.uv_to_pixel(points, *working.shape)
+    samples = bright_samples(working, pixel, reach, levels.bright, settings)
+    if settings.move_to_maximum:
         samples = climb(working, samples, reach, levels.peak)
     lines = _stops(working, levels.bright) if levels.unit is None else working
-    points = samples.pixel.astype(np.float64)
-    merged = merged_samples(lines, samples, points, options.rule, sphere=False)
-    if is_moved:
-        means = _means_of_all(working, samples, merged, levels.bright)
-        merged = replace(merged, means=means)
-    return samples, merged
+    rule = _rule(settings, max(working.shape) / REFERENCE_PX, levels.unit)
+    merged = merged_samples(lines, samples, samples.pixel.astype(np.float64), rule, sphere=False)
+    steps = Steps(working, points, samples, merged, reach, levels.bright)
+    if settings.move_to_maximum:
+        return replace(steps, merged=replace(merged, means=_means_of_all(steps)))
+    return steps
+
+
+def _rule(settings: Settings, scale: float, unit: float | None) -> MergeRule:
+    """Rule of merging, with lengths in pixels of the working image."""
+    cap = math.inf if settings.merge_cap_px is None else scale * settings.merge_cap_px
+    limits = settings.tolerance_stops, _NO_LIMIT, _NO_LIMIT
+    if unit is not None:
+        limits = unit * settings.tolerance, unit * settings.ceiling, unit
+    return MergeRule(scale * settings.suppression_px, cap, *limits)
 
 
 def _stops(working: NDArray[np.float32], bright: float) -> NDArray[np.float32]:
@@ -255,17 +189,16 @@ def _stops(working: NDArray[np.float32], bright: float) -> NDArray[np.float32]:
     return stops
 
 
-def _means_of_all(
-    working: NDArray[np.float32], samples: BrightSamples, merged: MergedSamples, bright: float
-) -> NDArray[np.float64]:
-    """Mean place of each light, over the maxima that survive and the samples on the light.
+def _means_of_all(steps: Steps) -> NDArray[np.float64]:
+    """Mean position of each light, over the maxima that survive and the samples on the light.
 
     Maxima alone miss the middle of a broad light, and samples alone miss a small one.
     """
-    at_first = working[samples.own_pixel[:, 0], samples.own_pixel[:, 1]]
+    samples, merged, at_first = steps.samples, steps.merged, steps.first_luminance
     kept = np.unique(merged.survivor)
-    points = np.concatenate([samples.pixel[kept], samples.own_pixel])
-    weights = np.concatenate([samples.luminance[kept], np.where(at_first > bright, at_first, 0)])
+    own = np.where(at_first > steps.threshold, at_first, 0)
+    points = np.concatenate([samples.pixel[kept], samples.first])
+    weights = np.concatenate([samples.luminance[kept], own])
     light = np.concatenate([merged.light[kept], merged.light])
     return loghin.weighted_means(points, weights, light)
 
@@ -287,35 +220,86 @@ def _camera(
 
 
 def _working_image(
-    luminance: NDArray[np.float32], side: int, reduction: str, blur_px: float
+    luminance: NDArray[np.float32], side: int, settings: Settings
 ) -> NDArray[np.float32]:
     """Steps 1 and 2: luminance with a longer side of at most `side` pixels."""
-    check_choice("reduction", reduction, ("bilinear", "area"))
     side = min(count("working_side", side, least=16), max(luminance.shape))
     height, width = (max(round(each * side / max(luminance.shape)), 1) for each in luminance.shape)
     image = luminance
-    if (height, width) != luminance.shape and reduction == "area":
+    if (height, width) != luminance.shape and settings.reduction == "area":
         image = images.area_means(luminance, height, width).astype(np.float32)
     elif (height, width) != luminance.shape:
         image = images.resize_bilinear(luminance, height, width)
-    return images.blur(image, blur_px) if amount("blur_px", blur_px) > 0 else image
+    return blur(image, settings, wrap=False)
 
 
-def _levels(
-    working: NDArray[np.float32],
-    clip_level: float | None,
-    threshold: float,
-    rise: float,
-    relative: bool,
-) -> _Levels:
+def _levels(working: NDArray[np.float32], clip_level: float | None, settings: Settings) -> _Levels:
     """Levels of the article, the same for the clip level as 1, or those of the histogram."""
-    bright, unit, rule = threshold, 1.0, ""
-    if relative and clip_level is not None and float(working.max()) > threshold * clip_level:
-        bright, unit, rule = threshold * clip_level, clip_level, "relative to the clip level"
+    bright, unit, rule = settings.threshold, 1.0, ""
+    relative = settings.relative
+    if relative and clip_level is not None and float(working.max()) > bright * clip_level:
+        bright, unit, rule = bright * clip_level, clip_level, "relative to the clip level"
     elif relative:
         bright = _native.plane_threshold(np.ascontiguousarray(working))
         rule = "from the histogram of the picture"
-        return _Levels(bright, rise * bright, None, rule)
-    fraction = 0.0 if clip_level is None else min(bright / clip_level, 1.0)
-    code = 255 * float(encode_srgb(np.array(fraction)))
-    return _Levels(bright, bright, unit, wording.reason_of_article(rule, bright, clip_level, code))
+        return _Levels(bright, settings.rise * bright, None, rule)
+    return _Levels(bright, bright, unit, threshold_reason(rule, bright, clip_level))
+
+
+def _measure(
+    photograph: PhotographPixels,
+    camera: Layout | None,
+    luminance: float,
+    steps: Steps,
+    report: DetectionReport,
+) -> PhotographLights:
+    """Measure each light on its samples, each at its first position."""
+    radiance, samples, merged = photograph.radiance, steps.samples, steps.merged
+    height, width, _ = shape = radiance.shape
+    scale = np.array([height / steps.size[0], width / steps.size[1]])
+    first = images.uv_to_pixel(steps.uv(samples.first), height, width)
+    values = radiance[first[:, 0], first[:, 1]].astype(np.float64)
+    each = height * width / max(len(steps.points), 1)
+    flux = each * merged.sums(values)
+    # A sample may stand for more pixels than are bright around it.
+    total = max(luminance, float((flux @ images.LUMINANCE).sum()))
+    position = ((merged.means + 0.5) * scale)[:, ::-1]
+    peaks, reach = steps.pixels_in(shape), steps.reach_in(shape)
+    arrays: dict[str, Any] = {
+        "position": position,
+        "pixel_flux": flux,
+        "peak_pixel": peaks,
+        "peak_luminance": steps.peak_luminance,
+        "flux_fraction": flux @ images.LUMINANCE / (total or 1.0),
+        "is_clipped": _native.are_clipped(radiance, peaks, reach, False, photograph.clip_level),
+    }
+    if camera is not None:
+        centres = ((samples.first + 0.5) * scale)[:, ::-1]
+        weight = _solid_angles(camera, samples.first, steps.size, each)
+        arrays["direction"] = _native.projection_directions(camera, np.ascontiguousarray(position))
+        towards = _native.projection_directions(camera, np.ascontiguousarray(centres))
+        sums, length = merged.flux(values, weight, towards)
+        received = length / np.maximum(sums @ images.LUMINANCE, _TINY)
+        arrays["irradiance"] = sums * received[:, None]
+    places = samples.first, samples.pixel, samples.maximum
+    return PhotographLights(
+        **arrays,
+        samples=PhotographSamples(*places, merged.survivor, merged.light),
+        report=report,
+        size=(height, width),
+        field_of_view=None if camera is None else camera.field_of_view,
+        picture=thumbnails.of_photograph(radiance, _PICTURE_PX, photograph.clip_level),
+    )
+
+
+def _solid_angles(
+    camera: Layout, pixel: NDArray[np.int64], size: tuple[int, int], each: float
+) -> NDArray[np.float64]:
+    """Solid angle of `each` pixels of the photograph at pixels of the working image.
+
+    The working image is a photograph with square pixels and the same horizontal field of view.
+    """
+    angles = _native.projection_solid_angles(camera._replace(height=size[0], width=size[1]))
+    pixels_of_photograph = (camera.width / size[1]) ** 2
+    chosen: NDArray[np.float64] = angles[pixel[:, 0], pixel[:, 1]]
+    return chosen * (each / pixels_of_photograph)

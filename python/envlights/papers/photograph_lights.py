@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any, overload
 
@@ -12,6 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights._common import html
 from envlights._common.arrays import seal
+from envlights._common.check import amount, counts, flag, reals
+from envlights._common.files import write_atomically
 from envlights._common.result import Result
 from envlights._common.tables import MOST_ROWS, Table, frame_of
 from envlights._native import EnvLightsError
@@ -21,16 +23,17 @@ from envlights.environment.envmap import EnvMap
 from envlights.export import saving, targets
 from envlights.export.formats.own_json import read_json
 from envlights.kernels.image import LUMINANCE
-from envlights.papers.photograph_file import fields_of, save_table
-from envlights.rigs.light_arrays import row_of, rows_of
+from envlights.rigs.light_arrays import light_arrays, row_of, rows_of
 from envlights.rigs.lights import Lights, Rows, brightest_first, rgb_cell
 
 if TYPE_CHECKING:
     import pandas as pd
 
 _KIND, _VERSION = "lights of a photograph", 1
+#: First line of a table of positions.
+_TABLE = "# envlights CSV of a photograph, version 1"
 #: Frame of directions, as `to_dict` says it.
-FRAME = "of the photograph: it looks along +z, its right is -x, its upper side +y"
+_FRAME = "of the photograph: it looks along +z, its right is -x, its upper side +y"
 _UNITS = (
     "position: x, y in pixels of the photograph from its top left corner; peak_pixel: row, column;"
     " pixel_flux: radiance times pixels of the photograph; irradiance: at normal incidence; all"
@@ -39,6 +42,11 @@ _UNITS = (
 #: Arrays with a row for each light; the last two are None without a field of view.
 _ARRAYS = ("position", "pixel_flux", "peak_pixel", "peak_luminance", "flux_fraction", "is_clipped")
 _WITH_FIELD = ("direction", "irradiance")
+#: Arrays of samples: pixels, and indices.
+_PIXELS, _INDICES = ("first", "pixel", "maximum"), ("survivor", "light")
+#: Columns of a data frame around those of `_SCALARS`; the last ones need a field of view.
+_COLUMNS = ("x_px", "y_px", "red", "green", "blue")
+_MORE_COLUMNS = ("irradiance_red", "irradiance_green", "irradiance_blue", "x", "y", "z")
 #: Arrays of numbers in a data frame.
 _SCALARS = ("fraction", "luminance", "peak_luminance", "is_clipped")
 
@@ -65,6 +73,19 @@ class PhotographSamples(Result):
     def in_short(self) -> str:
         """Number of samples."""
         return f"{len(self.pixel)} samples"
+
+    @classmethod
+    def checked(cls, data: Mapping[str, Any], lights: int) -> PhotographSamples:
+        """Samples from the dictionary of a file, whose indices are in range."""
+        first, pixel, maximum = (_rows(name, data[name], 2).astype(np.int64) for name in _PIXELS)
+        survivor, light = (reals(name, data[name], 1).astype(np.int64) for name in _INDICES)
+        count = len(survivor)
+        if any(len(array) != count for array in (first, pixel, maximum, light)):
+            raise EnvLightsError("samples must have arrays of one length")
+        for name, array, most in zip(_INDICES, (survivor, light), (count, lights), strict=True):
+            if not ((array >= 0) & (array < most)).all():
+                raise EnvLightsError(f"{name} of the samples must be indices below {most}")
+        return cls(first, pixel, maximum, survivor, light)
 
     def of(self, kept: NDArray[np.intp], lights: int) -> PhotographSamples:
         """Samples of the `kept` lights, in this order, out of `lights` lights."""
@@ -195,10 +216,8 @@ class PhotographLights(Result):
 
     def _light(self, row: int) -> PhotographLight:
         rows = {name: getattr(self, name)[row] for name in self._array_names()}
-        plain = {
-            name: rows[name].item() for name in ("peak_luminance", "flux_fraction", "is_clipped")
-        }
-        return PhotographLight(**{**rows, **plain})
+        plain = {name: value if np.ndim(value) else value.item() for name, value in rows.items()}
+        return PhotographLight(**plain)
 
     def _array_names(self) -> tuple[str, ...]:
         """Names of the arrays with a row for each light."""
@@ -222,16 +241,22 @@ class PhotographLights(Result):
         return f"{len(self)} light{'' if len(self) == 1 else 's'}, {width}x{height} pixels{view}"
 
     def __str__(self) -> str:
-        return f"{self.table() if len(self) else 'no light'}\n\n{self.report}"
+        return f"{self._heading()}\n\n{self.report}"
 
     def verbose(self) -> str:
         """Text with all details of the report."""
-        return f"{self.table() if len(self) else 'no light'}\n\n{self.report.verbose()}"
+        return f"{self._heading()}\n\n{self.report.verbose()}"
+
+    def _heading(self) -> str:
+        return str(self.table()) if len(self) else "no light"
 
     def _html_parts(self) -> tuple[str, ...]:
         picture = html.picture(thumbnails.nearest_columns(self.picture), "the photograph")
-        table = (self.table().html(),) if len(self) else ()
-        return (picture, *table, html.lines(str(self.report)))
+        return (
+            picture,
+            *([self.table().html()] if len(self) else ()),
+            html.lines(str(self.report)),
+        )
 
     def table(self) -> Table:
         """Table of the first dozen lights, and a summary of the others."""
@@ -240,14 +265,11 @@ class PhotographLights(Result):
         summary = f"{len(hidden)} more {lights}, {100 * hidden.sum():.2g} % together"
         colours = thumbnails.hex_of(self.pixel_flux[:MOST_ROWS])
         rows = [self._cells(row) for row in range(min(len(self), MOST_ROWS))]
-        return Table(self._columns(), rows, summary if len(hidden) else "", colours)
-
-    def _columns(self) -> list[str]:
-        last = "radiance x pixels (R, G, B)"
-        if self.direction is not None:
-            last = "irradiance (R, G, B)"
-        forward = [] if self.direction is None else ["direction"]
-        return ["light", "x", "y", "fraction", "peak", *forward, last, ""]
+        last = ["direction", "irradiance (R, G, B)"]
+        if self.direction is None:
+            last = ["radiance x pixels (R, G, B)"]
+        columns = ["light", "x", "y", "fraction", "peak", *last, ""]
+        return Table(columns, rows, summary if len(hidden) else "", colours)
 
     def _cells(self, row: int) -> list[str]:
         x, y = self.position[row]
@@ -260,13 +282,7 @@ class PhotographLights(Result):
         return [*place, forward, rgb_cell(self.irradiance[row]), remark]
 
     def discs(self) -> Lights:
-        """The lights as points with their irradiance, in the frame of the photograph.
-
-        Raises
-        ------
-        EnvLightsError
-            If there are no directions, because the field of view is unknown.
-        """
+        """The lights as points, in the frame of the photograph; refused without directions."""
         if self.direction is None or self.irradiance is None:
             raise EnvLightsError(
                 "the lights of this photograph have no directions, because its field of view is"
@@ -275,24 +291,17 @@ class PhotographLights(Result):
         return Lights(self.direction, self.irradiance)
 
     def to_frame(self) -> pd.DataFrame:
-        """Data frame with a row for each light; needs pandas, from the extra `frame`.
-
-        Returns
-        -------
-        pandas.DataFrame
-            Each component of a place, a vector or a colour has a column.
-        """
+        """Data frame with a row for each light and a column for each component; needs pandas."""
         return frame_of(self._frame_columns())
 
     def _frame_columns(self) -> dict[str, NDArray[Any]]:
-        columns = dict(zip(("x_px", "y_px"), self.position.T, strict=True))
-        columns |= dict(zip(("red", "green", "blue"), self.pixel_flux.T, strict=True))
+        columns = dict(zip(_COLUMNS, [*self.position.T, *self.pixel_flux.T], strict=True))
         columns |= {name: getattr(self, name) for name in _SCALARS}
         if self.direction is None or self.irradiance is None:
             return columns
-        colours = ("irradiance_red", "irradiance_green", "irradiance_blue")
-        columns |= dict(zip(colours, self.irradiance.T, strict=True))
-        return columns | dict(zip("xyz", self.direction.T, strict=True))
+        return columns | dict(
+            zip(_MORE_COLUMNS, [*self.irradiance.T, *self.direction.T], strict=True)
+        )
 
     def save(
         self, path: str | os.PathLike[str], environment: EnvMap | ArrayLike | None = None
@@ -314,31 +323,34 @@ class PhotographLights(Result):
         """
         target = targets.target_of(path).name
         if target == "csv" and self.direction is None:
-            save_table(path, self.size, self._frame_columns())
+            write_atomically(path, lambda beside: beside.write_text(self._csv(), encoding="utf-8"))
             return
         saving.save(self if target == "json" else self.discs(), path, environment)
 
+    def _csv(self) -> str:
+        """Table with a row for each light, for spreadsheets."""
+        columns, (height, width) = self._frame_columns(), self.size
+        about = (
+            f"# {width}x{height} pixels; x, y from the top left corner; red, green, blue: linear"
+        )
+        lines = [_TABLE, f"{about} Rec.709 radiance times pixels", ",".join(columns)]
+        numbers = [array + 0 for array in columns.values()]  # False becomes 0
+        rows = zip(*(array.tolist() for array in numbers), strict=True)
+        return "\n".join([*lines, *(",".join(map(repr, row)) for row in rows)]) + "\n"
+
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> PhotographLights:
-        """Read lights that `save` wrote as ``.json``, without their times and picture.
-
-        Raises
-        ------
-        EnvLightsError
-            If the file is missing, has another kind or version, or holds impossible lights.
-        """
+        """Read lights that `save` wrote as ``.json``, without times and picture, or refuse them."""
         return read_json(path, _KIND, (_VERSION,), _from_dict)
 
     def to_dict(self) -> dict[str, Any]:
         """All fields except times and picture as plain numbers, lists and strings."""
         arrays = {name: getattr(self, name).tolist() for name in self._array_names()}
-        samples = {
-            each.name: getattr(self.samples, each.name).tolist() for each in fields(self.samples)
-        }
+        samples = {name: getattr(self.samples, name).tolist() for name in (*_PIXELS, *_INDICES)}
         return {
             "format": f"envlights {_KIND}",
             "version": _VERSION,
-            "frame": FRAME,
+            "frame": _FRAME,
             "units": _UNITS,
             "size": list(self.size),
             "field_of_view": self.field_of_view,
@@ -350,9 +362,37 @@ class PhotographLights(Result):
 
 
 def _from_dict(data: dict[str, Any]) -> PhotographLights:
-    fields_of_file = fields_of(data)
-    samples = PhotographSamples(*fields_of_file.pop("samples"))
-    return PhotographLights(**fields_of_file, samples=samples)
+    """Lights from the dictionary of `to_dict`, checked; without their picture."""
+    lights = len(data["position"])
+    arrays: dict[str, Any] = {
+        "position": _rows("position", data["position"], 2),
+        "pixel_flux": _rows("pixel_flux", data["pixel_flux"], 3),
+        "peak_pixel": _rows("peak_pixel", data["peak_pixel"], 2).astype(np.int64),
+        "peak_luminance": reals("peak_luminance", data["peak_luminance"], 1),
+        "flux_fraction": reals("flux_fraction", data["flux_fraction"], 1),
+        "is_clipped": np.array([flag("is_clipped", each) for each in data["is_clipped"]], bool),
+    }
+    if data["direction"] is not None:
+        given = (_rows(name, data[name], 3) for name in _WITH_FIELD)
+        arrays["direction"], arrays["irradiance"] = light_arrays(*given)
+    for name, array in arrays.items():
+        is_usable = name == "direction" or (np.isfinite(array).all() and (array >= 0).all())
+        if len(array) != lights or not is_usable:
+            raise EnvLightsError(f"{name} must have {lights} rows of finite numbers from 0 on")
+    height, width = counts("size", data["size"])
+    view = data["field_of_view"]
+    return PhotographLights(
+        **arrays,
+        samples=PhotographSamples.checked(data["samples"], lights),
+        report=DetectionReport.from_dict(data["report"]),
+        size=(height, width),
+        field_of_view=None if view is None else amount("field_of_view", view, most=np.pi),
+    )
+
+
+def _rows(name: str, values: Any, columns: int) -> NDArray[np.float64]:
+    """Array of rows; an empty list has no second axis."""
+    return reals(name, np.reshape(values, (-1, columns)), 2)
 
 
 # Not a full sequence: `count` and `index` are missing.

@@ -12,7 +12,7 @@
 | clipped regions of a map, and the lights in them               | `plateau.py`  |
 | a photograph with its lights, and the steps that lead to them  | `photograph.py` |
 | lights on the sphere                                           | `globe.py`    |
-| the steps of Loghin (2021)                                     | `article.py`  |
+| the steps of Loghin (2021)                                     | `loghin.py`   |
 | a scene under a map and under rigs, with Mitsuba               | `scene.py`    |
 | shadows on a floor as overlays, and errors of blending         | `overlay.py`  |
 | a predicted frame beside the truth                             | `transfer.py` |
@@ -42,12 +42,14 @@ Fonts, colours of text and lines, and the ground are those of the style (`rcPara
 the call, and nothing global is changed. `save` and `Picture.savefig` embed fonts of Type 42.
 """
 
+import sys
+
 from envlights._common.files import NO_MATPLOTLIB, can_draw
+from envlights._common.former import former
 from envlights._native import EnvLightsError
 
 __all__ = [
     "Picture",
-    "article_picture",
     "axes_picture",
     "basis_picture",
     "card_balls",
@@ -56,6 +58,7 @@ __all__ = [
     "detection_picture",
     "error_curve",
     "error_picture",
+    "loghin_picture",
     "map_picture",
     "overlay_picture",
     "photograph",
@@ -73,9 +76,10 @@ __all__ = [
     "transfer_picture",
 ]
 
+#: Former names; each warns. For version 0.1 only.
+_RENAMED = {"article_picture": "loghin_picture"}
 
 if can_draw():
-    from envlights.plot.article import article_picture
     from envlights.plot.axes import axes_picture
     from envlights.plot.basis import basis_picture, spectrum_picture
     from envlights.plot.cards import card_balls, card_textures, cards
@@ -83,6 +87,7 @@ if can_draw():
     from envlights.plot.curve import error_curve
     from envlights.plot.figure import Picture, save
     from envlights.plot.globe import sphere_picture
+    from envlights.plot.loghin import loghin_picture
     from envlights.plot.maps import detection_picture, map_picture, picture
     from envlights.plot.overlay import overlay_picture
     from envlights.plot.photograph import photograph
@@ -93,12 +98,16 @@ if can_draw():
     from envlights.plot.split import split_picture
     from envlights.plot.sun import sun
     from envlights.plot.transfer import transfer_picture
-else:
 
-    def __getattr__(name: str) -> object:
-        if name in __all__:
-            raise EnvLightsError(f"plot.{name} {NO_MATPLOTLIB}")
-        raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
+
+def __getattr__(name: str) -> object:
+    if name in __all__:
+        raise EnvLightsError(f"plot.{name} {NO_MATPLOTLIB}")
+    if name in _RENAMED:
+        return former(
+            f"plot.{name}", f"plot.{_RENAMED[name]}", sys.modules[__name__], _RENAMED[name]
+        )
+    raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
 
 
 def __dir__() -> list[str]:

@@ -19,9 +19,8 @@ from envlights.plot.page import Page, Placement, Unpack, grid, open_page, placed
 from envlights.plot.probe import viewpoint
 from envlights.plot.wording import entitle
 from envlights.rigs.rig import Rig, parts_line
-from envlights.scene.closed_still import closed_still
 from envlights.scene.mitsuba.path_traced import Still
-from envlights.scene.mitsuba.still_life import still_life
+from envlights.scene.still_life import closed_still, still_life
 
 #: Renderers of the scene.
 RENDERERS = ("any", "mitsuba", "closed form")

@@ -25,7 +25,7 @@ from envlights.plot.page import Placement, Unpack, open_page, placed_picture
 from envlights.plot.probe import viewpoint
 from envlights.plot.wording import entitle
 from envlights.rigs.rig import Rig, parts_line
-from envlights.scene.closed_still import closed_still
+from envlights.scene.still_life import closed_still
 from envlights.sun.choice import AUTO, AnySun, sun_of
 from envlights.sun.result import Sun
 

@@ -3,27 +3,23 @@
 | step                                              | file               |
 |---------------------------------------------------|--------------------|
 | the surfaces of a scene as a lightmap             | `surface.py`       |
-| the visible part of an ambient term               | `sky.py`           |
-| the visible part of a light                       | `disc.py`          |
+| the visible part of an ambient term, and of a light | `sky.py`         |
 | direct light of any rig, with shadows             | `direct.py`        |
 | the same for balls, boxes and polyhedra, exact    | `solids.py`        |
 | their shadows on a floor                          | `floor_shadow.py`  |
 | as an overlay for blending                        | `overlay.py`       |
 | form factors between texels, by rays              | `gather.py`        |
 | pairs to learn from                               | `bake.py`          |
-| with Mitsuba: a scene under the light of rigs     | `mitsuba_scene.py` |
-| its shapes as charts in a lightmap                | `charts.py`        |
+| with Mitsuba: a scene under the light of rigs     | `scene.py`         |
 | its triangles, and the first that each ray hits   | `triangles.py`     |
-| the texels of charts that rays hit                | `chart_rays.py`    |
+| its shapes as charts; the texels that rays hit    | `chart_rays.py`    |
 | a rig as its emitters                             | `emitters.py`      |
-| a sensor on each texel                            | `meters.py`        |
-| a ball and a box on a floor, as an image          | `still_life.py`    |
-| the same under a rig, in closed form              | `closed_still.py`  |
 | a camera, and the surfaces that it sees           | `camera.py`        |
 | an image of solids on a floor, in closed form     | `closed_form.py`   |
 | the same by Mitsuba, with independent noise       | `path_traced.py`   |
 | reflectance and picture of the floor of a map     | `panorama_floor.py`|
 | solids in a panorama                              | `view_image.py`    |
+| a ball and a box on a floor, in both ways         | `still_life.py`    |
 | Mitsuba, imported when it is needed               | `renderer.py`      |
 
 Images hold the radiance that a surface reflects, albedo / pi times irradiance. So direct and

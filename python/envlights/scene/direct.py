@@ -15,8 +15,7 @@ from envlights.detection.lights import DetectedLights
 from envlights.kernels.solids import Solid, Stage, solids_of
 from envlights.rigs.lights import Lights
 from envlights.rigs.rig import Rig
-from envlights.scene.disc import visible_share
-from envlights.scene.sky import Blocked, sky_transfer
+from envlights.scene.sky import Blocked, sky_transfer, visible_share
 from envlights.scene.solids import blocked_by, hidden_harmonics
 from envlights.scene.surface import Surface
 

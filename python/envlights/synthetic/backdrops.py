@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from envlights._common.blocks import blocks, in_blocks
 from envlights.kernels import sampling, sphere
 from envlights.kernels.image import LUMINANCE
-from envlights.synthetic.shapes import Lamp, Rectangle
-from envlights.synthetic.smoothstep import smoothstep
+from envlights.synthetic.shapes import Lamp, Rectangle, smoothstep
 
 
 def constant(rng: np.random.Generator, height: int) -> NDArray[np.float64]:

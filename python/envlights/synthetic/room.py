@@ -17,7 +17,7 @@ from envlights._common.check import count
 from envlights._common.interruptible import interruptible
 from envlights._native import EnvLightsError
 from envlights.kernels.image import area_means
-from envlights.synthetic.smoothstep import smoothstep
+from envlights.synthetic.shapes import smoothstep
 from envlights.transfer.files.database import ImagePairs
 
 #: Corners of the room, whose inner faces are used, and of the boxes, with outer faces; in metres.

@@ -195,6 +195,13 @@ def supersample(
     return covered
 
 
+def smoothstep(values: NDArray[np.float64], start: float, end: float) -> NDArray[np.float64]:
+    """Hermite's cubic 3 t^2 - 2 t^3: 0 up to `start`, 1 from `end` on."""
+    t = np.clip((values - start) / (end - start), 0, 1)
+    step: NDArray[np.float64] = t * t * (3 - 2 * t)
+    return step
+
+
 def unit(direction: ArrayLike) -> NDArray[np.float64]:
     """`direction` at the length 1, or a refusal."""
     vector = reals("a direction", direction, 1)

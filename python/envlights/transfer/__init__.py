@@ -3,33 +3,31 @@
 A model is learnt from pairs of images of one scene under many lights. These are the steps of
 `TransferModel.fit`, and what else a model does:
 
-| step                                             | file               |
-|--------------------------------------------------|--------------------|
-| checks of images; pairs, and their summary       | `pairs.py`         |
-| inner products of all indirect images, in blocks | `gram.py`          |
-| the directions that hold most of their energy    | `basis.py`         |
-| both as tasks of Dask, for more than one machine | `cluster.py`       |
-| from direct light to coefficients; the ridge     | `ridge.py`         |
-| blocks of texels in the basis                    | `blocks.py`        |
-| the non-negative operator to these blocks        | `nonnegative.py`   |
-| the ridge around a prior mean; folds             | `remainder.py`     |
-| errors on lights outside the pairs               | `leave_one_out.py` |
-| all of these in order                            | `training.py`      |
-| indirect light from geometry, without pairs      | `prior.py`         |
-| its sums with indirect images, part by part      | `mixtures.py`      |
-| regression that weighs direct texels by it       | `weights.py`       |
-| training around it                               | `around_prior.py`  |
-| size, times and errors                           | `report.py`        |
-| more pairs, without starting over                | `grow.py`          |
-| images from coefficients, and back               | `expand.py`        |
-| the basis in bytes or halves, for faster frames  | `compact.py`       |
-| lights unlike those of the pairs                 | `familiarity.py`   |
-| refusals of fields that do not fit together      | `consistency.py`   |
-| one file for a model                             | `archive.py`       |
-| files of arrays with a version                   | `npz_file.py`      |
-| fields and predictions of a model                | `predictor.py`     |
-| the model                                        | `model.py`         |
-| pairs on disk                                    | `database.py`      |
+| step                                             | file                        |
+|--------------------------------------------------|-----------------------------|
+| checks of the images; pairs at one scale         | `pairs.py`                  |
+| inner products of all indirect images, in blocks | `training/gram.py`          |
+| the directions that hold most of their energy    | `training/basis.py`         |
+| both as tasks of Dask, for more than one machine | `training/cluster.py`       |
+| from direct light to coefficients; the ridge     | `training/ridge.py`         |
+| blocks of texels in the basis                    | `training/blocks.py`        |
+| the non-negative operator to these blocks        | `training/nonnegative.py`   |
+| the ridge around a prior mean; folds             | `training/remainder.py`     |
+| errors on lights outside the pairs               | `training/leave_one_out.py` |
+| all of these in order                            | `training/train.py`         |
+| indirect light from geometry, without pairs      | `prior.py`                  |
+| regression that weighs direct texels by it       | `training/weights.py`       |
+| training around it                               | `training/around_prior.py`  |
+| more pairs, without starting over                | `training/grow.py`          |
+| lights unlike those of the pairs                 | `training/familiarity.py`   |
+| size, times and errors                           | `report.py`                 |
+| images from coefficients, and back               | `expand.py`                 |
+| the basis in bytes or halves, for faster frames  | `compact.py`                |
+| refusals of fields that do not fit together      | `consistency.py`            |
+| files of arrays with a version                   | `files/npz_file.py`         |
+| fields and predictions of a model                | `predictor.py`              |
+| the model                                        | `model.py`                  |
+| pairs on disk                                    | `files/database.py`         |
 """
 
 from envlights.transfer.files.database import FilePairs, read_pairs

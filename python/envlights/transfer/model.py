@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -12,12 +13,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights._common.check import amount, check_progress, flag
+from envlights._common.printable import printable_parts
 from envlights._native import EnvLightsError
-from envlights.transfer.compact import compress
-from envlights.transfer.files import archive
+from envlights.transfer.compact import CompactBasis, compress, places_of
+from envlights.transfer.files import npz_file
+from envlights.transfer.files.npz_file import Kind
 from envlights.transfer.pairs import PairSummary, as_array, image_stack, pairs_of
 from envlights.transfer.predictor import Predictor
 from envlights.transfer.prior import TransferPrior
+from envlights.transfer.report import TransferReport
 from envlights.transfer.training import grow
 from envlights.transfer.training.around_prior import Learning, check_prior, train_around
 from envlights.transfer.training.basis import check_parameters
@@ -27,6 +31,23 @@ from envlights.transfer.training.train import nonnegative_priors, solve, train
 _RANK = 64
 #: End of the note on black texels.
 _BLACK = "texels are black in every image, so they are predicted black"
+
+#: Arrays of a model, and of a `PairSummary` in the order of its fields.
+_ARRAYS = ("lit", "transfer", "mean")
+_SUMMARY = ("direct", "coefficients", "outside", "energy")
+#: Version 1 had wall times in its report; no model before version 3 was non-negative, and none
+#: before version 4 had a prior. `scales` are those of a compact basis.
+_KIND = Kind(
+    "model",
+    "envlights transfer model",
+    4,
+    (1, 2, 3, 4),
+    (
+        *("basis", "scales", "lit", "transfer", "mean", "size"),
+        *_SUMMARY,
+        *("parameters", "report"),
+    ),
+)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -242,12 +263,12 @@ class TransferModel(Predictor):
 
         The suffix of `path` is ``.npz``; ``numpy.load(path, allow_pickle=False)`` opens it.
         """
-        archive.save(path, vars(self))
+        npz_file.write(path, _KIND, _to_file(self))
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> TransferModel:
         """Read a model that `save` wrote, or refuse a file of another kind or version."""
-        return archive.load(path, cls)
+        return npz_file.load(path, _KIND, _from_file)
 
 
 def _refuse_both(nonnegative: bool, notebook: bool, prior: object, virtual: object) -> None:
@@ -295,3 +316,33 @@ def _solve(
     priors = nonnegative_priors(columns, lit, learnt) if parameters["nonnegative"] else None
     transfer, report = solve(learnt, parameters["ridge"], not len(mean), notes, priors)
     return TransferModel(columns, lit, transfer, mean, size, parameters, learnt, report)
+
+
+def _to_file(model: TransferModel) -> dict[str, Any]:
+    """Arrays of a file."""
+    basis: dict[str, Any] = {"basis": model.basis}
+    if isinstance(model.basis, CompactBasis):
+        basis = {"basis": model.basis.values, "scales": model.basis.scales}
+    return {
+        **basis,
+        **{name: getattr(model, name) for name in _ARRAYS},
+        "size": np.array(model.size),
+        **vars(model.learnt),
+        "parameters": np.array(json.dumps(dict(model.parameters))),
+        "report": np.array(json.dumps(model.report.to_dict())),
+    }
+
+
+def _from_file(data: Mapping[str, NDArray[Any]]) -> TransferModel:
+    """Model of the arrays of a file; its constructor checks them."""
+    basis: NDArray[Any] | CompactBasis = data["basis"]
+    if "scales" in data:
+        basis = CompactBasis(data["basis"], data["scales"], places_of(data["lit"]))
+    return TransferModel(
+        basis,
+        **{name: data[name] for name in _ARRAYS},
+        size=tuple(data["size"].tolist()),
+        learnt=PairSummary(*(data[name] for name in _SUMMARY)),
+        parameters={"nonnegative": False, "prior": False, **json.loads(str(data["parameters"]))},
+        report=TransferReport.from_dict(printable_parts(json.loads(str(data["report"])))),
+    )

@@ -25,16 +25,16 @@ from envlights._common.result import Result
 from envlights._native import EnvLightsError
 from envlights.transfer.consistency import check_array, pixels_of
 from envlights.transfer.files import npz_file
+from envlights.transfer.files.npz_file import Kind
 from envlights.transfer.pairs import image_stack, pairs_of, rgb_rows
 
 #: Largest number of rays from a texel, which two bytes can count.
 MOST_RAYS = 65535
 #: Texels whose form factors are held as floats at once.
 _BLOCK = 4096
+#: Arrays of a file, and its kind.
 _ARRAYS = ("hits", "between", "visible", "albedo", "covered", "direct_albedo")
-_KIND = npz_file.Kind(
-    "prior", "envlights transfer prior", 1, (1,), (*_ARRAYS, "rays", "size", "irradiance")
-)
+_KIND = Kind("prior", "envlights transfer prior", 1, (1,), (*_ARRAYS, "rays", "size", "irradiance"))
 #: Assumptions of every prior.
 _ASSUMED = "diffuse surfaces, the same light over each direct texel"
 
@@ -198,13 +198,12 @@ class TransferPrior(Result):
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the prior as one .npz file with a version; a failure leaves no file behind."""
-        arrays = {name: np.asarray(getattr(self, name)) for name in _KIND.names}
-        npz_file.write(path, _KIND, arrays)
+        npz_file.write(path, _KIND, {name: np.asarray(vars(self)[name]) for name in _KIND.names})
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> TransferPrior:
         """Read a prior that `save` wrote, or refuse a file of another kind or version."""
-        return npz_file.load(path, _KIND, _from_arrays)
+        return npz_file.load(path, _KIND, _from_file)
 
     def in_short(self) -> str:
         """Sizes of the images, and rays."""
@@ -234,3 +233,12 @@ def _check_albedo(albedo: NDArray[np.float64]) -> None:
             f"albedo must be from 0 to below 1, or light would not fade; it is from {least:.6g}"
             f" to {most:.6g}; divide the albedo of the scene by a scale"
         )
+
+
+def _from_file(data: Mapping[str, NDArray[Any]]) -> TransferPrior:
+    return TransferPrior(
+        **{name: data[name] for name in _ARRAYS},
+        rays=int(data["rays"]),
+        size=tuple(data["size"].tolist()),
+        irradiance=bool(data["irradiance"]),
+    )

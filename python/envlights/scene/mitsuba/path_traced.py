@@ -13,7 +13,7 @@ from envlights.kernels.solids import Ball, Box, Polyhedron, Solid
 from envlights.rigs.rig import Rig
 from envlights.scene.camera import Camera
 from envlights.scene.mitsuba.emitters import emitters, environment
-from envlights.scene.mitsuba.renderer import mitsuba
+from envlights.scene.mitsuba.renderer import film, mitsuba
 
 #: Paths under a map for each under a light: a map has more noise than a light alone.
 _MAP_PATHS = 4
@@ -209,17 +209,10 @@ def _polyhedron(mi: Any, solid: Box | Polyhedron, material: dict[str, Any]) -> A
 
 def _sensor(mi: Any, camera: Camera) -> dict[str, Any]:
     looks = mi.ScalarTransform4f().look_at(list(camera.eye), list(camera.target), [0, 1, 0])
-    film = {
-        "type": "hdrfilm",
-        "width": camera.width,
-        "height": camera.height,
-        "pixel_format": "rgb",
-        "rfilter": {"type": "box"},
-    }
     return {
         "type": "perspective",
         "fov": camera.fov,
         "to_world": looks,
-        "film": film,
+        "film": film(camera.width, camera.height),
         "sampler": {"type": "multijitter"},
     }

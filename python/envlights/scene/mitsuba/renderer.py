@@ -45,3 +45,9 @@ def mitsuba() -> Iterator[Any]:
 def in_one_line(error: Exception) -> str:
     """The message of an error of Mitsuba, which may have several lines."""
     return " ".join(str(error).split())
+
+
+def film(width: int, height: int) -> dict[str, Any]:
+    """Film of pixels that do not overlap."""
+    size = {"width": width, "height": height}
+    return {"type": "hdrfilm", **size, "pixel_format": "rgb", "rfilter": {"type": "box"}}

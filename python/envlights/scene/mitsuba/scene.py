@@ -14,12 +14,11 @@ from envlights._common.check import count
 from envlights._native import EnvLightsError
 from envlights.scene.direct import AnyLights, DirectLight, as_rig
 from envlights.scene.gather import DIRECT, RAYS, check_blocks, gather
-from envlights.scene.mitsuba.chart_rays import mitsuba_hits, texel_hits
-from envlights.scene.mitsuba.charts import charts
+from envlights.scene.mitsuba.chart_rays import charts, mitsuba_hits, texel_hits
 from envlights.scene.mitsuba.emitters import emitters
-from envlights.scene.mitsuba.meters import Meters, meters, read
-from envlights.scene.mitsuba.renderer import in_one_line, mitsuba
-from envlights.scene.surface import Surface
+from envlights.scene.mitsuba.path_traced import Still
+from envlights.scene.mitsuba.renderer import film, in_one_line, mitsuba
+from envlights.scene.surface import Surface, tangent_frames
 from envlights.scene.triangles import triangles
 from envlights.transfer.prior import TransferPrior
 
@@ -218,11 +217,8 @@ class MitsubaScene:
         side = ceil(sqrt(count("samples", samples, least=1) / 2))
         # Trace two halves with independent noise, and estimate the noise from their difference.
         seeds = np.random.SeedSequence(count("seed", seed)).generate_state(2)
-        one, two = (self._traced(rig, side * side, int(each)) for each in seeds)
-        mean = (one + two) / 2
-        size = np.linalg.norm(mean)
-        noise = float(np.linalg.norm(one - two) / 2 / size) if size else 0.0
-        return Rendering(mean.astype(np.float32), noise)
+        halves = Still(*(self._traced(rig, side * side, int(each)) for each in seeds))
+        return Rendering(halves.image.astype(np.float32), halves.noise)
 
     @cached_property
     def _direct_light(self) -> DirectLight:
@@ -292,3 +288,47 @@ def _shapes(loaded: Any) -> list[Any]:
                 f"the shape '{shape.id()}' is an area light; remove it, the rig lights the scene"
             )
     return sorted(shapes, key=lambda shape: str(shape.id()))
+
+
+class Meters(NamedTuple):
+    """Sensors on the covered texels of a surface."""
+
+    sensor: Any
+    """Sensor of all meters, with a film of one row."""
+
+    squares: list[Any]
+    """Shapes of the meters, kept alive here because a sensor does not. No scene contains them."""
+
+
+def meters(mi: Any, surface: Surface) -> Meters:
+    """A small square above each covered texel, and a meter on it."""
+    point = mi.load_dict(film(1, 1))
+    # Place a square of the size of the lift in the tangent plane of each texel.
+    origins, normals = surface.lifted()
+    mounts = np.zeros((len(origins), 4, 4))
+    mounts[:, :3, :3] = np.swapaxes(tangent_frames(normals), 1, 2) * [surface.lift, surface.lift, 1]
+    mounts[:, :3, 3] = origins
+    mounts[:, 3, 3] = 1
+    # Load the squares, each with its meter.
+    squares = [
+        mi.load_dict(
+            {
+                "type": "rectangle",
+                "to_world": mi.ScalarTransform4f(mount),
+                "meter": {"type": "irradiancemeter", "film": point},
+            }
+        )
+        for mount in mounts
+    ]
+    row = {"type": "batch", "film": film(len(squares), 1), "sampler": {"type": "multijitter"}}
+    # Batch the meters; Mitsuba takes them in the order of their names.
+    named = {f"meter_{k:08}": square.sensor() for k, square in enumerate(squares)}
+    return Meters(mi.load_dict({**row, **named}), squares)
+
+
+def read(mi: Any, meters: Meters, scene: Any, samples: int, seed: int) -> NDArray[np.float64]:
+    """Indirect irradiance of each texel, (n, 3): all bounces, without direct light."""
+    paths = mi.load_dict({"type": "path", "hide_emitters": True})
+    image = mi.render(scene, sensor=meters.sensor, integrator=paths, spp=samples, seed=seed)
+    (row,) = np.array(image, np.float64)
+    return np.asarray(row)

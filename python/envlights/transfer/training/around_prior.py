@@ -15,8 +15,9 @@ The steps, with the prior T0 and direct images X and indirect images Y at norm 1
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from math import ceil
-from typing import NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -29,9 +30,8 @@ from envlights.transfer.training import leave_one_out
 from envlights.transfer.training.basis import BasisSize, Directions, basis, directions, outside
 from envlights.transfer.training.familiarity import at_norm_1
 from envlights.transfer.training.gram import Gram, gram, product
-from envlights.transfer.training.mixtures import mixtures
 from envlights.transfer.training.ridge import RIDGES, Regression, regression
-from envlights.transfer.training.train import Training
+from envlights.transfer.training.train import Distinct, Training, report_of
 from envlights.transfer.training.weights import WeightedRegression, weighted_regression
 
 #: Largest rank that is chosen without a request, because the time of a frame grows with it.
@@ -117,7 +117,13 @@ def train_around(
     prior_mean = _in_basis(prior, columns, found[1].lit)
     seen = product(pairs.direct.swapaxes(0, 1), prior_mean).swapaxes(0, 1)
     left = coefficients - seen
-    report = _report(rest, left, learnt, (first.coefficients, outs), notes)
+    # Project each pair onto a basis without it: virtual lights take part in the basis.
+    nothing = np.zeros_like(first.coefficients)
+    beyond = leave_one_out.squares(first.coefficients, outs, nothing)[:k]
+    unseen = np.hypot(rest.errors, leave_one_out.relative(beyond, own.energy))
+    alone = tuple(rest.prior_errors.tolist())
+    missed = rest.solver.residual(rest.ridge, left)
+    report = report_of(Distinct(learnt, np.arange(k)), rest.ridge, missed, unseen, notes, alone)
     return Learning(training, prior_mean + rest.solver.transfer(rest.ridge, left), report)
 
 
@@ -179,13 +185,7 @@ def _left_out(
     energy: NDArray[np.float64],
 ) -> NDArray[np.float64]:
     missed = solver.left_out(ridge, coefficients)
-    return _relative(np.sum(missed**2, axis=(1, 2)), energy)
-
-
-def _relative(squares: NDArray[np.float64], energy: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Relative error of each image that is not black."""
-    is_bright = energy > 0
-    return np.asarray(np.sqrt(np.maximum(squares[is_bright], 0) / energy[is_bright]))
+    return leave_one_out.relative(np.sum(missed**2, axis=(1, 2)), energy)
 
 
 def _directions(
@@ -227,29 +227,6 @@ def _in_basis(
     return product(prior.leaving.swapaxes(1, 2), received)
 
 
-def _report(
-    rest: _Remainder,
-    left: NDArray[np.float64],
-    learnt: PairSummary,
-    every: tuple[NDArray[np.float64], NDArray[np.float64]],
-    notes: tuple[str, ...],
-) -> TransferReport:
-    inside, residual = np.sum(learnt.coefficients**2), np.trace(learnt.outside, axis1=1, axis2=2)
-    trained = np.sum(rest.solver.residual(rest.ridge, left) ** 2, axis=(1, 2)) + residual
-    # Project each pair onto a basis without it: virtual lights take part in the basis.
-    beyond = leave_one_out.squares(*every, np.zeros_like(every[0]))[: len(left)]
-    return TransferReport(
-        pairs=len(learnt.energy),
-        rank=learnt.coefficients.shape[2],
-        energy=float(inside / (inside + residual.sum())),
-        ridge=rest.ridge,
-        unseen_errors=tuple(np.hypot(rest.errors, _relative(beyond, learnt.energy)).tolist()),
-        training_errors=tuple(_relative(trained, learnt.energy).tolist()),
-        prior_errors=tuple(rest.prior_errors.tolist()),
-        notes=notes,
-    )
-
-
 def _truncation(every: Directions, rank: int) -> float:
     """Relative RMS error of pairs and virtual lights in a basis of the first directions."""
     return float(np.sqrt(max(1 - every.values[:rank].sum() / every.values.sum(), 0.0)))
@@ -263,8 +240,8 @@ def _notes(
     if is_chosen:
         fraction = 100 * _truncation(every, rank)
         notes.append(
-            f"rank {rank}: the basis leaves out {fraction:.2g} % of new light, where the median error"
-            f" without a basis is {100 * np.median(rest.errors):.2g} %"
+            f"rank {rank}: the basis leaves out {fraction:.2g} % of new light, where the median"
+            f" error without a basis is {100 * np.median(rest.errors):.2g} %"
         )
     coefficients = _coefficients(own.products)
     plain = regression(pairs.direct, channelwise=True)
@@ -282,3 +259,59 @@ def _notes(
             " check that scene, units and orientation are those of the pairs, and surfaces diffuse"
         )
     return tuple(notes)
+
+
+@dataclass(frozen=True, eq=False)
+class Mixtures:
+    """Sums of images at one scale; slices of rows of all of them are arrays."""
+
+    images: NDArray[Any]
+    """Indirect images, (k, H, W, 3)."""
+
+    weights: NDArray[np.float64]
+    """Weight of each image in each mixture, by channel, (3, n, k)."""
+
+    prior: TransferPrior
+    """Prior that predicts the rest."""
+
+    light: NDArray[np.float64]
+    """Light that leaves the direct texels in each mixture, (n, 3, h * w)."""
+
+    @property
+    def shape(self) -> tuple[int, int, int, int]:
+        """Shape as an array."""
+        _, height, width, _ = self.images.shape
+        return len(self.light), height, width, 3
+
+    @property
+    def dtype(self) -> np.dtype[Any]:
+        """Type of the slices: that of the images, and at least float32."""
+        return np.result_type(self.images.dtype, np.float32)
+
+    def __getitem__(self, key: tuple[slice, slice]) -> NDArray[Any]:
+        """Some rows of all mixtures; `key`: all mixtures, and the slice of rows."""
+        where = key[1]
+        part = self.images[:, where]
+        flat = part.reshape(len(part), -1, 3)
+        out = np.empty((len(self.light), flat.shape[1], 3), self.dtype)
+        for channel, weights in enumerate(self.weights):
+            out[..., channel] = product(weights.astype(self.dtype), flat[..., channel])
+        covered = self.prior.covered
+        first = int(np.count_nonzero(covered[: where.start]))
+        texels = slice(first, first + int(np.count_nonzero(covered[where])))
+        out[:, covered[where].ravel()] += self.prior.gathered(self.light, texels)
+        return out.reshape(len(out), *part.shape[1:])
+
+
+def mixtures(
+    pairs: Pairs,
+    prior: TransferPrior,
+    weights: NDArray[np.float64],
+    direct: NDArray[np.float64],
+) -> Pairs:
+    """Sums of scaled images and of predictions of a prior for `direct` light (n, 3, h * w).
+
+    `weights` of the images have the shape (3, n, k).
+    """
+    sums = Mixtures(pairs.indirect, weights * pairs.scale, prior, prior.bounces(direct))
+    return Pairs(direct, sums, np.ones(len(direct)), pairs.notes)

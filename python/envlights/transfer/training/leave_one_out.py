@@ -44,6 +44,12 @@ def squares(
     return result
 
 
+def relative(squares: NDArray[np.float64], energy: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Relative error of each image that is not black, from its squared error."""
+    is_bright = energy > 0
+    return np.asarray(np.sqrt(np.maximum(squares[is_bright], 0) / energy[is_bright]))
+
+
 def _rotate(
     coefficients: NDArray[np.float64], outside: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

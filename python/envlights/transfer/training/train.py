@@ -14,7 +14,6 @@ from envlights.transfer.report import TransferReport
 from envlights.transfer.training import cluster, leave_one_out
 from envlights.transfer.training.basis import BasisSize, basis, directions, outside
 from envlights.transfer.training.blocks import blocks
-from envlights.transfer.training.copies import Distinct, distinct
 from envlights.transfer.training.gram import gram
 from envlights.transfer.training.nonnegative import operator
 from envlights.transfer.training.remainder import Estimator, PriorMean, estimator, estimator_around
@@ -105,7 +104,9 @@ def solve(
     chosen = _best_ridge(solver, apart) if isinstance(ridge, str) else ridge
     if apart.copies:
         notes = (*notes, f"{apart.copies} pairs are copies of others: left out together with them")
-    return solver.transfer(chosen), _report(solver, chosen, apart, notes)
+    unseen = _left_out(solver, chosen, apart)
+    report = report_of(apart, chosen, solver.residual(chosen), unseen, notes)
+    return solver.transfer(chosen), report
 
 
 def _best_ridge(solver: Estimator, apart: Distinct) -> float:
@@ -113,23 +114,32 @@ def _best_ridge(solver: Estimator, apart: Distinct) -> float:
     return float(min(RIDGES, key=lambda each: float(np.mean(_left_out(solver, each, apart)))))
 
 
-def _report(
-    solver: Estimator, ridge: float, apart: Distinct, notes: tuple[str, ...]
+def report_of(
+    apart: Distinct,
+    ridge: float,
+    missed: NDArray[np.float64],
+    unseen: NDArray[np.float64],
+    notes: tuple[str, ...],
+    prior_errors: tuple[float, ...] = (),
 ) -> TransferReport:
+    """Report of a regression that `missed` a part of the coefficients of its pairs, (k, 3, rank).
+
+    `unseen` are the errors for new lights.
+    """
     learnt = apart.learnt
     # Split the energy of the images into that inside and that outside of the basis.
     inside = np.sum(learnt.coefficients**2)
     residual = np.trace(learnt.outside, axis1=1, axis2=2)
     # Add the error of the regression inside the basis to the residual outside.
-    missed = solver.residual(ridge)
     squares = np.sum(missed**2, axis=(1, 2)) + residual
     return TransferReport(
         pairs=len(apart.group),
         rank=learnt.coefficients.shape[2],
         energy=float(inside / (inside + residual.sum())),
         ridge=ridge,
-        unseen_errors=tuple(_left_out(solver, ridge, apart).tolist()),
+        unseen_errors=tuple(unseen.tolist()),
         training_errors=tuple(_relative(squares, apart).tolist()),
+        prior_errors=prior_errors,
         notes=notes,
     )
 
@@ -144,7 +154,53 @@ def _left_out(solver: Estimator, ridge: float, apart: Distinct) -> NDArray[np.fl
 
 def _relative(squares: NDArray[np.float64], apart: Distinct) -> NDArray[np.float64]:
     """Relative error of each image that is not black, copies among them."""
-    squares, energy = squares[apart.group], apart.learnt.energy[apart.group]
-    is_bright = energy > 0
-    errors: NDArray[np.float64] = np.sqrt(np.maximum(squares[is_bright], 0) / energy[is_bright])
-    return errors
+    return leave_one_out.relative(squares[apart.group], apart.learnt.energy[apart.group])
+
+
+#: Relative difference of the numbers of two copies: that of rounding in single precision.
+_SAME = 1e-6
+
+
+class Distinct(NamedTuple):
+    """Distinct pairs, and the copies of each."""
+
+    learnt: PairSummary
+    """The first of each group of copies, brighter by the square root of their number."""
+
+    group: NDArray[np.intp]
+    """For each of all pairs, which of these it is a copy of, (k,)."""
+
+    @property
+    def copies(self) -> int:
+        """Number of copies."""
+        return len(self.group) - len(self.learnt.energy)
+
+
+def distinct(learnt: PairSummary) -> Distinct:
+    """The pairs without their copies."""
+    first = _first(learnt)
+    kept, group, times = np.unique(first, return_inverse=True, return_counts=True)
+    root = np.sqrt(times)[:, None, None]
+    together = PairSummary(
+        learnt.direct[kept] * root,
+        learnt.coefficients[kept] * root,
+        learnt.outside[kept] * root**2,
+        learnt.energy[kept] * times,
+    )
+    return Distinct(together, group.ravel())
+
+
+def _first(learnt: PairSummary) -> NDArray[np.intp]:
+    """For each pair the first that it is a copy of, which may be itself, (k,)."""
+    count = len(learnt.energy)
+    direct = learnt.direct.reshape(count, -1)
+    first = np.arange(count)
+    # Direct images have norm 1: only those with products of 1 need a closer look.
+    for i, j in np.argwhere(np.tril(direct @ direct.T > 1 - _SAME, -1)):
+        are_same = first[j] == j and all(
+            np.linalg.norm(part[i] - part[j]) <= _SAME * np.linalg.norm(part[i])
+            for part in (direct, learnt.coefficients, learnt.energy)
+        )
+        if are_same and first[i] == i:
+            first[i] = j
+    return first
