@@ -85,7 +85,7 @@ def test_the_share_survives_copies_and_turns_with_the_map():
         (np.full((32, 64), 1.5), "from 0 to 1; got 1.5 to 1.5"),
         (np.full((32, 64), np.nan), "from 0 to 1; got nan"),
         (np.zeros((32, 64)), "no pixel of the map is seen"),
-        ("all", "seen must be an array of numbers"),
+        ("all", "coverage must be an array of numbers"),
     ],
 )
 def test_other_shares_are_refused(seen, message):

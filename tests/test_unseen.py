@@ -32,9 +32,9 @@ def lamps(*directions, radius=6.0, radiance=(9, 8, 7), height=128):
 @pytest.mark.parametrize("registration", REGISTRATIONS)
 @pytest.mark.parametrize("unseen", ["harmonic", 0.5, (0.5, 0.5, 0.5), np.float32(0.5)])
 @given(seed=st.integers(0, 2**31), fraction=st.floats(0.02, 0.98))
-def test_a_constant_map_is_filled_with_its_constant(registration, unseen, seed, share):
+def test_a_constant_map_is_filled_with_its_constant(registration, unseen, seed, fraction):
     chance = np.random.default_rng(seed)
-    seen = chance.random((HEIGHT, WIDTH)) < share
+    seen = chance.random((HEIGHT, WIDTH)) < fraction
     seen[:20] &= seen[0, 0]  # a wide hole, or none
     seen[-1, 0] = True
     seen = (seen * chance.random(seen.shape)).astype(np.float32)

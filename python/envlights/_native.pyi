@@ -14,29 +14,101 @@ from envlights.kernels.solids import Stage
 
 # fmt: off
 __all__ = [
-    "BASIS_SHARE", "BASIS_TILE", "GLOSS_DEGREE", "LEAST_WHITE", "LUMINANCE",
-    "ClippedDetection", "EnvLightsError", "FitAnswer", "MapCards", "MapSplit", "PngFile",
+    "BASIS_SHARE",
+    "BASIS_TILE",
+    "GLOSS_DEGREE",
+    "LEAST_WHITE",
+    "LUMINANCE",
+    "ClippedDetection",
+    "EnvLightsError",
+    "FitAnswer",
+    "MapCards",
+    "MapSplit",
+    "PngFile",
     "RadianceFile",
-    "ReducedMap", "RowReducer", "TreeDetection", "TriangleTree",
-    "UnusableSamplesError", "apply_matrix",
-    "are_clipped", "blur", "bounding_volume_hierarchy", "bresenham_line", "clipped_depth",
-    "clipped_light_shares", "clipped_fraction", "code_histogram_8", "code_histogram_16",
-    "continue_reduced", "cut_cards",
-    "decode_8", "decode_16", "detect_tree", "direction_to_uv", "disc_map", "draw_cards",
+    "ReducedMap",
+    "RowReducer",
+    "TreeDetection",
+    "TriangleTree",
+    "UnusableSamplesError",
+    "apply_matrix",
+    "are_clipped",
+    "blur",
+    "bounding_volume_hierarchy",
+    "bresenham_line",
+    "clean",
+    "clipped_depth",
+    "clipped_fraction",
+    "clipped_light_shares",
+    "code_histogram_8",
+    "code_histogram_16",
+    "continue_reduced",
+    "cut_cards",
+    "decode_8",
+    "decode_16",
+    "detect_tree",
+    "direction_to_uv",
+    "disc_map",
+    "draw_cards",
     "even_sphere",
-    "face_radiance", "fill_unseen", "fit_reduced", "fit_reduced_by_count", "fit_samples",
-    "form_factors", "gloss_spectrum", "halton",
-    "hammersley", "harmonic_irradiance", "harmonic_radiance", "hidden_fractions", "icosphere",
-    "irradiance", "luminance", "map_energy", "merge_along_lines", "neighbour_maximum",
-    "pack_lights", "pixel_directions", "pixel_solid_angles", "plane_threshold",
-    "probe_jacobian", "probe_model", "probe_residual", "projection_directions",
-    "projection_places", "projection_solid_angles", "radiance_rows", "radical_inverse",
-    "reduce_map", "reduce_radiance", "reduced_luminance", "reflected_irradiance",
-    "relative_rms", "resample", "resize_bilinear", "rig_error", "rig_irradiance", "rotate_map",
-    "rough_reflection", "split_map", "sum_over_sources", "suppress", "threads",
-    "transfer_columns", "transfer_frames", "transfer_gram", "transport_plan", "uniform_sphere",
-    "unpack_lights", "unusable", "uv_to_direction", "uv_to_pixel", "weighted_means",
-    "white_code", "working_irradiance",
+    "face_radiance",
+    "fill_unseen",
+    "fit_reduced",
+    "fit_reduced_by_count",
+    "fit_samples",
+    "form_factors",
+    "gloss_spectrum",
+    "halton",
+    "hammersley",
+    "harmonic_irradiance",
+    "harmonic_radiance",
+    "has_two_discs",
+    "hidden_fractions",
+    "icosphere",
+    "irradiance",
+    "luminance",
+    "map_energy",
+    "merge_along_lines",
+    "neighbour_maximum",
+    "pack_lights",
+    "pixel_directions",
+    "pixel_solid_angles",
+    "plane_threshold",
+    "probe_jacobian",
+    "probe_model",
+    "probe_residual",
+    "projection_directions",
+    "projection_places",
+    "projection_solid_angles",
+    "radiance_rows",
+    "radical_inverse",
+    "reduce_map",
+    "reduce_radiance",
+    "reduced_luminance",
+    "reflected_irradiance",
+    "relative_rms",
+    "resample",
+    "resize_bilinear",
+    "rig_error",
+    "rig_irradiance",
+    "rotate_map",
+    "rough_reflection",
+    "split_map",
+    "sum_over_sources",
+    "suppress",
+    "threads",
+    "transfer_columns",
+    "transfer_frames",
+    "transfer_gram",
+    "transport_plan",
+    "uniform_sphere",
+    "unpack_lights",
+    "unusable",
+    "uv_to_direction",
+    "uv_to_pixel",
+    "weighted_means",
+    "white_code",
+    "working_irradiance",
 ]
 # fmt: on
 
@@ -68,6 +140,7 @@ class ClippedDetection:
 @final
 class ReducedMap:
     floor: bool
+    has_two_discs: bool
 
 @final
 class RowReducer:
@@ -193,6 +266,7 @@ def clipped_light_shares(
 def clipped_fraction(
     radiance: _Image, border_sampled: bool, clip_level: float | None
 ) -> tuple[float, float]: ...
+def clean(radiance: _Image, level: float, wraps: bool) -> tuple[_Image, float]: ...
 def decode_16(codes: NDArray[np.uint16], tables: NDArray[np.float32]) -> _Image: ...
 def code_histogram_8(codes: NDArray[np.uint8], weights: _Reals) -> _Reals: ...
 def code_histogram_16(codes: NDArray[np.uint16], weights: _Reals) -> _Reals: ...
@@ -240,6 +314,7 @@ def fit_samples(
 def gloss_spectrum(roughness: float, degree: int, base: float | None) -> _Reals: ...
 def halton(count: int, bases: list[int]) -> _Reals: ...
 def hammersley(count: int) -> _Reals: ...
+def has_two_discs(radiance: _Image, border_sampled: bool, columns: int) -> bool: ...
 def harmonic_irradiance(normals: _Reals) -> _Reals: ...
 def harmonic_radiance(directions: _Reals) -> _Reals: ...
 def hidden_fractions(stage: Stage, directions: _Reals, radii: _Reals, floor: bool) -> _Reals: ...
@@ -335,7 +410,8 @@ def transport_plan(
 ) -> tuple[float, _Indices, _Reals]: ...
 def uniform_sphere(uv: _Reals) -> _Reals: ...
 def unpack_lights(x: _Reals) -> tuple[_Reals, _Reals, _Reals]: ...
-def unusable(radiance: _Image) -> tuple[int, int, int]: ...
+def widen(halves: NDArray[np.float16]) -> _Image: ...
+def unusable(radiance: _Image) -> tuple[int, int, int, float | None]: ...
 def uv_to_direction(uv: _Reals) -> _Reals: ...
 def uv_to_pixel(uv: _Reals, height: int, width: int) -> _Indices: ...
 def weighted_means(points: _Reals, weights: _Reals, light: _Indices) -> _Reals: ...

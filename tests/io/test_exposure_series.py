@@ -69,7 +69,7 @@ def has_note(env, text):
 @pytest.mark.parametrize(
     ("quality", "tolerance"), [(80, 0.15), (90, 0.05), (95, 0.05), (100, 0.05)]
 )
-@pytest.mark.parametrize("white", [255, 250, 245, 240, 235])
+@pytest.mark.parametrize("clip_level", [255, 250, 245, 240, 235])
 def test_the_sun_keeps_its_radiance(tmp_path, quality, tolerance, clip_level):
     truth = world()
     env = el.EnvMap.from_exposures(

@@ -111,7 +111,7 @@ def test_the_longest_name_is_written_and_impossible_names_are_refused(tmp_path):
 
 KILLED = """
 import os, signal, sys
-from envlights.io.files import write_atomically
+from envlights._common.files import write_atomically
 
 def die(beside):
     beside.write_text("half")

@@ -14,12 +14,12 @@ import envlights as el
 from envlights.environment.decoders.description import LAYOUT
 from envlights.environment.files.hints import Hints
 from envlights.environment.files.image_output import write_exr
+from envlights.environment.files.images import read_picture
 from envlights.environment.layouts import Arguments, recognise
 from envlights.environment.layouts import layout as layouts
 from envlights.environment.layouts.attribute import line_of
 from envlights.environment.layouts.conventions import CONVENTIONS, CROSSES
-from envlights.environment.layouts.faces import ARRANGEMENTS
-from envlights.environment.layouts.sources import read_picture
+from envlights.environment.layouts.cubes import ARRANGEMENTS
 from tests.layouts.worlds import smooth
 
 ENV = el.EnvMap(smooth(np.moveaxis(np.mgrid[-1:1:64j, -1:1:128j, 1:1:1j][..., 0], 0, -1)) / 8)
@@ -31,16 +31,16 @@ REQUESTS = {
     "openexr": ("cube", {"faces": "openexr"}),
     "border": ("cube", {"faces": "directxtex", "registration": "border-sampled"}),
     "octahedral": ("octahedral", {}),
-    "turned": ("octahedral", {"towards": [0.3, -0.4, 0.1]}),
+    "turned": ("octahedral", {"forward": [0.3, -0.4, 0.1]}),
     "pbrt": ("octahedral-equal-area", {}),
     "probe": ("angular", {}),
-    "turned probe": ("angular", {"towards": [1, 0.2, 0.3]}),
+    "turned probe": ("angular", {"forward": [1, 0.2, 0.3]}),
     "ball": ("mirror-ball", {}),
     "half": ("fisheye", {"mapping": "equisolid", "fov": 180}),
-    "narrow": ("fisheye", {"mapping": "orthographic", "fov": 133.7, "towards": [0, 1, 0]}),
+    "narrow": ("fisheye", {"mapping": "orthographic", "fov": 133.7, "forward": [0, 1, 0]}),
     "whole": ("fisheye", {"mapping": "equisolid", "fov": 360}),
     "cylinder": ("cylinder", {"fov": 200}),
-    "photograph": ("planar", {"fov": 71.123456789, "towards": [-1, -0.2, 0.3]}),
+    "photograph": ("planar", {"fov": 71.123456789, "forward": [-1, -0.2, 0.3]}),
 }
 
 

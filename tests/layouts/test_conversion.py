@@ -55,7 +55,7 @@ CASES = {
     ),
     "cylinder": Case((10, 24), {"projection": "cylinder", "fov": 360}),
     "part of a cylinder": Case((9, 13), {"projection": "cylinder", "fov": 100, "horizon": 6}),
-    "photograph": Case((8, 12), {"projection": "planar", "fov": 80, "towards": (1, 2, -0.5)}),
+    "photograph": Case((8, 12), {"projection": "planar", "fov": 80, "forward": (1, 2, -0.5)}),
     "part of a panorama": Case((8, 12), {"projection": "equirectangular", "fov": 90}),
     "panorama": Case((12, 24), {}),
 }
@@ -167,7 +167,7 @@ TARGETS = {
     "stereographic": ({"projection": "fisheye", "mapping": "stereographic", "fov": 180}, 0.01),
     "orthographic": ({"projection": "fisheye", "mapping": "orthographic", "fov": 120}, 0.01),
     "cylinder": ({"projection": "cylinder"}, 0.01),
-    "photograph": ({"projection": "planar", "fov": 80, "towards": (1, 2, -0.5)}, 0.01),
+    "photograph": ({"projection": "planar", "fov": 80, "forward": (1, 2, -0.5)}, 0.01),
     "panorama": ({"projection": "equirectangular"}, 0.01),
 }
 MAP = layouts.equirectangular(16)

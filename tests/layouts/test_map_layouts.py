@@ -11,7 +11,7 @@ from envlights.environment.layouts import layout as layouts
 @pytest.mark.parametrize(
     ("options", "sentence"),
     [
-        ({"projection": "cube", "towards": (1, 0, 0)}, "towards is no argument of the projection"),
+        ({"projection": "cube", "forward": (1, 0, 0)}, "forward is no argument of the projection"),
         ({"projection": "cube", "mapping": "equisolid", "fov": 90}, "mapping, fov is no argument"),
         ({"projection": "equirectangular", "registration": "border-sampled"}, "takes none of them"),
         ({"projection": "fisheye", "mapping": "stereographic", "fov": 360}, "to 355; got 360"),

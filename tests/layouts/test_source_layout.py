@@ -5,7 +5,7 @@ import pytest
 
 import envlights as el
 from envlights.environment.layouts.conventions import CONVENTIONS, CROSSES
-from envlights.environment.layouts.faces import arranged_faces, upright_faces
+from envlights.environment.layouts.cubes import arranged_faces, upright_faces
 from tests.helpers import NORMALS
 
 WORLD = el.EnvMap(
@@ -38,13 +38,13 @@ CUBES = [
 ]
 WHOLE = [
     *CUBES,
-    (smooth(32, 32), {"projection": "octahedral", "towards": (1, 0.2, 0.3)}),
+    (smooth(32, 32), {"projection": "octahedral", "forward": (1, 0.2, 0.3)}),
     (smooth(32, 32), {"projection": "octahedral-equal-area"}),
     (smooth(101, 200), {}),
 ]
 PARTS = [
     (smooth(30, 60), {"projection": "cylinder", "fov": 360, "horizon": 12}),
-    (smooth(20, 30), {"projection": "planar", "fov": 50, "towards": (1, 0.2, -0.5)}),
+    (smooth(20, 30), {"projection": "planar", "fov": 50, "forward": (1, 0.2, -0.5)}),
     (smooth(31, 45), {"projection": "equirectangular", "fov": 90, "horizon": 12}),
 ]
 
@@ -143,7 +143,7 @@ def test_all_that_keeps_the_world_keeps_its_source():
         assert kept.source == part.source
 
 
-@pytest.mark.parametrize("option", [{"width": 64}, {"fov": 90}, {"towards": (0, 0, 1)}])
+@pytest.mark.parametrize("option", [{"width": 64}, {"fov": 90}, {"forward": (0, 0, 1)}])
 def test_the_source_takes_no_other_argument(option):
     with pytest.raises(el.EnvLightsError, match="is no argument of the projection 'source'"):
         WORLD.to("source", **option)
