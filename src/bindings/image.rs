@@ -33,7 +33,7 @@ pub fn clean<'py>(
     fill(py, radiance.dim().into(), |cleaned| image::clean(radiance, level, wraps, cleaned))
 }
 
-/// See `envlights.environment.open`: true for two discs in black squares, in a map of at most so many columns.
+/// See `envlights.environment.open`: true for two discs in black squares, by a map reduced to `columns`.
 #[pyfunction]
 pub fn has_two_discs(
     py: Python<'_>,

@@ -6,12 +6,12 @@ import OpenImageIO as oiio  # noqa: N813, its own name for itself
 import pytest
 
 import envlights as el
-from envlights.environment.files.images import read_picture
 from envlights.environment.layouts import Arguments, recognise
 from envlights.environment.layouts.conventions import CONVENTIONS, CROSSES
 from envlights.environment.layouts.cubes import ARRANGEMENTS
 from envlights.environment.layouts.layout import angular_map, cube, equirectangular
 from envlights.environment.layouts.picture import picture_of
+from envlights.environment.layouts.sources import read_picture
 from tests.layouts.worlds import smooth, upright_directions
 
 N = 16

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import envlights as el
-from envlights.environment.files.images import read_picture
 from envlights.environment.layouts import recognise
+from envlights.environment.layouts.sources import read_picture
 
 PANORAMA = ("equirectangular", "", "cell-centred", "shape")
 BORDER = ("equirectangular", "", "border-sampled", "attribute")

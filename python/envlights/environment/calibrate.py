@@ -75,7 +75,7 @@ class Readings(NamedTuple):
         return lux / shaded
 
 
-def calibrated(pixels: MapPixels, readings: Readings, patch: float, fill: Fill) -> MapPixels:
+def calibrate(pixels: MapPixels, readings: Readings, patch: float, fill: Fill) -> MapPixels:
     """Pixels in cd/m2, by one reading or by the exposure of the file; see `EnvMap.calibrated`."""
     readings.check()
     diameter = amount("patch", patch, most=180)
@@ -94,7 +94,7 @@ def _by_lux(pixels: MapPixels, readings: Readings, fill: Fill) -> MapPixels:
     if ratio is not None:
         pixels = _with_sun(pixels, ratio, normal, readings, fill)
         source += f", {readings.shaded:g} in the shade"
-    return _scaled(pixels, lux, float(probe(pixels, normal, fill) @ LUMINANCE), source)
+    return _in_scale(pixels, lux, float(probe(pixels, normal, fill) @ LUMINANCE), source)
 
 
 def _with_sun(
@@ -125,7 +125,7 @@ def _by_luminance(pixels: MapPixels, nits: float, at: ArrayLike, diameter: float
     patch = _patch_of(pixels.cells(), pixels.coverage, direction, diameter)
     patch.check(pixels.clip_level)
     source = f"{nits:g} cd/m2 in a disc of {diameter:g} degrees at {_numbers(direction)}"
-    return _scaled(pixels, nits, patch.luminance, source)
+    return _in_scale(pixels, nits, patch.luminance, source)
 
 
 def _by_exposure(pixels: MapPixels, ev100: float | None) -> MapPixels:
@@ -140,10 +140,10 @@ def _by_exposure(pixels: MapPixels, ev100: float | None) -> MapPixels:
         value = pixels.ev100
         source = f"EV100 {value:.2f} of the EXIF (up to about one stop off by a tone curve)"
     wanted = _SATURATION * 2.0 ** amount("ev100", value, -60, 60)
-    return _scaled(pixels, wanted, 1.0, source)
+    return _in_scale(pixels, wanted, 1.0, source)
 
 
-def _scaled(pixels: MapPixels, wanted: float, measured: float, source: str) -> MapPixels:
+def _in_scale(pixels: MapPixels, wanted: float, measured: float, source: str) -> MapPixels:
     """Pixels in cd/m2, whose own `measured` becomes `wanted`."""
     radiance, factor, note = _in_nits(pixels.radiance, wanted, measured, source)
     level = None if pixels.clip_level is None else factor * pixels.clip_level

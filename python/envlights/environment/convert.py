@@ -32,7 +32,7 @@ def checked_width(width: int) -> int:
     return columns
 
 
-def rotated(pixels: MapPixels, matrix: ArrayLike) -> MapPixels:
+def rotate(pixels: MapPixels, matrix: ArrayLike) -> MapPixels:
     """Pixels of the rotated map; see `EnvMap.rotated`."""
     radiance, coverage, is_border = resample.rotate(
         pixels.radiance,
@@ -43,14 +43,14 @@ def rotated(pixels: MapPixels, matrix: ArrayLike) -> MapPixels:
     return _below_clip_level(pixels, radiance, coverage, is_border)
 
 
-def resized(pixels: MapPixels, width: int) -> MapPixels:
+def resize(pixels: MapPixels, width: int) -> MapPixels:
     """Pixels of a map of another size; see `EnvMap.resized`."""
     target = layouts.equirectangular(checked_width(width) // 2)
     image = resample.resample(pixels.radiance, pixels.coverage, pixels.layout, target)
     return _below_clip_level(pixels, *image, is_border=False)
 
 
-def limited(pixels: MapPixels, maximum: float) -> MapPixels:
+def limit(pixels: MapPixels, maximum: float) -> MapPixels:
     """Pixels without samples above a maximum; see `EnvMap.limited`."""
     level = amount("maximum", maximum)
     is_border, coverage = pixels.is_border_sampled, pixels.coverage

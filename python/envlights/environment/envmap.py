@@ -17,13 +17,14 @@ from envlights._common.notes import Note
 from envlights._common.units import OWN_SCALE, checked_units
 from envlights._native import EnvLightsError, UnusableSamplesError
 from envlights.environment import convert, light, repair, text
-from envlights.environment.calibrate import Readings, calibrated
+from envlights.environment.calibrate import Readings, calibrate
 from envlights.environment.colour.choice import ColourArgument
 from envlights.environment.files.image_output import COMPRESSIONS
-from envlights.environment.files.images import MOST_PIXELS, PictureSource, is_picture_source
+from envlights.environment.files.images import MOST_PIXELS
 from envlights.environment.fill import Fill
 from envlights.environment.layouts.picture import Picture
 from envlights.environment.layouts.records import Arguments, Source
+from envlights.environment.layouts.sources import PictureSource, is_picture_source
 from envlights.environment.open import map_of_array, map_of_exposures, open_map, unchecked_map
 from envlights.environment.pixels import PROJECTION, MapPixels, are_equal
 from envlights.environment.save import save_map
@@ -500,7 +501,7 @@ class EnvMap:
         >>> env.filled("ground").radiance[-1, 0].round(3)
         array([0.125, 0.125, 0.125], dtype=float32)
         """
-        return self._changed(light.filled(self._pixels, fill, albedo))
+        return self._changed(light.with_fill(self._pixels, fill, albedo))
 
     @former_arguments(unseen="fill")
     def repaired(
@@ -573,7 +574,7 @@ class EnvMap:
         array([[2., 2., 2.]])
         """
         if sun is None:
-            return self._changed(repair.repaired(self._pixels, irradiance, ratio, fill))
+            return self._changed(repair.with_estimate(self._pixels, irradiance, ratio, fill))
         with_sun: Self = import_module("envlights.sun").repair_with_sun(
             self, sun, irradiance, ratio, fill
         )
@@ -656,7 +657,7 @@ class EnvMap:
         array([[98000., 98000., 98000.]])
         """
         readings = Readings(lux, normal, shaded, nits, at, ev100)
-        return self._changed(calibrated(self._pixels, readings, patch, fill))
+        return self._changed(calibrate(self._pixels, readings, patch, fill))
 
     def rotated(self, matrix: ArrayLike) -> Self:
         """Rotate the map, so that the radiance from d comes from ``matrix @ d``.
@@ -687,7 +688,7 @@ class EnvMap:
         >>> np.array_equal(turned.radiance, np.roll(env.radiance, -2, axis=1))
         True
         """
-        return self._changed(convert.rotated(self._pixels, matrix))
+        return self._changed(convert.rotate(self._pixels, matrix))
 
     def resized(self, width: int) -> Self:
         """Map of another size, with the same flux.
@@ -708,7 +709,7 @@ class EnvMap:
         >>> el.EnvMap(np.ones((64, 128, 3))).resized(32)
         EnvMap(32x16 equirectangular, cell-centred)
         """
-        return self._changed(convert.resized(self._pixels, width))
+        return self._changed(convert.resize(self._pixels, width))
 
     def limited(self, maximum: float) -> Self:
         """Map without samples above a maximum, for formats and displays that have one.
@@ -742,7 +743,7 @@ class EnvMap:
         >>> env.notes[-1]
         'limited to 65504: 32 % of the flux was moved by up to 4.2 degrees'
         """
-        return self._changed(convert.limited(self._pixels, maximum))
+        return self._changed(convert.limit(self._pixels, maximum))
 
     def to(
         self,

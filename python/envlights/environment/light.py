@@ -28,7 +28,7 @@ _UP = np.array([0.0, 1.0, 0.0])
 def probe(pixels: MapPixels, normals: ArrayLike, fill: Fill) -> NDArray[np.float64]:
     """Irradiance of surfaces that face `normals`; see `EnvMap.probe`."""
     rows, is_one = one_or_more("normals", normals)
-    radiance = filled(pixels, fill).radiance
+    radiance = with_fill(pixels, fill).radiance
     values = irradiance(radiance, rows, border_sampled=pixels.is_border_sampled)
     return values[0] if is_one else values
 
@@ -37,12 +37,12 @@ def harmonics(pixels: MapPixels, degree: int, convention: str, fill: Fill) -> ND
     """Spherical harmonics up to a degree; see `EnvMap.harmonics`."""
     count("degree", degree, most=2)
     check_choice("convention", convention, CONVENTIONS)
-    radiance = filled(pixels, fill).radiance
+    radiance = with_fill(pixels, fill).radiance
     rows = in_convention(map_harmonics(radiance, pixels.is_border_sampled), convention)
     return rows[: (degree + 1) ** 2]
 
 
-def filled(pixels: MapPixels, fill: Fill, albedo: float = 0.25) -> MapPixels:
+def with_fill(pixels: MapPixels, fill: Fill, albedo: float = 0.25) -> MapPixels:
     """Pixels with radiance where nothing is seen; see `EnvMap.filled`."""
     amount("albedo", albedo, most=1.0)
     if pixels.coverage is None:
@@ -69,10 +69,12 @@ def from_unseen(
         return 0.0, []
     part = _part_of(pixels, pixels.coverage)
     fraction = part.fraction if normal is not None else share_above_horizon(part)
-    whole = filled(pixels, choice_of(fill, fraction))
+    whole = with_fill(pixels, choice_of(fill, fraction))
     normal = _UP if normal is None else normal
-    with_fill, without = (float(probe(of, normal, "black") @ LUMINANCE) for of in (whole, pixels))
-    return with_fill - without, [f"for the irradiance of the surface, {whole.notes[-1]}"]
+    whole_light, own_light = (
+        float(probe(of, normal, "black") @ LUMINANCE) for of in (whole, pixels)
+    )
+    return whole_light - own_light, [f"for the irradiance of the surface, {whole.notes[-1]}"]
 
 
 def _part_of(pixels: MapPixels, coverage: NDArray[np.float32]) -> PartialMap:

@@ -34,7 +34,7 @@ from envlights.environment.coverage import multiply_by_coverage
 from envlights.environment.decoders.source import name_of
 from envlights.environment.exposures import merge_exposures
 from envlights.environment.files.hints import Hints
-from envlights.environment.files.images import Image, PictureSource, read_picture
+from envlights.environment.files.images import Image
 from envlights.environment.layouts.layout import equirectangular
 from envlights.environment.layouts.recognition import recognise, refusal_of_discs
 from envlights.environment.layouts.records import (
@@ -44,6 +44,7 @@ from envlights.environment.layouts.records import (
     ArrangedPicture,
     Source,
 )
+from envlights.environment.layouts.sources import PictureSource, read_picture
 from envlights.environment.pixels import PROJECTION, MapPixels, with_coverage
 from envlights.kernels.probe import WORKING_COLUMNS
 

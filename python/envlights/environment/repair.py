@@ -65,7 +65,7 @@ class Repair(NamedTuple):
     """True if an estimate added nothing, so that clipped light may still be missing."""
 
 
-def repaired(
+def with_estimate(
     pixels: MapPixels, irradiance: float | None, ratio: float | None, fill: Fill
 ) -> MapPixels:
     """Pixels with an estimate of the clipped light; see `EnvMap.repaired`."""

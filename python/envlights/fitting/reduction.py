@@ -9,7 +9,7 @@ from envlights import _native
 from envlights._common.units import OWN_SCALE
 from envlights._native import ReducedMap
 from envlights.environment.envmap import AnyMap, EnvMap
-from envlights.environment.files.reduced_file import reduce_file
+from envlights.environment.reduced_file import reduce_file
 from envlights.environment.fill import Fill
 from envlights.fitting.unseen_part import fill_for_fit
 from envlights.kernels.probe import WORKING_COLUMNS

@@ -2,6 +2,7 @@
 
 | step                                              | file              |
 |---------------------------------------------------|-------------------|
+| read one picture, or six faces by their names     | `sources.py`      |
 | recognise the projection                          | `recognition.py`  |
 | - from the statement of our own files             | `attribute.py`    |
 | names, faces and seams of cubes                   | `cubes.py`        |
