@@ -107,7 +107,7 @@ __all__ = [
     "uv_to_direction",
     "uv_to_pixel",
     "weighted_means",
-    "white_code",
+    "white_code", "widen",
     "working_irradiance",
 ]
 # fmt: on
