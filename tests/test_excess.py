@@ -1,5 +1,7 @@
 """Radiance above a maximum as lights: closure, directions, regions."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -167,6 +169,6 @@ def test_nothing_is_spread_to_unseen_pixels():
 @pytest.mark.parametrize("take", [lambda env: el.limit(env, 1.0), el.split])
 def test_what_remains_keeps_the_exposure_and_the_source_of_its_map(take):
     env = el.EnvMap(el.synthetic.hall(64).radiance)
-    env._ev100 = 11.0
+    env._pixels = replace(env._pixels, ev100=11.0)
     rest = take(env).remainder
     assert (rest.ev100, rest.source, rest.units) == (11.0, env.source, env.units)

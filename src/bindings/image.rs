@@ -1,19 +1,48 @@
 //! `kernels::image` for Python.
 
+use half::f16;
 use numpy::{Element, IntoPyArray, PyArray1, PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
 
 use super::output::fill;
 use super::pool::interruptible;
+use super::sphere::registration;
 use crate::error::Error;
 use crate::kernels::image::{self, Sample};
 
-/// See `envlights.EnvMap`: the numbers of NaN, infinite and negative samples.
+/// See `envlights.EnvMap`: the numbers of NaN, infinite and negative samples, and the largest finite sample.
 #[pyfunction]
-pub fn unusable(py: Python<'_>, radiance: PyReadonlyArray3<'_, f32>) -> PyResult<(usize, usize, usize)> {
+pub fn unusable(
+    py: Python<'_>,
+    radiance: PyReadonlyArray3<'_, f32>,
+) -> PyResult<(usize, usize, usize, Option<f32>)> {
     let radiance = radiance.as_array();
     let counts = interruptible(py, || image::unusable(radiance))?;
-    Ok((counts.nan, counts.infinite, counts.negative))
+    Ok((counts.nan, counts.infinite, counts.negative, counts.largest))
+}
+
+/// See `envlights.environment.clean`: usable samples, and the largest one that replaces a NaN.
+#[pyfunction]
+pub fn clean<'py>(
+    py: Python<'py>,
+    radiance: PyReadonlyArray3<'py, f32>,
+    level: f64,
+    wraps: bool,
+) -> PyResult<(Bound<'py, PyArray3<f32>>, f64)> {
+    let radiance = radiance.as_array();
+    fill(py, radiance.dim().into(), |cleaned| image::clean(radiance, level, wraps, cleaned))
+}
+
+/// See `envlights.environment.open`: true for two discs in black squares, by a map reduced to `columns`.
+#[pyfunction]
+pub fn has_two_discs(
+    py: Python<'_>,
+    radiance: PyReadonlyArray3<'_, f32>,
+    border_sampled: bool,
+    columns: usize,
+) -> PyResult<bool> {
+    let radiance = radiance.as_array();
+    interruptible(py, || image::has_two_discs(radiance, registration(border_sampled), columns))
 }
 
 /// See `envlights._common.codes`: values of 8-bit codes by one table, or by one for each channel.
@@ -43,6 +72,16 @@ fn decode<'py, Code: Sample + Into<usize> + Element>(
 ) -> PyResult<Bound<'py, PyArray3<f32>>> {
     let (codes, tables) = (codes.as_array(), tables.as_array());
     Ok(fill(py, codes.dim().into(), |values| image::decode(codes, tables, values))?.0)
+}
+
+/// See `envlights.environment.colour.linear`: half floats in single precision.
+#[pyfunction]
+pub fn widen<'py>(
+    py: Python<'py>,
+    halves: PyReadonlyArray3<'py, f16>,
+) -> PyResult<Bound<'py, PyArray3<f32>>> {
+    let halves = halves.as_array();
+    Ok(fill(py, halves.dim().into(), |values| image::widen(halves, values))?.0)
 }
 
 /// See `envlights.EnvMap`: converted colours of `image`, and the number of pixels outside Rec.709.

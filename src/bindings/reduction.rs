@@ -22,6 +22,15 @@ pub struct ReducedMap {
     pub floor: bool,
 }
 
+#[pymethods]
+impl ReducedMap {
+    /// True if the map is a picture of two discs in black squares.
+    #[getter]
+    fn has_two_discs(&self) -> bool {
+        self.map.has_two_discs
+    }
+}
+
 /// See `envlights.fit`: reduce a map in memory.
 #[pyfunction]
 pub fn reduce_map(

@@ -7,7 +7,7 @@ import OpenImageIO as oiio  # noqa: N813, its own name for itself
 import pytest
 
 import envlights as el
-from envlights.environment.files.reduced_file import reduce_file
+from envlights.environment.reduced_file import reduce_file
 from envlights.fitting.reduction import POINT_SHARE
 from envlights.kernels.probe import WORKING_COLUMNS
 from tests.conftest import real_maps

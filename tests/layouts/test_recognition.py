@@ -6,13 +6,12 @@ import numpy as np
 import pytest
 
 import envlights as el
-from envlights.environment.decoders.signature import kind_of
-from envlights.environment.decoders.source import named_source
+from envlights.environment.decoders.source import kind_of, named_source
 from envlights.environment.files.hints import Hints
 from envlights.environment.files.image_output import write_exr
 from envlights.environment.files.images import read_image
 from envlights.environment.layouts import Arguments, recognise
-from envlights.environment.layouts.faces import arranged_faces, stored_faces
+from envlights.environment.layouts.cubes import arranged_faces, stored_faces
 from envlights.environment.layouts.layout import MIRRORED
 from tests.layouts.files import dds, jpeg_with
 from tests.layouts.worlds import smooth, upright_directions
@@ -109,7 +108,6 @@ REFUSALS = [
     (noise(40, 60), {}, r"projection='planar', fov=65.*'cylinder'.*'equirectangular', fov=360"),
     (noise(48, 64), {}, r"may be a cube map \(faces='horizontal-cross'\), a photograph"),
     (noise(16, 64), {}, r"beside each other \(eye='left'\)"),
-    (np.hstack([disc(64)] * 2), {}, "dual fisheye.*stitch it in the camera's program"),
     (np.ones(12 * 16), {}, "192 pixels in one row are a HEALPix map of n_side 4.*healpy"),
     (np.ones((12 * 16, 3)), {}, "HEALPix map of n_side 4"),
     (np.ones((3, 5, 5, 5)), {}, r"must have the shape .*; got \(3, 5, 5, 5\)"),
@@ -146,13 +144,16 @@ def test_what_a_picture_cannot_say_is_requested(picture, arguments, words):
     assert "\n" not in str(refusal.value)
 
 
-def test_maps_with_few_lights_are_no_dual_fisheyes():
+def test_dual_fisheyes_are_refused_and_maps_with_few_lights_are_none():
     lamp = np.zeros((64, 128, 3), np.float32)
     lamp[10:14, 30:34] = 90
     for picture in (lamp, np.zeros((64, 128, 3)), np.ones((64, 128, 3))):
-        assert recognise(picture).source.recognised_by == "shape"
+        assert el.EnvMap(picture).source.recognised_by == "shape"
     both = np.hstack([disc(64)] * 2)
-    assert recognise(both, arguments=Arguments("equirectangular")).samples is both
+    for picture in (both, both.repeat(8, axis=0).repeat(8, axis=1)):
+        with pytest.raises(el.EnvLightsError, match=r"dual fisheye.*stitch it in the camera's"):
+            el.EnvMap(picture)
+    assert np.array_equal(el.EnvMap(both, projection="equirectangular").radiance, both)
 
 
 def test_photographs_of_4_to_3_are_no_crosses():

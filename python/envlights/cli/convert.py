@@ -18,7 +18,7 @@ from envlights.environment.envmap import EnvMap
 from envlights.environment.files.image_output import COMPRESSIONS, MAP_SUFFIXES
 from envlights.environment.layouts.picture import check_picture_path
 from envlights.environment.layouts.records import REGISTRATIONS
-from envlights.environment.map_pixels import PROJECTION
+from envlights.environment.pixels import PROJECTION
 
 
 def layout_option(what: str) -> Callable[[Any], Any]:

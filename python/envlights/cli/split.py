@@ -32,7 +32,7 @@ from envlights.cli.sun_input import reading_options, sun_options
 from envlights.detection.detect import detect
 from envlights.environment.envmap import EnvMap
 from envlights.environment.files.image_output import MAP_SUFFIXES
-from envlights.environment.map_pixels import PROJECTION
+from envlights.environment.pixels import PROJECTION
 from envlights.export.links import paths_of, plan, save_with_map
 from envlights.export.targets import SUFFIXES
 from envlights.splitting.limit import Limit, limit

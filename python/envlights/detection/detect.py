@@ -16,8 +16,8 @@ from envlights.detection import wording
 from envlights.detection.colour_casts import colour_cast_notes
 from envlights.detection.lights import DetectedLights, DetectionReport
 from envlights.detection.members import Members
+from envlights.environment.clip_level import checked_clip_level
 from envlights.environment.envmap import AnyMap, EnvMap, apply_to_map
-from envlights.environment.map_pixels import checked_clip_level
 
 #: Smallest number of columns of the reduced map.
 _LEAST_COLUMNS = 16

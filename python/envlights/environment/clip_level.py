@@ -8,7 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _native
+from envlights._common.check import amount
 from envlights._common.srgb import decode_srgb
+from envlights._native import EnvLightsError
 
 #: Codes from this one on are the largest value of the format, which JPEG compression blurs.
 _FULL = 254
@@ -52,14 +54,23 @@ def white_of(histogram: CodeHistogram, table: NDArray[np.float32]) -> tuple[floa
 def clip_level_of_codes(
     codes: NDArray[Any], coverage: NDArray[np.float32] | None, notes: list[str]
 ) -> float:
-    """Linear clip level of sRGB codes, (height, width, 3), with a note if it is below 1.
+    """Linear clip level of sRGB codes, (..., height, width, 3), with a note if it is below 1.
 
     Pixels with a `coverage` share of 0 do not count.
     """
     if coverage is not None:
         codes = np.where(coverage[..., None] > 0, codes, 0).astype(codes.dtype, copy=False)
-    histogram = CodeHistogram(len(codes))
-    histogram.add(codes)
+    rows = codes.reshape(-1, *codes.shape[-2:])
+    histogram = CodeHistogram(len(rows))
+    histogram.add(rows)
     clip_level, said = white_of(histogram, decode_srgb(np.linspace(0, 1, 256)))
     notes += said
     return clip_level
+
+
+def checked_clip_level(clip_level: float) -> float:
+    """Clip level as a number above 0, or a refusal."""
+    value = amount("clip_level", clip_level)
+    if value == 0:
+        raise EnvLightsError("white must be above 0; got 0")
+    return value

@@ -11,7 +11,7 @@ from envlights._native import EnvLightsError
 from envlights.kernels.sphere import pixel_solid_angles
 
 
-def checked_coverage(coverage: ArrayLike, shape: tuple[int, int]) -> NDArray[np.float32] | None:
+def checked_coverage(coverage: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float32] | None:
     """Coverage of each pixel as an array from 0 to 1, or a refusal; None if all is seen."""
     try:
         fraction = np.array(coverage, dtype=np.float32)
@@ -38,7 +38,7 @@ def multiply_by_coverage(
     """Radiance multiplied by its coverage; 0 where nothing is seen, whatever the sample."""
 
     def block(rows: slice) -> NDArray[np.float32]:
-        part = fraction[rows, :, None]
+        part = fraction[rows][..., None]
         with np.errstate(invalid="ignore"):
             return np.where(part > 0, radiance[rows] * part, np.float32(0))
 

@@ -3,25 +3,33 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Sequence
-from typing import Any, TypeVar
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
-from numpy.typing import ArrayLike
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
+from envlights._common.arrays import convert as convert_array
+from envlights._common.check import describe, texts
 from envlights._common.former import former_arguments, former_attributes
-from envlights._common.notes import log
+from envlights._common.notes import Note
+from envlights._common.units import OWN_SCALE, checked_units
 from envlights._native import EnvLightsError, UnusableSamplesError
+from envlights.environment import convert, light, repair, text
+from envlights.environment.calibrate import Readings, calibrate
 from envlights.environment.colour.choice import ColourArgument
-from envlights.environment.decoders.source import name_of
-from envlights.environment.exposures import merge_exposures
-from envlights.environment.files.image_output import COMPRESSIONS, map_suffix, write_exr, write_hdr
+from envlights.environment.files.image_output import COMPRESSIONS
 from envlights.environment.files.images import MOST_PIXELS
-from envlights.environment.layouts.records import REGISTRATIONS, Arguments
-from envlights.environment.layouts.sources import PictureSource, is_picture_source, read_picture
-from envlights.environment.map_calibration import MapCalibration
-from envlights.environment.map_layouts import MapLayouts
-from envlights.environment.map_pixels import checked_clip_level
-from envlights.environment.map_repair import MapRepair
+from envlights.environment.fill import Fill
+from envlights.environment.layouts.picture import Picture
+from envlights.environment.layouts.records import Arguments, Source
+from envlights.environment.layouts.sources import PictureSource, is_picture_source
+from envlights.environment.open import map_of_array, map_of_exposures, open_map, unchecked_map
+from envlights.environment.pixels import PROJECTION, MapPixels, are_equal
+from envlights.environment.save import save_map
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 _T = TypeVar("_T")
 
@@ -33,7 +41,7 @@ _T = TypeVar("_T")
     clipped_share="clipped_fraction",
     clipped_flux_share="clipped_flux_fraction",
 )
-class EnvMap(MapCalibration, MapRepair, MapLayouts):
+class EnvMap:
     r"""An environment map: radiance from every direction.
 
     Frame: right-handed, +y up. The centre of the image looks along +z, its left quarter along +x,
@@ -105,6 +113,48 @@ class EnvMap(MapCalibration, MapRepair, MapLayouts):
     array([[3.142, 3.142, 3.142]])
     """
 
+    @former_arguments(white="clip_level", towards="forward", seen="coverage")
+    def __init__(
+        self,
+        radiance: ArrayLike | Mapping[str, ArrayLike],
+        *,
+        projection: str | None = None,
+        faces: str | None = None,
+        registration: str | None = None,
+        mapping: str | None = None,
+        fov: float | None = None,
+        horizon: float | None = None,
+        circle: ArrayLike | None = None,
+        forward: ArrayLike | None = None,
+        eye: str | None = None,
+        width: int | None = None,
+        notes: str | Iterable[str] = (),
+        clip_level: float | None = None,
+        coverage: ArrayLike | None = None,
+        units: str = OWN_SCALE,
+    ) -> None:
+        if isinstance(radiance, str | os.PathLike):
+            raise EnvLightsError(
+                "a map must be an array; `EnvMap.open` reads files; got"
+                f" {describe(os.fspath(radiance))}"
+            )
+        self._pixels = map_of_array(
+            radiance,
+            coverage,
+            Arguments(projection, faces, registration, mapping, fov, horizon, circle, forward, eye),
+            width,
+            clip_level,
+            texts("notes", notes),
+            checked_units(units),
+        )
+
+    @classmethod
+    def _of(cls, pixels: MapPixels) -> Self:
+        """Map of pixels that are known to be usable."""
+        env = cls.__new__(cls)
+        env._pixels = pixels
+        return env
+
     @classmethod
     @former_arguments(white="clip_level", towards="forward")
     def open(
@@ -136,7 +186,8 @@ class EnvMap(MapCalibration, MapRepair, MapLayouts):
             Radiance .hdr, OpenEXR, PNG, JPEG or TIFF; the first bytes decide. "-" is the standard
             input; addresses like ``s3://`` are read by fsspec, if it is installed. The colour space
             of the file is converted to linear Rec.709: transfer curve, ICC profile, primaries.
-            Integers without a statement are sRGB. What alpha or a crop hides is black; see `coverage`.
+            Integers without a statement are sRGB. What alpha or a crop hides is black; see
+            `coverage`.
             Six faces of a cube: a list, a mapping, a folder, or a name like ``sky_{face}.hdr``.
         projection, faces, registration, mapping, fov, horizon, circle, forward, eye, width
             Layout of the picture; see `EnvMap`. When left out, the statement of `Picture.save` or
@@ -169,28 +220,18 @@ class EnvMap(MapCalibration, MapRepair, MapLayouts):
             If the file cannot be read, or its layout is not known; then the sentence lists the
             candidates.
         """
-        arguments = Arguments(
-            projection, faces, registration, mapping, fov, horizon, circle, forward, eye
-        )
-        arguments.check()
-        image = read_picture(
+        pixels = open_map(
             path,
+            Arguments(projection, faces, registration, mapping, fov, horizon, circle, forward, eye),
+            width,
+            clip_level,
             colour=colour,
             part=part,
             channels=channels,
             max_pixels=max_pixels,
             any_format=any_format,
         )
-        env = cls.__new__(cls)
-        env._notes = list(image.notes)
-        env._clip_level = image.clip_level if clip_level is None else checked_clip_level(clip_level)
-        env._units, env._ev100 = image.units, image.ev100
-        try:
-            env._set_pixels(image.pixels, image.coverage, image.hints, arguments, width)
-        except EnvLightsError as refusal:
-            raise EnvLightsError(f"{name_of(path)}: {refusal}") from None
-        log(env._notes)
-        return env
+        return cls._of(pixels)
 
     @classmethod
     def from_exposures(
@@ -223,9 +264,10 @@ class EnvMap(MapCalibration, MapRepair, MapLayouts):
         Returns
         -------
         EnvMap
-            Radiance 1 is the clip level at an exposure time of 1. `clip_level` is set if the shortest
-            exposure is still clipped. `notes` report white below 254, a response other than sRGB, a
-            corrected time, moved pictures, drift of the white balance, and contradictions.
+            Radiance 1 is the clip level at an exposure time of 1. `clip_level` is set if the
+            shortest exposure is still clipped. `notes` report white below 254, a response other
+            than sRGB, a corrected time, moved pictures, drift of the white balance, and
+            contradictions.
 
         Raises
         ------
@@ -242,16 +284,547 @@ class EnvMap(MapCalibration, MapRepair, MapLayouts):
         >>> env.radiance[1, 1:3, 0].round(3)
         array([0.05, 6.  ], dtype=float32)
         """
-        merged = merge_exposures(pictures, times, response)
-        registration = REGISTRATIONS[merged.border_sampled]
-        env = cls(
-            merged.radiance,
-            registration=registration,
-            notes=merged.notes,
-            clip_level=merged.clip_level,
-        )
-        env._ev100 = merged.ev100
-        return env
+        return cls._of(map_of_exposures(pictures, times, response))
+
+    @property
+    def radiance(self) -> NDArray[np.float32]:
+        """Linear RGB, (height, width, 3), read-only."""
+        return self._pixels.radiance
+
+    @property
+    def projection(self) -> str:
+        """Layout of the sphere in `radiance`: "equirectangular"; `source` has that of the input."""
+        return PROJECTION
+
+    @property
+    def source(self) -> Source:
+        """Picture from which the map was made: its layout, and how it was recognised."""
+        return self._pixels.source
+
+    @property
+    def registration(self) -> str:
+        """Layout of the pixels: "cell-centred" or "border-sampled"."""
+        return self._pixels.registration
+
+    @property
+    def is_border_sampled(self) -> bool:
+        """True if the outer pixels lie on the seam and the poles."""
+        return self._pixels.is_border_sampled
+
+    @property
+    def notes(self) -> tuple[Note, ...]:
+        """Remarks on samples that were changed and on assumptions; `code` has the kind of each."""
+        return tuple(map(Note, self._pixels.notes))
+
+    @property
+    def clip_level(self) -> float | None:
+        """Clip level: the largest value that the radiance can hold; None if unknown."""
+        return self._pixels.clip_level
+
+    @property
+    def units(self) -> str:
+        """Unit of the radiance: "cd/m2" for its luminance, or "the map's own scale".
+
+        `calibrated` sets it. Irradiance of a map in cd/m2 has a luminance in lux.
+        """
+        return self._pixels.units
+
+    @property
+    def ev100(self) -> float | None:
+        """Exposure value at ISO 100 of the picture, from the EXIF of its file; None if unknown.
+
+        Known for JPEG and TIFF files of integers with exposure time, aperture and sensitivity, and
+        for a merged series of them.
+        """
+        return self._pixels.ev100
+
+    @property
+    def clipped_fraction(self) -> float:
+        """Fraction of the sphere with clipped radiance.
+
+        With a known `clip_level`: pixels with a channel at it, from code 254 of 255 on. Otherwise:
+        pixels with the largest sample of the map, if there are several.
+        """
+        return self._pixels.clipped_fractions[0]
+
+    @property
+    def clipped_flux_fraction(self) -> float:
+        """Fraction of the luminance flux in clipped pixels.
+
+        Lights that `fit` places there are a lower bound.
+        """
+        return self._pixels.clipped_fractions[1]
+
+    @property
+    def coverage(self) -> NDArray[np.float32] | None:
+        """Share of each pixel that is seen, (height, width); None if all is."""
+        return self._pixels.coverage
+
+    @property
+    def coverage_fraction(self) -> float:
+        """Fraction of the sphere that is seen."""
+        return self._pixels.coverage_fraction
+
+    @property
+    def height(self) -> int:
+        """Rows."""
+        return int(self.radiance.shape[0])
+
+    @property
+    def width(self) -> int:
+        """Columns."""
+        return int(self.radiance.shape[1])
+
+    def cells(self) -> NDArray[np.float32]:
+        """Radiance of a cell-centred map of the same size and flux."""
+        return self._pixels.cells()
+
+    def probe(self, normals: ArrayLike, *, fill: Fill = None) -> NDArray[np.float64]:
+        r"""Exact irradiance of a white Lambertian probe under the map.
+
+        It is integrated over all pixels: the reference for `fit`.
+
+        Parameters
+        ----------
+        normals : array_like, shape (n, 3) or (3,)
+            Unit normals, or one.
+        fill : {"black", "harmonic", "ground"}, float or array_like, shape (3,), optional
+            Radiance where the map shows nothing; see `filled`. For several calls, fill once:
+            ``env.filled().probe(normals)``.
+
+        Returns
+        -------
+        ndarray, shape (n, 3) or (3,)
+            RGB irradiance in W m\ :sup:`-2`:
+            :math:`E(n) = \int L(\omega) \max(0, n \cdot \omega)\, d\omega`. Divide by pi for the
+            radiance of the probe (Madsen et al. 2003, equations 1 to 3).
+
+        Raises
+        ------
+        EnvLightsError
+            If `normals` has another shape or holds a vector whose length is not 1, or `filled`
+            refuses `fill`.
+        """
+        return light.probe(self._pixels, normals, fill)
+
+    def harmonics(
+        self, degree: int = 2, convention: str = "envlights", *, fill: Fill = None
+    ) -> NDArray[np.float64]:
+        r"""Spherical harmonics of the map up to order 2, as other programs store them.
+
+        Parameters
+        ----------
+        degree : int
+            Highest order, from 0 to 2.
+        convention : {"envlights", "ramamoorthi", "three", "unity"}
+            "envlights" and "ramamoorthi": coefficients L of the radiance for the real harmonics of
+            `kernels.harmonic_radiance`, which are those of Ramamoorthi and Hanrahan (2001) in our
+            axes. "three": the same in the axes of three.js, for ``LightProbe.sh.coefficients``.
+            "unity": row i is ``sh[channel, i]`` of ``SphericalHarmonicsL2``, in the axes of Unity:
+            irradiance over pi, with the factors of the polynomials multiplied in.
+        fill : {"black", "harmonic", "ground"}, float or array_like, shape (3,), optional
+            Radiance where the map shows nothing; see `filled`.
+
+        Returns
+        -------
+        ndarray, shape ((degree + 1)\ :sup:`2`, 3)
+            Multiples of 1; y, z, x; xy, yz, 3z² - 1, xz, x² - y², in linear RGB. The integral is
+            exact for pixels of one radiance each.
+
+        Raises
+        ------
+        EnvLightsError
+            If `degree` is not from 0 to 2, `convention` is unknown, or `filled` refuses `fill`.
+
+        References
+        ----------
+        R. Ramamoorthi, P. Hanrahan: "An Efficient Representation for Irradiance Environment Maps",
+        SIGGRAPH 2001; equations 3, 8 and 12.
+
+        Examples
+        --------
+        The irradiance over pi of a uniform map is its radiance, which Unity holds in row 0:
+
+        >>> import envlights as el
+        >>> env = el.EnvMap(np.full((16, 32, 3), 0.5))
+        >>> env.harmonics(convention="unity")[0].round(6)
+        array([0.5, 0.5, 0.5])
+        """
+        return light.harmonics(self._pixels, degree, convention, fill)
+
+    @former_arguments(unseen="fill")
+    def filled(self, fill: Fill = None, *, albedo: float = 0.25) -> Self:
+        r"""Map with radiance where it shows nothing: its unseen part is filled.
+
+        Parameters
+        ----------
+        fill : {"black", "harmonic", "ground"}, float or array_like, shape (3,), optional
+            Radiance of the unseen part. "black": none. "harmonic": a smooth continuation of the
+            pixels around it, which solves Laplace's equation on the sphere. "ground": above the
+            horizon the same, of radiance up to 8 times the median luminance; below it, diffuse
+            ground under the sky above. A number or RGB: this radiance. Default: "harmonic" if 85 %
+            or more of the sphere is seen; with less, a choice is required.
+        albedo : float
+            Albedo of the "ground", from 0 to 1: its radiance is the albedo times the irradiance of
+            an upward surface over pi.
+
+        Returns
+        -------
+        EnvMap
+            Map without `coverage`; its last note names the fill. A map that shows all is returned
+            as it is. A partly seen pixel keeps its radiance, and the fill adds the unseen share.
+
+        Raises
+        ------
+        EnvLightsError
+            If `fill` is none of these or left out with less than 85 % seen, or `albedo` is not
+            from 0 to 1.
+
+        Notes
+        -----
+        No fill knows a sun that was not seen. On 8 real maps with a hidden part, the probe of the
+        filled map differed from that of the whole one by (median, worst): 0.002 and 0.004
+        for "harmonic" without the part below -60 degrees; 0.12 and 0.43 for "ground" without the
+        lower half; 0.16 and 0.91 for "harmonic" without the half behind. `benchmarks/unseen.py` has
+        all fills.
+
+        Examples
+        --------
+        Upper half of a grey world:
+
+        >>> import envlights as el
+        >>> seen = np.repeat([1.0, 0.0], 16)[:, None] * np.ones(64)
+        >>> env = el.EnvMap(np.full((32, 64, 3), 0.5), coverage=seen)
+        >>> env.filled("harmonic").probe([[0, -1, 0]]).round(3)
+        array([[1.571, 1.571, 1.571]])
+        >>> env.filled("ground").radiance[-1, 0].round(3)
+        array([0.125, 0.125, 0.125], dtype=float32)
+        """
+        return self._changed(light.with_fill(self._pixels, fill, albedo))
+
+    @former_arguments(unseen="fill")
+    def repaired(
+        self,
+        *,
+        sun: object = None,
+        irradiance: float | None = None,
+        ratio: float | None = None,
+        fill: Fill = None,
+    ) -> Self:
+        r"""Map with an estimate of the clipped light.
+
+        Clipped pixels are raised, each in its own colour. The amount of missing light is a number
+        that you measured, or an estimate with the ground as light meter. Its distribution is a
+        guess: more in small clipped regions, in high ones, and in the middle of each.
+
+        Parameters
+        ----------
+        sun : None
+            Refused: ``with_sun(env, sun).to_map()`` adds the disc of a sun.
+        irradiance : float, optional
+            Measured luminance of the irradiance on an upward surface, on the scale of the map:
+            lux, if `units` is "cd/m2"; see `calibrated`.
+        ratio : float, optional
+            The same irradiance divided by the one without the clipped regions: two readings of a
+            lux meter on the ground, in the open and with the sun shaded. It needs no scale.
+        fill : {"black", "harmonic", "ground"}, float or array_like, shape (3,), optional
+            Radiance where the map shows nothing, for the irradiance of an upward surface; see
+            `filled`. Required if less than 85 % of the upper half is seen.
+
+        Returns
+        -------
+        EnvMap
+            Without a `clip_level`; what is not seen stays black. Its last note holds the factor by
+            which the flux was raised, and its source. If the ground gives no estimate, the map
+            keeps its `clip_level`, and the note says why.
+
+        Raises
+        ------
+        EnvLightsError
+            If both numbers are given, one is less than that of the map, all clipped pixels lie
+            below the horizon, `fill` is required, or there is a `sun`.
+
+        Notes
+        -----
+        `envlights.environment.repair` has the formula of the estimate. On 8-bit pictures of 17 HDR
+        maps in eleven tones (`benchmarks/clipped_repair.py`) the relative RMS error of a probe at
+        the best common scale falls from 0.43 to 0.23 (median), and grows by more than 0.05 in 2 %.
+        Do not
+        use it on ground that is far from grey, such as snow or a dark floor, in the shade while the
+        sun shines elsewhere, or for light that does not reach the ground.
+
+        Examples
+        --------
+        A clipped sun over grey ground that shows its irradiance:
+
+        >>> import numpy as np
+        >>> import envlights as el
+        >>> sky = np.full((64, 128, 3), 0.1)
+        >>> sky[12:14, 60:62] = 1.0
+        >>> sky[32:] = 0.2 / np.pi * 2.0
+        >>> env = el.EnvMap(sky, clip_level=1.0)
+        >>> print(env.repaired().notes[-1].split(":")[0])
+        the flux was raised by a factor of 2.6 for the clipped light
+        >>> env.repaired(irradiance=2.0).probe([[0, 1, 0]]).round(3)
+        array([[2., 2., 2.]])
+        """
+        if sun is not None:
+            raise EnvLightsError(
+                "repaired takes no sun; el.with_sun(env, sun).to_map() adds its disc to the map"
+            )
+        return self._changed(repair.with_estimate(self._pixels, irradiance, ratio, fill))
+
+    @former_arguments(unseen="fill", facing="normal")
+    def calibrated(
+        self,
+        *,
+        lux: float | None = None,
+        normal: ArrayLike | None = None,
+        shaded: float | None = None,
+        nits: float | None = None,
+        at: ArrayLike | None = None,
+        patch: float = 1.0,
+        ev100: float | None = None,
+        fill: Fill = None,
+    ) -> Self:
+        r"""Map in photometric units: the luminance of its radiance is in cd/m2.
+
+        Give one reading: `lux`, `nits` with `at`, or `ev100`. Without any, the exposure in the EXIF
+        of the file gives the scale; see `ev100`.
+
+        Parameters
+        ----------
+        lux : float, optional
+            Illuminance of a surface, as a lux meter shows it.
+        normal : array_like, shape (3,), optional
+            Unit vector that this surface faces. Default: up, (0, 1, 0).
+        shaded : float, optional
+            The same illuminance with only the sun shaded, for a map with a clipped sun: it gives
+            the scale of all other light, and the difference gives the sun, as in `repaired`.
+        nits : float, optional
+            Luminance of a place in cd/m2, as a luminance meter shows it.
+        at : array_like, shape (3,) or (2,), optional
+            That place: a unit vector, or row and column of a pixel.
+        patch : float
+            Diameter in degrees of the disc around `at` whose mean luminance is compared; a spot
+            meter has 1. A smaller disc than a pixel is that pixel.
+        ev100 : float, optional
+            Exposure value at ISO 100 of a picture in which 1 is the saturation of the sensor: 1
+            becomes :math:`1.2 \cdot 2^{EV}` cd/m2.
+        fill : {"black", "harmonic", "ground"}, float or array_like, shape (3,), optional
+            For `lux`: radiance where the map shows nothing; see `filled`.
+
+        Returns
+        -------
+        EnvMap
+            Map whose `units` are "cd/m2". Its last note has the reading and the factor. Luminance
+            is 0.2126 R + 0.7152 G + 0.0722 B, for radiance and for irradiance. `fit`, `detect`
+            and `split` of it give lights in lux, and files for other programs have their units.
+
+        Raises
+        ------
+        EnvLightsError
+            If there are readings of several kinds, the map is black or clipped there, readings in
+            sun and shade contradict the map, or no reading is given and there is no EXIF.
+
+        Notes
+        -----
+        With `ev100`, 1.2 is 78 / (100 x 0.65): the saturation of ISO 12232 through a lens that
+        passes 65 % of the light (Lagarde and de Rousiers, "Moving Frostbite to Physically Based
+        Rendering", 2014). Filament and Unity have the same factor. A reflected-light meter measures
+        means, :math:`0.125 \cdot 2^{EV}` cd/m2; give those as `nits`. Tone curves of cameras, and
+        stitching, move the scale of a JPEG by up to about one stop.
+
+        Examples
+        --------
+        >>> import envlights as el
+        >>> env = el.EnvMap(np.ones((32, 64, 3))).calibrated(lux=20000)
+        >>> env.units, env.probe([[0, 1, 0]]).round(1)
+        ('cd/m2', array([[20000., 20000., 20000.]]))
+
+        A sun and its sky from readings of 98000 lux in the sun and 15000 in its shade:
+
+        >>> sky = np.full((32, 64, 3), 0.1)
+        >>> sky[6:8, 30:32] = 1.0
+        >>> env = el.EnvMap(sky, clip_level=1.0).calibrated(lux=98000, shaded=15000)
+        >>> env.probe([[0, 1, 0]]).round(0)
+        array([[98000., 98000., 98000.]])
+        """
+        readings = Readings(lux, normal, shaded, nits, at, ev100)
+        return self._changed(calibrate(self._pixels, readings, patch, fill))
+
+    def rotated(self, matrix: ArrayLike) -> Self:
+        """Rotate the map, so that the radiance from d comes from ``matrix @ d``.
+
+        Parameters
+        ----------
+        matrix : array_like, shape (3, 3)
+            A rotation, in the frame of the map.
+
+        Returns
+        -------
+        EnvMap
+            Map of the same size. Rotations about the pole by whole columns lose nothing. Other
+            rotations average samples of each pixel, keep the flux of the map, the flux and the
+            direction of each bright pixel, and make a border-sampled map cell-centred.
+
+        See Also
+        --------
+        Rig.rotated : the same for a rig.
+
+        Examples
+        --------
+        A quarter turn about the pole, from +z to +x:
+
+        >>> import envlights as el
+        >>> env = el.EnvMap(np.eye(8)[:4, :, None] * np.ones(3))
+        >>> turned = env.rotated([[0, 0, 1], [0, 1, 0], [-1, 0, 0]])
+        >>> np.array_equal(turned.radiance, np.roll(env.radiance, -2, axis=1))
+        True
+        """
+        return self._changed(convert.rotate(self._pixels, matrix))
+
+    def resized(self, width: int) -> Self:
+        """Map of another size, with the same flux.
+
+        Parameters
+        ----------
+        width : int
+            Columns, even; the height is half of it.
+
+        Returns
+        -------
+        EnvMap
+            Cell-centred. Every bright pixel keeps its flux and its direction.
+
+        Examples
+        --------
+        >>> import envlights as el
+        >>> el.EnvMap(np.ones((64, 128, 3))).resized(32)
+        EnvMap(32x16 equirectangular, cell-centred)
+        """
+        return self._changed(convert.resize(self._pixels, width))
+
+    def limited(self, maximum: float) -> Self:
+        """Map without samples above a maximum, for formats and displays that have one.
+
+        The excess of each light is spread over the pixels around it, so that flux and direction of
+        the light stay. `envlights.limit` returns the excess as lights instead.
+
+        Parameters
+        ----------
+        maximum : float
+            Largest value of a sample, such as 65504 for half floats.
+
+        Returns
+        -------
+        EnvMap
+            The last note says how much flux was moved, and how far.
+
+        Raises
+        ------
+        EnvLightsError
+            If the mean radiance of the map is above the maximum.
+
+        Examples
+        --------
+        >>> import envlights as el
+        >>> sky = np.ones((64, 128, 3))
+        >>> sky[20, 40] = 1e5
+        >>> env = el.EnvMap(sky).limited(65504)
+        >>> float(env.radiance.max())
+        65504.0
+        >>> env.notes[-1]
+        'limited to 65504: 32 % of the flux was moved by up to 4.2 degrees'
+        """
+        return self._changed(convert.limit(self._pixels, maximum))
+
+    def to(
+        self,
+        projection: str,
+        *,
+        width: int | None = None,
+        faces: str = "opengl",
+        registration: str | None = None,
+        mapping: str | None = None,
+        fov: float | None = None,
+        forward: ArrayLike | None = None,
+    ) -> Picture:
+        """Picture of the map in another projection.
+
+        Parameters
+        ----------
+        projection : str
+            "cube", "octahedral", "octahedral-equal-area", "angular", "mirror-ball", "fisheye",
+            "cylinder", "planar", "equirectangular", or "source": the layout of `EnvMap.source`,
+            with its size, faces, orientation and field of view, as for the rest of `split`.
+        width : int, optional
+            Columns; of a cube, those of one face. When left out, the pixels are as large as those
+            of the map on its equator.
+        faces : str
+            Order of the faces of a cube: "opengl" (also of DirectX, Vulkan, Unity), "openexr",
+            "py360convert", "pannellum", "directxtex".
+        registration : {"cell-centred", "border-sampled"}, optional
+            Positions of the samples of a cube's face. When left out, that of its order.
+        mapping : {"equidistant", "equisolid", "stereographic", "orthographic"}, optional
+            Mapping of a fisheye.
+        fov : float, optional
+            Field of view in degrees: across the circle of a fisheye, horizontally of a photograph
+            or a cylinder.
+        forward : array_like, shape (3,), optional
+            Direction of the centre of a circle, a square or a photograph.
+
+        Returns
+        -------
+        Picture
+            `numpy.asarray` gives its samples; `Picture.save` writes files.
+
+        Raises
+        ------
+        EnvLightsError
+            If the projection is not known, or an argument is missing, out of its range or of
+            another projection.
+
+        Examples
+        --------
+        >>> import envlights as el
+        >>> el.EnvMap(np.ones((64, 128, 3))).to("cube", width=32)
+        Picture(32x192 cube, cell-centred, faces in the order of OpenGL)
+        """
+        options = {"registration": registration, "mapping": mapping, "fov": fov, "forward": forward}
+        return convert.to(self._pixels, projection, width, faces, **options)
+
+    def view(
+        self,
+        direction: ArrayLike,
+        fov: float = 60.0,
+        *,
+        width: int = 800,
+        height: int | None = None,
+    ) -> Picture:
+        """Picture that a level camera takes in the map.
+
+        Parameters
+        ----------
+        direction : array_like, shape (3,)
+            Direction of the centre of the picture.
+        fov : float
+            Horizontal field of view, in degrees.
+        width, height : int
+            Size of the picture; 3:2 when `height` is left out.
+
+        Returns
+        -------
+        Picture
+            Radiance, (height, width, 3).
+
+        Examples
+        --------
+        >>> import envlights as el
+        >>> el.EnvMap(np.ones((64, 128, 3))).view([0, 0, 1], width=90)
+        Picture(90x60 planar)
+        """
+        return convert.view(self._pixels, direction, fov, width, height)
 
     def save(
         self,
@@ -281,20 +854,61 @@ class EnvMap(MapCalibration, MapRepair, MapLayouts):
         The notes of the map become comments of the file. `open` reads those on estimates, such as
         that of `repaired`.
         """
-        if map_suffix(path) == ".hdr":
-            if half or compression != COMPRESSIONS[0]:
-                raise EnvLightsError(f"cannot save {path}: half and compression are of .exr files")
-            write_hdr(path, self.cells(), comments=self._notes)
-            return
-        write_exr(
-            path,
-            self._radiance,
-            half=half,
-            compression=compression,
-            environment="latlong" if self.is_border_sampled else "",
-            comments=self._notes,
-            units=self._units,
+        save_map(self._pixels, path, half=half, compression=compression)
+
+    def with_radiance(
+        self, radiance: NDArray[np.float32], notes: Iterable[str], *, keeps_clip_level: bool = True
+    ) -> Self:
+        """Map of other samples at the same places.
+
+        Parameters
+        ----------
+        radiance : ndarray of float32, shape (height, width, 3)
+            Multiplied by `coverage`; not checked.
+        notes : iterable of str
+            All notes of the new map.
+        keeps_clip_level : bool
+            False for radiance that was estimated above the clip level.
+
+        Returns
+        -------
+        EnvMap
+            Registration, clip level, seen part, source, units and exposure are those of this map.
+        """
+        level = self.clip_level if keeps_clip_level else None
+        changed = self._pixels.changed(radiance, self.coverage, notes, clip_level=level)
+        return self._of(changed)
+
+    def _changed(self, pixels: MapPixels) -> Self:
+        """Map of other pixels; this one if they are its own."""
+        return self if pixels is self._pixels else self._of(pixels)
+
+    def __repr__(self) -> str:
+        return text.line(self._pixels, type(self).__name__)
+
+    def __str__(self) -> str:
+        return text.paragraph(self._pixels)
+
+    def _repr_pretty_(self, printer: Any, _: bool) -> None:
+        printer.text(repr(self) if printer.indentation else str(self))
+
+    def _repr_html_(self) -> str:
+        return text.block(self._pixels, type(self).__name__)
+
+    def __eq__(self, other: object) -> bool:
+        """True if radiance, units, layout, clip level and seen share are equal."""
+        return (
+            are_equal(self._pixels, other._pixels) if isinstance(other, EnvMap) else NotImplemented
         )
+
+    __hash__: ClassVar[None] = None  # type: ignore[assignment]  # what is compared by its pixels
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
+        """Radiance as an array, for NumPy."""
+        return convert_array(self.radiance, dtype, copy)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self)._of, (self._pixels,)
 
 
 #: Map, its file as path, bytes or file object, six files of a cube, or radiance as an array.
@@ -319,7 +933,7 @@ def apply_to_map(env: Any, work: Callable[[EnvMap], _T]) -> tuple[EnvMap, _T]:
     if isinstance(env, EnvMap) or is_picture_source(env):
         world = as_envmap(env)
         return world, work(world)
-    world = EnvMap.unchecked(env)
+    world = EnvMap._of(unchecked_map(env))
     try:
         return world, work(world)
     except UnusableSamplesError:

@@ -23,6 +23,10 @@ from numpy.typing import NDArray
 from envlights import _native
 from envlights._common.check import amount
 from envlights._native import EnvLightsError
+from envlights.environment.clean import clean
+from envlights.environment.fill import Fill
+from envlights.environment.light import from_unseen as received_from_unseen
+from envlights.environment.pixels import MapPixels
 from envlights.kernels.image import LUMINANCE
 from envlights.kernels.probe import irradiance as surface_irradiance
 from envlights.kernels.sphere import pixel_solid_angles
@@ -61,23 +65,36 @@ class Repair(NamedTuple):
     """True if an estimate added nothing, so that clipped light may still be missing."""
 
 
+def with_estimate(
+    pixels: MapPixels, irradiance: float | None, ratio: float | None, fill: Fill
+) -> MapPixels:
+    """Pixels with an estimate of the clipped light; see `EnvMap.repaired`."""
+    received, assumed = received_from_unseen(pixels, fill)
+    repaired = repair(pixels, irradiance, ratio, from_unseen=received)
+    notes = [*pixels.notes, *assumed, repaired.note]
+    radiance, level = clean(repaired.radiance, notes)
+    if repaired.is_open and pixels.clip_level is not None:
+        level = pixels.clip_level
+    return pixels.changed(radiance, pixels.coverage, notes, clip_level=level)
+
+
 def repair(
-    radiance: NDArray[np.float32],
-    border_sampled: bool,
-    clip_level: float | None,
+    pixels: MapPixels,
     irradiance: float | None,
     ratio: float | None,
     normal: NDArray[np.float64] | None = None,
     *,
-    coverage: NDArray[np.float32] | None = None,
     from_unseen: float = 0.0,
 ) -> Repair:
-    """Add the light that was clipped at `clip_level`: a measured amount, or an estimate.
+    """Add the light that was clipped: a measured amount, or an estimate.
 
-    The amount is measured on a surface that faces a unit vector; upward when left out. `coverage` is
-    the share of each pixel by which the radiance is multiplied, and `from_unseen` the luminance of
-    the irradiance of this surface from what is not seen.
+    The amount is measured on a surface that faces a unit vector; upward when left out.
+    `from_unseen` is the luminance of the irradiance of this surface from what is not seen.
     """
+    radiance, border_sampled, coverage = pixels.radiance, pixels.is_border_sampled, pixels.coverage
+    clip_level = pixels.clip_level
+    if clip_level is None and pixels.clipped_fractions[0]:
+        clip_level = float(radiance.max())
     if irradiance is not None and ratio is not None:
         raise EnvLightsError("give irradiance or ratio, not both")
     irradiance = None if irradiance is None else amount("irradiance", irradiance)

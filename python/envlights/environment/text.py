@@ -1,40 +1,57 @@
-"""Text of a map."""
+"""Text of a map: one line, a paragraph, and a block of HTML."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 import numpy as np
-from numpy.typing import NDArray
 
+from envlights._common import html
 from envlights._common.blocks import in_blocks
+from envlights._common.units import in_nits
+from envlights.environment import thumbnails
+from envlights.environment.pixels import PROJECTION, MapPixels
 from envlights.kernels.image import LUMINANCE
 
 
-def paragraph(
-    radiance: NDArray[np.float32],
-    layout: str,
-    clipping: str,
-    notes: Iterable[str],
-    unit: str,
-) -> str:
-    """Lines on the layout, the luminance, the clip level and the notes of a map."""
-    weights = LUMINANCE.astype(np.float32)
+def line(pixels: MapPixels, name: str) -> str:
+    """Size, layout, units, clipped part and notes, in brackets after a name."""
+    notes = f", notes: {'; '.join(pixels.notes)}" if pixels.notes else ""
+    unit = in_nits(pixels.units)
+    units = f",{unit}" if unit else ""
+    return f"{name}({_layout(pixels, '')}{units}{_clipped(pixels)}{notes})"
+
+
+def paragraph(pixels: MapPixels) -> str:
+    """Lines on the layout, the luminance, the clip level and the notes."""
+    radiance, weights = pixels.radiance, LUMINANCE.astype(np.float32)
     luminance = in_blocks(radiance.shape, lambda rows: radiance[rows] @ weights)
+    level = pixels.clip_level
     lines = [
-        layout,
-        f"luminance{unit}: median {np.median(luminance):.3g}, largest {luminance.max():.3g}",
-        clipping,
-        *(f"note: {note}" for note in notes),
+        _layout(pixels, " pixels,"),
+        f"luminance{in_nits(pixels.units)}: median {np.median(luminance):.3g},"
+        f" largest {luminance.max():.3g}",
+        f"clip level {level:g}{_clipped(pixels)}" if level else "",
+        *(f"note: {note}" for note in pixels.notes),
     ]
     return "\n".join(filter(None, lines))
 
 
-def clipped(fraction: float, flux_fraction: float) -> str:
-    """Clipped fractions of the sphere and of the flux, or nothing if no pixel is clipped."""
-    if not fraction:
+def block(pixels: MapPixels, name: str) -> str:
+    """Thumbnail and paragraph as HTML."""
+    picture = html.picture(thumbnails.of_map(pixels.radiance), "the map")
+    return html.block(name, "", picture, html.lines(paragraph(pixels)))
+
+
+def _layout(pixels: MapPixels, of_size: str) -> str:
+    height, width, _ = pixels.radiance.shape
+    return f"{width}x{height}{of_size} {PROJECTION}, {pixels.registration}"
+
+
+def _clipped(pixels: MapPixels) -> str:
+    """Clipped fractions of the sphere and of the flux, of a map with a clip level."""
+    if pixels.clip_level is None or not pixels.clipped_fractions[0]:
         return ""
+    fraction, of_flux = pixels.clipped_fractions
     return (
         f", {100 * fraction:.2g} % of the sphere is clipped and holds"
-        f" {100 * flux_fraction:.2g} % of the flux"
+        f" {100 * of_flux:.2g} % of the flux"
     )

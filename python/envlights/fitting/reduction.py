@@ -12,7 +12,6 @@ from envlights._common.blocks import in_blocks
 from envlights._common.units import OWN_SCALE
 from envlights._native import ReducedMap
 from envlights.environment.envmap import AnyMap, EnvMap
-from envlights.environment.files.reduced_file import reduce_file
 from envlights.environment.fill import (
     Fill,
     PartialMap,
@@ -20,6 +19,7 @@ from envlights.environment.fill import (
     choice_of,
     share_above_horizon,
 )
+from envlights.environment.reduced_file import reduce_file
 from envlights.kernels.probe import WORKING_COLUMNS, relative_rms, working_irradiance
 from envlights.kernels.sampling import icosphere
 from envlights.kernels.sphere import pixel_directions

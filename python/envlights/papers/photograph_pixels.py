@@ -9,18 +9,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights._native import EnvLightsError
-from envlights.environment import clean
-from envlights.environment.clip_level import clip_level_of_codes
+from envlights.environment.arrays import image_of_array
+from envlights.environment.clean import clean
 from envlights.environment.colour.choice import ColourArgument
-from envlights.environment.coverage import multiply_by_coverage
 from envlights.environment.decoders.source import AnySource, Source, is_source, named_source
 from envlights.environment.envmap import EnvMap
 from envlights.environment.files.focal_length import FocalLength, focal_length
 from envlights.environment.files.hints import Hints
-from envlights.environment.files.images import OpenImage, open_image, read_image
+from envlights.environment.files.images import Image, OpenImage, open_image, whole_image
 from envlights.environment.layouts.attribute import with_statement
 from envlights.environment.layouts.records import NO_ARGUMENTS
-from envlights.environment.map_array import image_array
 
 #: Path, bytes or file object of a photograph, or its samples.
 AnyPhotograph = AnySource | ArrayLike
@@ -54,20 +52,20 @@ def photograph_pixels(
         return _of_file(named_source(image), colour, part)
     if given := [name for name, value in (("colour", colour), ("part", part)) if value is not None]:
         raise EnvLightsError(f"{', '.join(given)} describe a file; got an array; leave them out")
-    return _of_array(image)
+    read = image_of_array(image, what="a photograph")
+    return _clean(read, None, list(read.notes))
 
 
 def _of_file(
     source: Source, colour: ColourArgument | None, part: str | int | None
 ) -> PhotographPixels:
-    options: dict[str, Any] = {"colour": colour, "part": part, "any_projection": True}
-    with open_image(source, **options) as file:
+    with open_image(source, colour=colour, part=part, any_projection=True) as file:
         _check_plane(file)
-    read = read_image(source, **options)
+        read = whole_image(file)
     height, width, _ = read.pixels.shape
     notes = list(read.notes)
     focal = _of_layout(read.hints, height, width, notes) or focal_length(source, height, width)
-    return _clean(read.pixels, read.clip_level, focal, notes)
+    return _clean(read, focal, notes)
 
 
 def _check_plane(file: OpenImage) -> None:
@@ -94,27 +92,10 @@ def _of_layout(hints: Hints, height: int, width: int, notes: list[str]) -> Focal
     return FocalLength(pixels, "its layout attribute")
 
 
-def _of_array(image: ArrayLike) -> PhotographPixels:
-    notes: list[str] = []
-    array = image_array(image, notes, "a photograph")
-    is_float = array.samples.dtype.kind == "f"
-    clip_level = None if is_float else clip_level_of_codes(array.samples, array.coverage, notes)
-    linear = clean.linear(array.samples, notes)
-    if array.coverage is not None:
-        linear = multiply_by_coverage(linear, array.coverage)
-    return _clean(linear, clip_level, None, notes)
-
-
-def _clean(
-    linear: NDArray[np.float32],
-    clip_level: float | None,
-    focal: FocalLength | None,
-    notes: list[str],
-) -> PhotographPixels:
-    height, width, _ = linear.shape
+def _clean(image: Image, focal: FocalLength | None, notes: list[str]) -> PhotographPixels:
+    height, width, _ = image.pixels.shape
     if height < 2 or width < 2:
         raise EnvLightsError(f"a photograph needs at least 2x2 pixels; got {width}x{height}")
-    radiance, level = clean.clean(linear, notes, wrap=False)
-    return PhotographPixels(
-        radiance, level if clip_level is None else clip_level, focal, tuple(notes)
-    )
+    radiance, level = clean(image.pixels, notes, wrap=False)
+    level = level if image.clip_level is None else image.clip_level
+    return PhotographPixels(radiance, level, focal, tuple(notes))

@@ -1,5 +1,7 @@
-//! Decoding of integer images.
+//! Decoding of images of integers and of half floats.
 
+use half::f16;
+use half::slice::HalfFloatSliceExt;
 use ndarray::{ArrayView2, ArrayView3, ArrayViewMut3};
 use rayon::prelude::*;
 
@@ -33,6 +35,23 @@ pub fn decode<Code: Copy + Into<usize> + Sync>(
         }
     });
     Ok(())
+}
+
+/// Write the single precision of `halves`, (height, width, channels), into `values`, which is contiguous.
+///
+/// # Errors
+///
+/// [`Error::WrongShape`] for an array that is not contiguous.
+pub fn widen(halves: ArrayView3<'_, f16>, mut values: ArrayViewMut3<'_, f32>) -> Result<()> {
+    let shape = halves.shape().to_vec();
+    let rows = values.outer_iter_mut().into_par_iter().zip(halves.outer_iter());
+    rows.try_for_each(|(mut values, halves)| {
+        interrupt::check();
+        let (values, halves) = values.as_slice_mut().zip(halves.as_slice())?;
+        halves.convert_to_f32_slice(values);
+        Some(())
+    })
+    .ok_or(Error::WrongShape { what: "halves", wanted: "(height, width, channels), contiguous", shape })
 }
 
 fn decode_row<Code: Copy + Into<usize>>(codes: &[Code], tables: &[&[f32]], values: &mut [f32]) {
@@ -83,6 +102,16 @@ mod tests {
         let codes = Array3::from_elem((1, 1, 3), 9_u8);
         let values = values_of(codes.view(), &array![[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]]);
         assert_eq!(values.into_raw_vec_and_offset().0, [2.0, 4.0, 6.0]);
+    }
+
+    #[test]
+    fn each_half_float_keeps_its_value() {
+        let halves = Array3::from_shape_fn((256, 256, 1), |(y, x, _)| f16::from_bits((y * 256 + x) as u16));
+        let mut values = Array3::zeros(halves.dim());
+        widen(halves.view(), values.view_mut()).unwrap();
+        for (half, value) in halves.iter().zip(&values) {
+            assert!(half.to_f32().to_bits() == value.to_bits() || half.is_nan() && value.is_nan());
+        }
     }
 
     #[test]

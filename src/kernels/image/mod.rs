@@ -2,9 +2,10 @@
 //!
 //! | step                                          | file           |
 //! |-----------------------------------------------|----------------|
-//! | decoding of integer images                    | `codes.rs`     |
+//! | decoding of integers and half floats          | `codes.rs`     |
 //! | conversion of colours to linear Rec.709       | `colour.rs`    |
 //! | unusable samples                              | `samples.rs`   |
+//! | - replaced by those of their neighbours       | `clean.rs`     |
 //! | clip level of a picture of codes              | `white.rs`     |
 //! | the cells of an image on the sphere           | `grid.rs`      |
 //! | luminance                                     | `luminance.rs` |
@@ -16,6 +17,7 @@
 //! | - buffers of decoded rows                     | `buffers.rs`   |
 //! | - samples in the type of a file               | `sample_types.rs` |
 //! | - pixels of the largest codes                 | `top_codes.rs` |
+//! | - two discs in black squares, which are no map | `two_discs.rs` |
 //! | means over blocks of pixels                   | `block_rows.rs`, `block_layout.rs` |
 //! | - share of each block that a map shows        | `seen_part.rs` |
 //! | means of a plane image over equal areas       | `area_means.rs` |
@@ -27,6 +29,7 @@ mod block_layout;
 mod block_rows;
 mod buffers;
 mod cell_flux;
+mod clean;
 mod codes;
 mod colour;
 mod grid;
@@ -41,11 +44,13 @@ mod samples;
 mod seen_part;
 mod splat;
 mod top_codes;
+mod two_discs;
 mod white;
 
 pub use area_means::area_means;
 pub(crate) use block_rows::{BlockRow, block_fractions, samples_of};
-pub use codes::decode;
+pub use clean::clean;
+pub use codes::{decode, widen};
 pub use colour::apply_matrix;
 pub use grid::{CellCentres, Grid};
 pub use luminance::{LUMINANCE, LUMINANCE_F32, luminance, luminance_f32};
@@ -58,4 +63,5 @@ pub use sample_types::Sample;
 pub use samples::{Unusable, unusable};
 pub(crate) use samples::{check_rgb, check_samples};
 pub use seen_part::SeenPart;
+pub use two_discs::has_two_discs;
 pub use white::{CODES, code_histogram, white_of};

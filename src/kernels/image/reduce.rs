@@ -10,6 +10,7 @@ use super::grid::Grid;
 use super::parts::{BrightCell, PART_SHARE, Part, Pixel, parts};
 use super::pixel_rows::PixelRows;
 use super::samples::check_rgb;
+use super::two_discs::are_two_discs;
 use crate::error::Result;
 use crate::kernels::sphere::{Registration, angles};
 
@@ -28,6 +29,8 @@ pub struct WorkingMap {
     pub parts: Vec<Part>,
     /// Sides of a pixel of the map itself.
     pub pixel: Pixel,
+    /// True if the map is a picture of two discs in black squares.
+    pub has_two_discs: bool,
 }
 
 impl WorkingMap {
@@ -104,11 +107,13 @@ pub(super) struct ReducedFlux {
     whole: f64,
     sources: Vec<(usize, usize)>,
     bright: Vec<(usize, usize)>,
+    has_two_discs: bool,
 }
 
 impl ReducedFlux {
     /// Means of the cells, with those that are sources or bright.
     pub fn new(mut flux: CellFlux, layout: &BlockLayout, source_fraction: f64, has_floor: bool) -> Self {
+        let has_two_discs = are_two_discs(&flux, &layout.grid);
         if has_floor {
             flux.hide_below(&layout.grid);
         }
@@ -118,7 +123,7 @@ impl ReducedFlux {
             flux.remove(cell);
         }
         let (radiance, bright) = flux.means(&layout.grid);
-        Self { radiance, whole: whole.iter().sum(), sources, bright }
+        Self { radiance, whole: whole.iter().sum(), sources, bright, has_two_discs }
     }
 
     /// Rows and columns of the cells whose pixels are needed: sources, then bright cells.
@@ -142,7 +147,7 @@ impl ReducedFlux {
         let mut parts = parts(bright_cells);
         parts.retain(is_seen);
         let (radiance, grid, bright) = (self.radiance, layout.grid.clone(), self.bright);
-        WorkingMap { radiance, grid, sources, bright, parts, pixel }
+        WorkingMap { radiance, grid, sources, bright, parts, pixel, has_two_discs: self.has_two_discs }
     }
 }
 

@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 use crate::interrupt;
 
 /// Samples that no light can have.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Unusable {
     /// Not a number.
     pub nan: usize,
@@ -15,12 +15,15 @@ pub struct Unusable {
     pub infinite: usize,
     /// Below zero, negative infinity among them.
     pub negative: usize,
+    /// Largest finite sample.
+    pub largest: Option<f32>,
 }
 
-/// Count the samples of `radiance` that are NaN, infinite or negative.
+/// Count the samples of `radiance` that are NaN, infinite or negative, and find the largest of the others.
 ///
-/// The bits of a finite `f32` that is not negative, read as `i32`, lie in `0 ..= 0x7f7f_ffff`. So one OR over a row
-/// finds the rows whose samples must be checked one by one. (A -0.0 triggers this check, too, and then counts as 0.)
+/// The bits of a finite `f32` that is not negative, read as `i32`, lie in `0 ..= 0x7f7f_ffff`, in the order of their
+/// values. So the least and the largest of a row find the rows whose samples must be checked one by one. (A -0.0 triggers
+/// this check, too, and then counts as 0.)
 ///
 /// # Errors
 ///
@@ -32,22 +35,22 @@ pub fn unusable(radiance: ArrayView3<'_, f32>) -> Result<Unusable> {
         .into_par_iter()
         .map(|row| {
             interrupt::check();
-            match row.as_slice() {
-                Some(samples) if all_usable(samples) => Unusable::default(),
-                _ => row.iter().fold(Unusable::default(), |counts, &value| counts.and(value)),
+            match row.as_slice().and_then(largest_usable) {
+                Some(largest) => Unusable { largest: Some(largest), ..Unusable::default() },
+                None => row.iter().fold(Unusable::default(), |counts, &value| counts.and(value)),
             }
         })
         .collect();
     Ok(rows.into_iter().fold(Unusable::default(), Unusable::plus))
 }
 
-fn all_usable(samples: &[f32]) -> bool {
-    let largest_finite = f32::MAX.to_bits().cast_signed();
-    let sign = samples.iter().fold(0_i32, |signs, sample| {
-        let bits = sample.to_bits().cast_signed();
-        signs | bits | largest_finite.wrapping_sub(bits)
-    });
-    sign >= 0
+/// Largest of samples that are all usable.
+pub(super) fn largest_usable(samples: &[f32]) -> Option<f32> {
+    let bits = samples.iter().map(|sample| sample.to_bits().cast_signed());
+    let (least, largest) =
+        bits.fold((i32::MAX, 0), |(least, largest), bits| (least.min(bits), largest.max(bits)));
+    let is_usable = least >= 0 && largest <= f32::MAX.to_bits().cast_signed();
+    is_usable.then(|| f32::from_bits(largest.cast_unsigned()))
 }
 
 impl Unusable {
@@ -55,6 +58,9 @@ impl Unusable {
         self.nan += usize::from(value.is_nan());
         self.infinite += usize::from(value == f32::INFINITY);
         self.negative += usize::from(value < 0.0);
+        if value.is_finite() {
+            self.largest = larger(self.largest, Some(value));
+        }
         self
     }
 
@@ -63,15 +69,20 @@ impl Unusable {
             nan: self.nan + other.nan,
             infinite: self.infinite + other.infinite,
             negative: self.negative + other.negative,
+            largest: larger(self.largest, other.largest),
         }
     }
+}
+
+fn larger(one: Option<f32>, other: Option<f32>) -> Option<f32> {
+    one.into_iter().chain(other).reduce(f32::max)
 }
 
 /// Refuse samples that no light can have, and count them.
 ///
 /// Callers use it after a sum or a sign has indicated such samples. The minus sign may be that of -0, which is valid.
 pub(crate) fn check_samples(radiance: ArrayView3<'_, f32>) -> Result<()> {
-    let Unusable { nan, infinite, negative } = unusable(radiance)?;
+    let Unusable { nan, infinite, negative, .. } = unusable(radiance)?;
     let is_unusable = |value: &&f32| !value.is_finite() || **value < 0.0;
     let mut first = radiance.outer_iter().map(|row| row.iter().find(is_unusable).copied()).enumerate();
     match first.find_map(|(row, value)| Some((row, value?))) {
@@ -108,7 +119,10 @@ mod tests {
         map[[4, 7, 2]] = -1.0;
         map[[4, 6, 2]] = f32::NEG_INFINITY;
         map[[2, 0, 0]] = -0.0;
-        assert_eq!(unusable(map.view()).unwrap(), Unusable { nan: 1, infinite: 1, negative: 2 });
+        assert_eq!(
+            unusable(map.view()).unwrap(),
+            Unusable { nan: 1, infinite: 1, negative: 2, largest: Some(0.5) }
+        );
         let refusal = check_samples(map.slice(ndarray::s![1.., .., ..])).unwrap_err();
         let expected =
             Error::UnusableSamples { row: 0, value: f32::INFINITY, nan: 0, infinite: 1, negative: 2 };

@@ -60,6 +60,8 @@ class Linear:
         if samples.dtype.kind == "u":
             return self._look_up(samples, self._table)
         curve = self._conversion.curve
+        if curve is None and samples.dtype == np.float16:
+            return _native.widen(np.ascontiguousarray(samples))
         if curve is None:
             return samples.astype(np.float32, copy=False)
         if samples.dtype.itemsize == 2:

@@ -11,8 +11,7 @@ from envlights._native import EnvLightsError
 from envlights.environment.decoders import raw
 from envlights.environment.decoders.exif_exposure import exposure_tags
 from envlights.environment.decoders.openimageio import open_with_openimageio
-from envlights.environment.decoders.signature import kind_of
-from envlights.environment.decoders.source import named_source
+from envlights.environment.decoders.source import kind_of, named_source
 from envlights.environment.files.images import MOST_PIXELS
 
 #: Names of the tags in refusals, and in `_exif`.

@@ -6,6 +6,5 @@
 | place the picture on the sphere         | `placement.py`, `gpano.py`        |
 | statements on the projection            | `hints.py`, `focal_length.py`     |
 | the steps in order                      | `images.py`                       |
-| reduce a file row by row for a fit      | `reduced_file.py`                 |
 | write pictures                          | `image_output.py`                 |
 """

@@ -6,8 +6,7 @@ import math
 from typing import NamedTuple
 
 from envlights.environment.decoders.openimageio import OpenImageIOFile, open_with_openimageio
-from envlights.environment.decoders.signature import kind_of
-from envlights.environment.decoders.source import Source
+from envlights.environment.decoders.source import Source, kind_of
 from envlights.environment.files.images import MOST_PIXELS
 
 #: Diagonal of a picture on 35 mm film, 36 x 24 mm.

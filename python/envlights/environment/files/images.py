@@ -21,8 +21,7 @@ from envlights.environment.colour.linear import Linear
 from envlights.environment.decoders.native import open_png, open_radiance
 from envlights.environment.decoders.openimageio import check_size, open_with_openimageio
 from envlights.environment.decoders.raw_image import ImageFile, RawImage
-from envlights.environment.decoders.signature import kind_of
-from envlights.environment.decoders.source import AnySource, Source, named_source
+from envlights.environment.decoders.source import AnySource, Source, kind_of, named_source
 from envlights.environment.files.channels import Choice, choose
 from envlights.environment.files.hints import NO_HINTS, Hints
 from envlights.environment.files.placement import Placement, placement
@@ -295,9 +294,14 @@ def read_image(
     options |= {"max_pixels": max_pixels, "any_format": any_format}
     options["any_projection"] = any_projection
     with open_image(source, **options) as file:
-        try:
-            return file.image()
-        except MemoryError:
-            raise FileError(
-                f"cannot read {file.name}: its pixels do not fit into memory; give a smaller map"
-            ) from None
+        return whole_image(file)
+
+
+def whole_image(file: OpenImage) -> Image:
+    """All pixels of an open file, or a refusal of too many."""
+    try:
+        return file.image()
+    except MemoryError:
+        raise FileError(
+            f"cannot read {file.name}: its pixels do not fit into memory; give a smaller map"
+        ) from None

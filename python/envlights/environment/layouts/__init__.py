@@ -5,10 +5,7 @@
 | read one picture, or six faces by their names     | `sources.py`      |
 | recognise the projection                          | `recognition.py`  |
 | - from the statement of our own files             | `attribute.py`    |
-| - take one eye of two                             | `stereo.py`       |
-| - from the shape and the pixels                   | `shapes.py`, `evidence.py` |
-| - the order of the faces of a cube                | `cubes.py`, `seams.py` |
-| move faces                                        | `faces.py`        |
+| names, faces and seams of cubes                   | `cubes.py`        |
 | save a picture                                    | `picture.py`      |
 | tables: projections, conventions of cubes         | `projections.py`, `conventions.py` |
 | description of a projection for the kernels       | `layout.py`       |

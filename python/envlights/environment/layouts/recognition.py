@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from pathlib import PurePath
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,19 +15,24 @@ from envlights._native import EnvLightsError
 from envlights.environment.files.hints import NO_HINTS, Hints
 from envlights.environment.layouts import layout as layouts
 from envlights.environment.layouts.attribute import with_statement
-from envlights.environment.layouts.cubes import arrange_cube
-from envlights.environment.layouts.evidence import is_dual_fisheye
+from envlights.environment.layouts.cubes import (
+    arrange_cube,
+    crosses_of,
+    every_nth,
+    face_of_name,
+    is_unfolded_cube,
+    log_luminance,
+)
 from envlights.environment.layouts.layout import Axes, Layout
-from envlights.environment.layouts.projections import candidates, check_unused
+from envlights.environment.layouts.projections import DISCS, SQUARES, candidates, check_unused
 from envlights.environment.layouts.records import (
+    EYES,
     NO_ARGUMENTS,
     REGISTRATIONS,
     Arguments,
     ArrangedPicture,
     Source,
 )
-from envlights.environment.layouts.shapes import is_panorama, projection_of_shape, samples_of
-from envlights.environment.layouts.stereo import one_eye
 
 #: Projections of GPano by the value of `projection=`.
 _GPANO = {"equirectangular": "equirectangular", "cylindrical": "cylinder"}
@@ -147,15 +153,18 @@ def _arrange(
         )
     height, width = picture.shape[:2]
     layout, notes = _LAYOUTS[kind.projection](height, width, hints, arguments)
-    if layout.is_whole_sphere and arguments.projection is None and is_dual_fisheye(picture):
-        raise EnvLightsError(
-            f"a picture of {width}x{height} pixels with two discs in black squares is a dual"
-            " fisheye, whose lenses only its camera knows; stitch it in the camera's program, or"
-            " give projection='equirectangular' if it is a panorama"
-        )
     registration = REGISTRATIONS[layout.border_sampled]
     source = Source(kind.projection, (height, width), "", registration, kind.recognised_by, layout)
     return ArrangedPicture(picture, coverage, layout, source, notes)
+
+
+def refusal_of_discs(height: int, width: int) -> str:
+    """Sentence on a picture that seems a panorama and is two discs in black squares."""
+    return (
+        f"a picture of {width}x{height} pixels with two discs in black squares is a dual"
+        " fisheye, whose lenses only its camera knows; stitch it in the camera's program, or"
+        " give projection='equirectangular' if it is a panorama"
+    )
 
 
 _Made = tuple[Layout, tuple[str, ...]]
@@ -294,3 +303,177 @@ def _circle(arguments: Arguments) -> tuple[float, float, float] | None:
             f" {describe(values)}"
         )
     return amount("circle", float(x), -1e9), amount("circle", float(y), -1e9), float(radius)
+
+
+#: Columns by which a panorama may miss twice its height.
+_OFF = 2
+#: Columns for each column that a panorama may miss.
+_COLUMNS_PER_MISS = 100
+
+
+def samples_of(samples: NDArray[Any]) -> NDArray[Any]:
+    """Samples as (height, width, channels) or (6, n, n, channels), or a refusal of other shapes."""
+    shape = samples.shape
+    if samples.ndim == 3 and shape[0] == 6 and shape[1] == shape[2] > 4:
+        return samples[..., None]
+    if samples.ndim == 2 and shape[1] <= 4 and _healpix_side(shape[0]):
+        raise _healpix(shape[0])
+    if samples.ndim == 2:
+        return samples[..., None]
+    if samples.ndim == 3 or (samples.ndim == 4 and shape[0] == 6 and shape[1] == shape[2]):
+        return samples
+    if samples.ndim == 1 and _healpix_side(len(samples)):
+        raise _healpix(len(samples))
+    raise EnvLightsError(
+        "a map must have the shape (height, width, 3), (height, width) for grey, or (6, n, n, 3)"
+        f" for the faces of a cube; got {shape}"
+    )
+
+
+def _healpix_side(pixels: int) -> int:
+    """Parameter n_side of a HEALPix map with a number of pixels; 0 if there is none."""
+    side = math.isqrt(pixels // 12)
+    return side if side and 12 * side * side == pixels else 0
+
+
+def _healpix(pixels: int) -> EnvLightsError:
+    return EnvLightsError(
+        f"{pixels} pixels in one row are a HEALPix map of n_side {_healpix_side(pixels)}, which is"
+        " not read; `healpy.cartview(..., return_projected_map=True)` makes a panorama of it"
+    )
+
+
+def is_panorama(height: int, width: int) -> bool:
+    """True for a size of 2:1, up to two columns in large pictures."""
+    off = abs(width - 2 * height)
+    return off == 0 or (off <= _OFF and off * _COLUMNS_PER_MISS <= width)
+
+
+def projection_of_shape(picture: NDArray[Any], name: str = "") -> str:
+    """Value of `projection=`, or a refusal with the candidates.
+
+    Parameters
+    ----------
+    picture : ndarray, shape (height, width, channels) or (6, n, n, channels)
+    name : str
+        Name of the file.
+    """
+    if picture.ndim == 4:
+        return "cube"
+    height, width = picture.shape[:2]
+    if is_panorama(height, width):
+        return "equirectangular"
+    if is_unfolded_cube(picture):
+        return "cube"
+    if height == width and (face := face_of_name(PurePath(name).stem)):
+        raise EnvLightsError(
+            f"a square picture with the name {face!r} seems to be one face of a cube map; give its"
+            " folder or all six files, or projection= if it is a whole map"
+        )
+    raise EnvLightsError(
+        f"an equirectangular map is twice as wide as high; got {width}x{height} pixels, which may"
+        f" be {_candidates(picture)}; give the arguments of one of them, or find the lights of a"
+        " photograph with `detect_photograph` or `envlights photograph`"
+    )
+
+
+def _candidates(picture: NDArray[Any]) -> str:
+    """Projections that the shape and the corners admit, likely ones first."""
+    height, width = picture.shape[:2]
+    if height != width:
+        eyes = " or two panoramas beside each other (eye='left')" if width == 4 * height else ""
+        crosses = crosses_of(height, width)
+        cube = [f"a cube map (faces={crosses[0]!r})"] if crosses else []
+        return ", ".join([*cube, candidates(("planar", "cylinder", "equirectangular")) + eyes])
+    if has_black_corners(picture):
+        return candidates((*DISCS, "planar"))
+    squares = candidates((*SQUARES, "planar"))
+    stereo = "two panoramas, one above the other (eye='left')"
+    return f"{stereo}, {squares}" if has_equal_halves(picture) else f"{squares}, or {stereo}"
+
+
+def halves(array: NDArray[Any], *, above: bool) -> tuple[NDArray[Any], NDArray[Any]]:
+    """First and second half of a picture, views: upper and lower, or left and right."""
+    half = array.shape[0 if above else 1] // 2
+    if above:
+        return array[:half], array[half : 2 * half]
+    return np.asarray(array)[:, :half], np.asarray(array)[:, half : 2 * half]
+
+
+#: Arrangements by the stereo mode of GSpherical: True for one above the other, left first.
+_MODES = {"top-bottom": True, "left-right": False}
+
+
+def one_eye(
+    picture: NDArray[Any], coverage: NDArray[Any] | None, hints: Hints, arguments: Arguments
+) -> tuple[NDArray[Any], NDArray[Any] | None, tuple[str, ...]]:
+    """Picture of one eye, its share that is seen, and notes; a picture of one eye is unchanged.
+
+    The left eye is the upper or the left half.
+    """
+    if hints.stereo and arguments.eye is None:
+        raise EnvLightsError(
+            f"the picture holds panoramas of two eyes ({hints.stereo}); give eye='left' or"
+            " eye='right'"
+        )
+    if arguments.eye is None:
+        return picture, coverage, ()
+    above = _is_above(picture, hints)
+    place = EYES.index(arguments.eye)
+    fraction = None if coverage is None else halves(coverage, above=above)[place]
+    side = (("upper", "lower") if above else ("left", "right"))[place]
+    note = f"only the {side} half, of the {arguments.eye} eye, was read"
+    return halves(picture, above=above)[place], fraction, (note,)
+
+
+def _is_above(picture: NDArray[Any], hints: Hints) -> bool:
+    """True for eyes one above the other, from the metadata or the shape, or a refusal."""
+    if hints.stereo in _MODES:
+        return _MODES[hints.stereo]
+    height, width = picture.shape[:2]
+    if picture.ndim == 3 and width in (height, 4 * height):
+        return bool(width == height)
+    raise EnvLightsError(
+        f"eye= reads panoramas of 2:1, one above the other (1:1) or left and right (4:1); got"
+        f" {width}x{height} pixels; cut out one eye and give that"
+    )
+
+
+#: Luminance of black corners relative to the mean of the disc; codes of JPEG pictures have noise.
+_BLACK = 0.02
+#: Fraction of the corners that is black, and of the disc that is brighter than the corners.
+_MOST = 0.95
+#: Smallest correlation of the log luminance of two halves that show one world.
+_ALIKE = 0.9
+#: Smallest standard deviation of the log luminance of halves that can be compared.
+_CONTRAST = 1e-3
+
+
+def has_black_corners(samples: NDArray[Any]) -> bool:
+    """True if a square picture is black outside its largest circle and bright inside.
+
+    Parameters
+    ----------
+    samples : ndarray, shape (n, n, channels)
+    """
+    luminance = np.exp(log_luminance(every_nth(samples)))
+    luminance -= luminance.min()
+    height, width = luminance.shape
+    y, x = (np.arange(side) * 2 / max(side - 1, 1) - 1 for side in (height, width))
+    radius = np.hypot(x[None], y[:, None])
+    corners, disc = luminance[radius > 1.04], luminance[radius < 0.96]
+    if not corners.size or not disc.size:
+        return False
+    level = _BLACK * float(disc.mean())
+    is_black = float((corners <= level).mean()) >= _MOST
+    return is_black and float((disc > level).mean()) >= _MOST
+
+
+def has_equal_halves(samples: NDArray[Any]) -> bool:
+    """True if the upper and the lower half of a picture show nearly the same."""
+    logs = log_luminance(every_nth(samples))
+    half = len(logs) // 2
+    upper, lower = logs[:half], logs[-half:]
+    if half < 2 or min(upper.std(), lower.std()) < _CONTRAST:
+        return False
+    return float(np.corrcoef(upper.ravel(), lower.ravel())[0, 1]) > _ALIKE

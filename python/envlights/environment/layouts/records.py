@@ -72,7 +72,7 @@ class Arguments(NamedTuple):
 
 
 #: Arguments of a user who names nothing.
-NO_ARGUMENTS = Arguments()
+NO_ARGUMENTS: Arguments = Arguments()
 
 
 class Source(NamedTuple):

@@ -1,4 +1,4 @@
-"""Scale of a map from photometric readings, to candela per square metre."""
+"""Calibration of a map: candela per square metre from readings of a meter or an exposure."""
 
 from __future__ import annotations
 
@@ -9,17 +9,22 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights._common.check import amount, reals
+from envlights._common.units import PHOTOMETRIC
 from envlights._native import LEAST_WHITE, EnvLightsError
+from envlights.environment.fill import Fill
+from envlights.environment.light import from_unseen, probe
+from envlights.environment.pixels import MapPixels
+from envlights.environment.repair import repair
 from envlights.kernels import sphere
 from envlights.kernels.image import LUMINANCE
 
 #: Luminance of a value of 1 at EV100 0 in cd/m2: the saturation of a sensor by ISO 12232 with a
 #: lens that passes 0.65 of the light, 78 / (100 * 0.65). Lagarde and de Rousiers, "Moving
 #: Frostbite to Physically Based Rendering", 2014, section 5.1; Filament and Unity use it too.
-SATURATION = 1.2
+_SATURATION = 1.2
 
 #: Upward unit vector.
-UP = (0.0, 1.0, 0.0)
+_UP = (0.0, 1.0, 0.0)
 
 #: Start of the note of a calibration, which a later one replaces.
 _NOTE = "calibrated to cd/m2"
@@ -53,15 +58,15 @@ class Readings(NamedTuple):
 
     def of_lux(self) -> tuple[float, NDArray[np.float64]]:
         """Measured illuminance, and the unit vector that the surface faces."""
-        normal = reals("normal", UP if self.normal is None else self.normal, 1)
+        normal = reals("normal", _UP if self.normal is None else self.normal, 1)
         sphere.direction_to_uv(normal[None])  # refuses a vector that is not of length 1
-        return reading("lux", self.lux), normal
+        return _reading("lux", self.lux), normal
 
     def ratio(self, lux: float) -> float | None:
         """Illuminance over that with the sun shaded; None without a second reading."""
         if self.shaded is None:
             return None
-        shaded = reading("shaded", self.shaded)
+        shaded = _reading("shaded", self.shaded)
         if shaded >= lux:
             raise EnvLightsError(
                 f"shaded must be below lux, because shade takes light away; got {shaded:g} lux in"
@@ -70,7 +75,88 @@ class Readings(NamedTuple):
         return lux / shaded
 
 
-def reading(name: str, value: object) -> float:
+def calibrate(pixels: MapPixels, readings: Readings, patch: float, fill: Fill) -> MapPixels:
+    """Pixels in cd/m2, by one reading or by the exposure of the file; see `EnvMap.calibrated`."""
+    readings.check()
+    diameter = amount("patch", patch, most=180)
+    if readings.lux is not None:
+        return _by_lux(pixels, readings, fill)
+    if readings.nits is not None and readings.at is not None:
+        return _by_luminance(pixels, _reading("nits", readings.nits), readings.at, diameter)
+    return _by_exposure(pixels, readings.ev100)
+
+
+def _by_lux(pixels: MapPixels, readings: Readings, fill: Fill) -> MapPixels:
+    """Pixels whose irradiance has the luminance that a lux meter shows."""
+    lux, normal = readings.of_lux()
+    ratio = readings.ratio(lux)
+    source = f"{lux:g} lux on a surface that faces {_numbers(normal)}"
+    if ratio is not None:
+        pixels = _with_sun(pixels, ratio, normal, readings, fill)
+        source += f", {readings.shaded:g} in the shade"
+    return _in_scale(pixels, lux, float(probe(pixels, normal, fill) @ LUMINANCE), source)
+
+
+def _with_sun(
+    pixels: MapPixels, ratio: float, normal: NDArray[np.float64], readings: Readings, fill: Fill
+) -> MapPixels:
+    """Pixels with the clipped light that two readings show; see `EnvMap.repaired`."""
+    if not pixels.clipped_fractions[0]:
+        raise EnvLightsError(
+            "shaded needs a map with a clipped sun, but no pixel is clipped: its sun has its"
+            " true ratio to the sky; leave shaded out"
+        )
+    received, assumed = from_unseen(pixels, fill, normal)
+    try:
+        repaired = repair(pixels, None, ratio, normal, from_unseen=received)
+    except EnvLightsError as refusal:
+        raise EnvLightsError(
+            f"lux and shaded, {readings.lux:g} and {readings.shaded:g}, contradict the map:"
+            f" {refusal}"
+        ) from None
+    notes = [*pixels.notes, *assumed, repaired.note]
+    return pixels.changed(repaired.radiance, pixels.coverage, notes, clip_level=None)
+
+
+def _by_luminance(pixels: MapPixels, nits: float, at: ArrayLike, diameter: float) -> MapPixels:
+    """Pixels whose disc has the luminance that a meter shows."""
+    height, width, _ = pixels.radiance.shape
+    direction = _direction_at(at, height, width)
+    patch = _patch_of(pixels.cells(), pixels.coverage, direction, diameter)
+    patch.check(pixels.clip_level)
+    source = f"{nits:g} cd/m2 in a disc of {diameter:g} degrees at {_numbers(direction)}"
+    return _in_scale(pixels, nits, patch.luminance, source)
+
+
+def _by_exposure(pixels: MapPixels, ev100: float | None) -> MapPixels:
+    """Pixels in which 1 is the luminance that saturates the sensor."""
+    value, source = ev100, f"EV100 {ev100}"
+    if value is None:
+        if pixels.ev100 is None:
+            raise EnvLightsError(
+                "give a reading: lux=, nits= with at=, or ev100=; without one, the file must be"
+                " a JPEG or TIFF with exposure time, aperture and sensitivity in its EXIF"
+            )
+        value = pixels.ev100
+        source = f"EV100 {value:.2f} of the EXIF (up to about one stop off by a tone curve)"
+    wanted = _SATURATION * 2.0 ** amount("ev100", value, -60, 60)
+    return _in_scale(pixels, wanted, 1.0, source)
+
+
+def _in_scale(pixels: MapPixels, wanted: float, measured: float, source: str) -> MapPixels:
+    """Pixels in cd/m2, whose own `measured` becomes `wanted`."""
+    radiance, factor, note = _in_nits(pixels.radiance, wanted, measured, source)
+    level = None if pixels.clip_level is None else factor * pixels.clip_level
+    notes = [*_other_notes(pixels.notes), note]
+    own = {"clip_level": level, "units": PHOTOMETRIC, "ev100": None}
+    return pixels.changed(radiance, pixels.coverage, notes, **own)
+
+
+def _numbers(vector: NDArray[np.float64]) -> str:
+    return f"({', '.join(f'{value + 0.0:.3g}' for value in vector)})"
+
+
+def _reading(name: str, value: object) -> float:
     """Reading of a meter as a number above 0, or a refusal."""
     number = amount(name, value)
     if number == 0:
@@ -78,7 +164,7 @@ def reading(name: str, value: object) -> float:
     return number
 
 
-def in_nits(
+def _in_nits(
     radiance: NDArray[np.float32], wanted: float, measured: float, source: str
 ) -> tuple[NDArray[np.float32], float, str]:
     """Radiance in cd/m2, its factor, and a note.
@@ -105,12 +191,12 @@ def in_nits(
     return radiance * np.float32(factor), factor, note
 
 
-def other_notes(notes: list[str]) -> list[str]:
+def _other_notes(notes: tuple[str, ...]) -> list[str]:
     """Notes without that of an earlier calibration."""
     return [note for note in notes if not note.startswith(_NOTE)]
 
 
-class Patch(NamedTuple):
+class _Patch(NamedTuple):
     """Disc of a map that a luminance meter sees."""
 
     luminance: float
@@ -131,12 +217,12 @@ class Patch(NamedTuple):
             )
         if clip_level is not None and self.largest >= LEAST_WHITE * clip_level:
             raise EnvLightsError(
-                f"the disc at `at` is clipped at {clip_level:g}, so its luminance is unknown; measure a"
-                " darker place"
+                f"the disc at `at` is clipped at {clip_level:g}, so its luminance is unknown;"
+                " measure a darker place"
             )
 
 
-def direction_at(at: ArrayLike, height: int, width: int) -> NDArray[np.float64]:
+def _direction_at(at: ArrayLike, height: int, width: int) -> NDArray[np.float64]:
     """Unit vector of a direction (x, y, z), or of a pixel (row, column)."""
     place = reals("at", at, 1)
     if len(place) == 3:
@@ -157,12 +243,12 @@ def direction_at(at: ArrayLike, height: int, width: int) -> NDArray[np.float64]:
     return direction
 
 
-def patch_of(
+def _patch_of(
     cells: NDArray[np.float32],
     coverage: NDArray[np.float32] | None,
     direction: NDArray[np.float64],
     diameter: float,
-) -> Patch:
+) -> _Patch:
     """Pixels of a cell-centred map in a disc of a diameter in degrees; one pixel at least."""
     height, width, _ = cells.shape
     radius = math.radians(diameter) / 2
@@ -176,4 +262,4 @@ def patch_of(
     pixels = cells[rows][is_in]
     luminance = float(weight @ (pixels @ LUMINANCE) / weight.sum())
     fraction = 1.0 if coverage is None else float(coverage[rows][is_in].min())
-    return Patch(luminance, float(pixels.max()), fraction)
+    return _Patch(luminance, float(pixels.max()), fraction)

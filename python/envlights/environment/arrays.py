@@ -1,16 +1,24 @@
-"""Arrays of maps and photographs as RGB, and the share of each pixel that they show."""
+"""Arrays of maps and photographs as linear images: the steps of a file, for samples in memory."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from envlights._common.check import for_kernels
+from envlights._common.srgb import decode_codes
 from envlights._native import EnvLightsError
+from envlights.environment.clip_level import clip_level_of_codes
+from envlights.environment.coverage import checked_coverage, multiply_by_coverage
+from envlights.environment.files.hints import NO_HINTS
+from envlights.environment.files.images import Image
+from envlights.environment.layouts.sources import faces_of_mapping
 
 
-class ImageArray(NamedTuple):
+class _Samples(NamedTuple):
     """Samples of an image as they were given, with three channels."""
 
     samples: NDArray[Any]
@@ -20,7 +28,54 @@ class ImageArray(NamedTuple):
     """Share of each pixel that alpha and mask show, without channels; None if all is seen."""
 
 
-def image_array(image: ArrayLike, notes: list[str], what: str) -> ImageArray:
+def image_of_array(
+    array: ArrayLike | Mapping[str, ArrayLike],
+    coverage: ArrayLike | None = None,
+    *,
+    known_level: float | None = None,
+    what: str = "a map",
+) -> Image:
+    """Linear image of an array, or of six by the names of their faces.
+
+    Parameters
+    ----------
+    array : array_like, or mapping from names to array_like
+    coverage : array_like, optional
+        Share of each pixel that is seen, beside that of alpha and mask.
+    known_level : float, optional
+        Clip level; when left out, the histogram of codes has one.
+    what : str
+        Name of the array, for refusals.
+    """
+    hints, notes = NO_HINTS, list[str]()
+    if isinstance(array, Mapping):
+        array, order = faces_of_mapping(array)
+        hints = hints._replace(order=order)
+    samples, seen = _samples_of(array, notes, what)
+    clip_level = known_level
+    if clip_level is None and samples.dtype.kind != "f":
+        clip_level = clip_level_of_codes(samples, seen, notes)
+    linear = _linear(samples, notes)
+    if seen is not None:
+        linear = multiply_by_coverage(linear, seen)
+    if coverage is not None:
+        given = checked_coverage(coverage, samples.shape[:-1])
+        if given is not None:
+            seen = given if seen is None else seen * given
+    return Image(linear, False, tuple(notes), clip_level, seen, hints)
+
+
+def _linear(samples: NDArray[Any], notes: list[str]) -> NDArray[np.float32]:
+    """Linear samples; integers are decoded from sRGB, and `notes` says so."""
+    if samples.dtype.kind == "f":
+        # A float64 sample beyond float32 becomes infinite, and `clean` replaces it.
+        with np.errstate(over="ignore"):
+            return for_kernels(samples, np.float32)
+    notes.append(f"{samples.dtype.name} samples were decoded from sRGB")
+    return decode_codes(samples.reshape(-1, *samples.shape[-2:])).reshape(samples.shape)
+
+
+def _samples_of(image: ArrayLike, notes: list[str], what: str) -> _Samples:
     """`image` as an array (height, width, 3), or a refusal that says `what` it must be.
 
     Grey arrays and arrays with alpha are converted like files; `notes` says so. Six squares stay an
@@ -38,10 +93,10 @@ def image_array(image: ArrayLike, notes: list[str], what: str) -> ImageArray:
             f"{what} must be floating point, uint8 or uint16; got the dtype {array.dtype}"
         )
     samples, coverage = _rgb(array, notes, what)
-    return ImageArray(samples, _without_masked(image, coverage))
+    return _Samples(samples, _without_masked(image, coverage))
 
 
-def _rgb(array: NDArray[Any], notes: list[str], what: str) -> ImageArray:
+def _rgb(array: NDArray[Any], notes: list[str], what: str) -> _Samples:
     """Three channels, grey ones repeated, and straight alpha."""
     shape = array.shape
     is_grey_cube = array.ndim == 3 and array.shape[0] == 6 and array.shape[1] == array.shape[2] > 4
@@ -50,12 +105,12 @@ def _rgb(array: NDArray[Any], notes: list[str], what: str) -> ImageArray:
     is_cube = array.ndim == 4 and array.shape[0] == 6
     channels = array.shape[-1] if array.ndim == 3 or is_cube else 0
     if channels == 3:
-        return ImageArray(array, None)
+        return _Samples(array, None)
     if channels == 4:
-        return ImageArray(array[..., :3], _share_of_alpha(array[..., 3]))
+        return _Samples(array[..., :3], _share_of_alpha(array[..., 3]))
     if channels == 1:
         notes.append("the only channel was read as grey")
-        return ImageArray(np.repeat(array, 3, axis=-1), None)
+        return _Samples(np.repeat(array, 3, axis=-1), None)
     raise EnvLightsError(
         f"{what} must have the shape (height, width, 3), or (height, width) for grey; got {shape}"
     )

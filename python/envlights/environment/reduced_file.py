@@ -1,7 +1,7 @@
 """Reduction of the rows of a file to the cells of a fit, without the whole map in memory.
 
 It is for files whose rows are the rows of the map: no alpha, no crop, no orientation, no primaries
-to be converted. All others are left to `EnvMap.open`, and so are files that it may refuse or clean.
+to be converted. All others are left to `EnvMap.open`, and so are files that it cleans.
 """
 
 from __future__ import annotations
@@ -13,21 +13,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _native
-from envlights._native import ReducedMap, RowReducer, UnusableSamplesError
+from envlights._native import EnvLightsError, ReducedMap, RowReducer, UnusableSamplesError
 from envlights.environment.clean import note_of_negative
 from envlights.environment.clip_level import CodeHistogram, white_of
 from envlights.environment.decoders.source import AnySource
 from envlights.environment.files.images import OpenImage, open_image
+from envlights.environment.layouts.recognition import refusal_of_discs
 
 #: Rows of a step through samples in memory; counts of 16-bit codes need 0.2 MB for each 16 rows.
 _ROWS_AT_ONCE = 128
-#: Distance from the axis of a disc, in radii, beyond which the first row is a corner, and up to
-#: which the middle row is the disc.
-_CORNER, _DISC = 0.35, 0.9
-#: Largest ratio of the median code or radiance of corners to that of the disc. Black corners of
-#: JPEG files have codes up to 5 of 255. At 1, 2 of 18 real maps would be read as a whole, at 0.3
-#: none.
-_DARK = 0.3
 
 
 class ReducedFile(NamedTuple):
@@ -78,14 +72,13 @@ def reduce_file(
         if not _is_plain(file):
             return None
         try:
-            if file.raw.radiance is not None:
-                if _may_be_discs([file.raw.rows(row, row + 1)[0] for row in _lines_of(file)]):
-                    return None
-                reduced = _native.reduce_radiance(file.raw.radiance, *cells)
-                return ReducedFile(reduced, file.raw.header.width, file.notes, 0.0, file.units)
-            return _of_rows(file, cells)
+            reduced = _of_radiance(file, cells) or _of_rows(file, cells)
         except UnusableSamplesError:
             return None
+        if reduced and reduced.cells.has_two_discs:
+            size = file.raw.header.height, file.raw.header.width
+            raise EnvLightsError(f"{file.name}: {refusal_of_discs(*size)}")
+        return reduced
 
 
 def _is_plain(file: OpenImage) -> bool:
@@ -106,6 +99,14 @@ def _is_plain(file: OpenImage) -> bool:
     )
 
 
+def _of_radiance(file: OpenImage, cells: _Cells) -> ReducedFile | None:
+    """Rows of a Radiance file, which are decoded in any order; None for other files."""
+    if file.raw.radiance is None:
+        return None
+    reduced = _native.reduce_radiance(file.raw.radiance, *cells)
+    return ReducedFile(reduced, file.raw.header.width, file.notes, 0.0, file.units)
+
+
 def _of_rows(file: OpenImage, cells: _Cells) -> ReducedFile | None:
     """Rows in their own type, as the reader gives them."""
     header, table = file.raw.header, _table(file)
@@ -114,12 +115,9 @@ def _of_rows(file: OpenImage, cells: _Cells) -> ReducedFile | None:
     has_codes = header.dtype.kind == "u"
     size = (header.height, header.width, header.border_sampled)
     reducer = _native.RowReducer(size, cells, table, has_codes)
-    lines: list[NDArray[Any]] = []
-    for rows in _whole_blocks(_rows(file, lines), reducer.block):
+    for rows in _whole_blocks(_rows(file), reducer.block):
         if not reducer.add(rows):
             return None
-    if _may_be_discs(lines):
-        return None
     reduced = reducer.finish()
     fraction, notes = _clipped(reducer, header.height, table) if has_codes else (0.0, [])
     if reduced is None or fraction is None:
@@ -151,40 +149,13 @@ def _table(file: OpenImage) -> NDArray[np.float32] | None:
     return np.ascontiguousarray(table) if table.ndim == 1 else None
 
 
-def _lines_of(file: OpenImage) -> tuple[int, int, int]:
-    """First, middle and last row."""
-    height = file.raw.header.height
-    return 0, height // 2, height - 1
-
-
-def _may_be_discs(lines: list[NDArray[Any]]) -> bool:
-    """True if the first and the last row are dark where the corners of two discs would be.
-
-    The corners of a dual fisheye are darker than 95 % of its discs. If it is possible,
-    `EnvMap.open` decides on all pixels.
-    """
-    first, middle, last = (line.max(axis=-1) for line in lines)
-    half = len(first) // 2
-    at = np.abs(np.arange(half) * 2 / max(half - 1, 1) - 1)
-    corner, disc = at > _CORNER, at < _DISC
-    return not disc.any() or all(
-        np.median(np.concatenate([first[side][corner], last[side][corner]]))
-        < _DARK * np.median(middle[side][disc])
-        for side in (slice(0, half), slice(half, 2 * half))
-    )
-
-
-def _rows(file: OpenImage, lines: list[NDArray[Any]]) -> Iterator[NDArray[Any]]:
-    """Samples of some rows at a time, three for each pixel; half floats as their bits.
-
-    The rows of `_lines_of` are appended to `lines`.
-    """
+def _rows(file: OpenImage) -> Iterator[NDArray[Any]]:
+    """Samples of some rows at a time, three for each pixel; half floats as their bits."""
     header, step = file.raw.header, file.raw.rows_at_once
     if header.kind == "png":  # whole in memory
         step = _ROWS_AT_ONCE
     for top in range(0, header.height, step):
         rows = file.raw.rows(top, min(top + step, header.height))
-        lines += [rows[row - top] for row in _lines_of(file) if top <= row < top + len(rows)]
         if rows.shape[2] == 1:
             rows = np.repeat(rows, 3, axis=2)
         rows = np.ascontiguousarray(rows)

@@ -1,0 +1,132 @@
+"""Pixels of an equirectangular map, and what is known about them: what an `EnvMap` holds."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights import _native
+from envlights._common.units import OWN_SCALE
+from envlights.environment import resample
+from envlights.environment.coverage import (
+    checked_coverage,
+    fraction_of_sphere,
+    multiply_by_coverage,
+    note_of_coverage,
+)
+from envlights.environment.layouts.layout import Layout, equirectangular
+from envlights.environment.layouts.records import REGISTRATIONS, Source
+
+#: Projection of the pixels of every map.
+PROJECTION = "equirectangular"
+
+
+@dataclass(frozen=True, eq=False)
+class MapPixels:
+    """Radiance of a map with its layout, coverage, clip level, notes and scale."""
+
+    radiance: NDArray[np.float32]
+    """Linear RGB, (height, 2 height, 3), black where nothing is seen; read-only."""
+
+    is_border_sampled: bool
+    """True if the outer pixels lie on the seam and the poles."""
+
+    source: Source
+    """Picture from which the map was made."""
+
+    coverage: NDArray[np.float32] | None = None
+    """Share of each pixel that is seen, (height, width); None if all is."""
+
+    clip_level: float | None = None
+    """Largest value that the radiance can hold; None if unknown."""
+
+    notes: tuple[str, ...] = ()
+    """Remarks on changes and assumptions."""
+
+    units: str = OWN_SCALE
+    """Unit of the radiance; see `EnvMap.units`."""
+
+    ev100: float | None = None
+    """Exposure value at ISO 100 of the picture; None if unknown."""
+
+    def __post_init__(self) -> None:
+        for name in ("radiance", "coverage"):
+            array = getattr(self, name)
+            if array is not None and array.flags.writeable:
+                object.__setattr__(self, name, _read_only(array))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), tuple(getattr(self, field.name) for field in fields(self))
+
+    @property
+    def registration(self) -> str:
+        """Layout of the pixels: "cell-centred" or "border-sampled"."""
+        return REGISTRATIONS[self.is_border_sampled]
+
+    @property
+    def layout(self) -> Layout:
+        """Layout of the pixels for the kernels."""
+        size = self.radiance.shape[:2]
+        return equirectangular(*size, border_sampled=self.is_border_sampled)
+
+    @property
+    def coverage_fraction(self) -> float:
+        """Fraction of the sphere that is seen."""
+        if self.coverage is None:
+            return 1.0
+        return fraction_of_sphere(self.coverage, self.is_border_sampled)
+
+    @cached_property
+    def clipped_fractions(self) -> tuple[float, float]:
+        """Fractions of the sphere, and of the luminance flux, of clipped pixels."""
+        return _native.clipped_fraction(self.radiance, self.is_border_sampled, self.clip_level)
+
+    def cells(self) -> NDArray[np.float32]:
+        """Radiance of a cell-centred map of the same size and flux."""
+        if self.is_border_sampled:
+            return resample.cells_of_borders(self.radiance)
+        return self.radiance
+
+    def changed(
+        self,
+        radiance: NDArray[np.float32],
+        coverage: NDArray[np.float32] | None,
+        notes: Iterable[str],
+        **others: Any,
+    ) -> MapPixels:
+        """Pixels of another radiance and coverage; `others` are fields that change as well."""
+        if coverage is not None:
+            radiance = multiply_by_coverage(radiance, np.float32(1) * (coverage > 0))
+        pixels = replace(self, radiance=radiance, notes=tuple(notes), **others)
+        return with_coverage(pixels, coverage)
+
+
+def with_coverage(pixels: MapPixels, coverage: NDArray[np.float32] | None) -> MapPixels:
+    """Pixels with a coverage, and a note on it; None if all is seen."""
+    if coverage is not None:
+        coverage = checked_coverage(coverage, pixels.radiance.shape[:2])
+    pixels = replace(pixels, coverage=coverage)
+    if coverage is None:
+        return pixels
+    note = note_of_coverage(pixels.coverage_fraction)
+    return pixels if note in pixels.notes else replace(pixels, notes=(*pixels.notes, note))
+
+
+def are_equal(one: MapPixels, other: MapPixels) -> bool:
+    """True if radiance, units, layout, clip level and coverage are equal."""
+    known, others = ((e.units, e.registration, e.clip_level) for e in (one, other))
+    if known != others or (one.coverage is None) != (other.coverage is None):
+        return False
+    is_equal = one.coverage is None or np.array_equal(one.coverage, other.coverage)  # type: ignore[arg-type]
+    return is_equal and np.array_equal(one.radiance, other.radiance)
+
+
+def _read_only(array: NDArray[np.float32]) -> NDArray[np.float32]:
+    view = array.view()
+    view.flags.writeable = False
+    return view
