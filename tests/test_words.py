@@ -104,10 +104,10 @@ def test_a_number_has_a_digit_before_its_point(tmp_path, number):
 def test_too_many_names_files_and_numbers_are_found(tmp_path):
     assert list(words.too_many(tmp_path, words.TOP_NAMES, words.TUNED_NUMBERS)) == []
     (tmp_path / "fit").mkdir()
-    (tmp_path / "export").mkdir()
+    (tmp_path / "formats").mkdir()
     for number in range(words.FOLDER_FILES + 1):
         (tmp_path / f"fit/file_{number}.py").touch()
-        (tmp_path / f"export/file_{number}.py").touch()
+        (tmp_path / f"formats/file_{number}.py").touch()
         (tmp_path / f"file_{number}.py").touch()
     found = words.too_many(tmp_path, words.TOP_NAMES + 1, words.TUNED_NUMBERS + 1)
     assert [(each.path.name, each.text.split(",")[0]) for each in found] == [

@@ -26,7 +26,7 @@ LONGEST_SENTENCE = 25
 #: Most public names at the top, most files beside the folders, and most files of a folder that is
 #: not a list of equals.
 TOP_NAMES, LOOSE_FILES, FOLDER_FILES = 40, 6, 20
-LISTS = ("export", "cli", "plot")
+LISTS = ("cli", "formats", "plot")
 #: Most tuned numbers of the code: settings and constants of both languages.
 TUNED_NUMBERS = 999
 

@@ -1,4 +1,4 @@
-"""Transfer function of sRGB (IEC 61966-2-1), and its inverse.
+"""Transfer function of sRGB (IEC 61966-2-1), its inverse, and codes by a table.
 
 NumPy computes it, because compiled powers differ in the last place, which would change pictures.
 """
@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights._common.codes import look_up
+from envlights import _native
 
 
 def encode_srgb(linear: NDArray[np.floating]) -> NDArray[np.floating]:
@@ -48,3 +48,14 @@ def decode_codes(codes: NDArray[Any]) -> NDArray[np.float32]:
 def _values(bits: int) -> NDArray[np.float32]:
     codes = np.arange(1 << bits)
     return decode_srgb(codes / codes[-1])
+
+
+def look_up(codes: NDArray[Any], table: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Values of codes of 8 or 16 bits, (height, width, channels).
+
+    `table` holds the value of each code, (n,), or (channels, n) with one row for each channel.
+    """
+    tables = np.ascontiguousarray(np.atleast_2d(table))
+    if codes.dtype.itemsize == 1:
+        return _native.decode_8(np.ascontiguousarray(codes, dtype=np.uint8), tables)
+    return _native.decode_16(np.ascontiguousarray(codes, dtype=np.uint16), tables)

@@ -1,6 +1,8 @@
-"""Numbers in texts: percent, degrees and counted nouns."""
+"""Numbers in texts, and texts in templates."""
 
 from __future__ import annotations
+
+import re
 
 
 def percent(fraction: float | None) -> str:
@@ -16,3 +18,11 @@ def degrees(angle: float | None) -> str:
 def quantity(number: int, noun: str) -> str:
     """Number of things: "1 light", "2 lights"."""
     return f"{number} {noun}{'' if number == 1 else 's'}"
+
+
+def fill_template(template: str, **parts: str) -> str:
+    """Template with a text in place of each mark: `units` for ``@UNITS@``.
+
+    The template is read once, so that a mark inside a text stays as it is.
+    """
+    return re.sub("@([A-Z_]+)@", lambda mark: parts[mark[1].lower()], template)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights.environment.connectivity import connected_regions
+from envlights.kernels.connectivity import connected_regions
 from envlights.kernels.image import uv_to_pixel
 from envlights.kernels.sphere import direction_to_uv
 from envlights.sun.sky_image import SkyImage

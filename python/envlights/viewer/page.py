@@ -17,7 +17,7 @@ import numpy as np
 
 from envlights._common.check import describe, flag
 from envlights._common.files import as_path
-from envlights._common.template import fill_template
+from envlights._common.words import fill_template
 from envlights._native import EnvLightsError
 from envlights.environment.decoders.source import is_source, name_of
 from envlights.environment.envmap import AnyMap, EnvMap, as_envmap

@@ -13,7 +13,7 @@ use crate::error::Result;
 use crate::kernels::sphere::{Registration, band_heights};
 
 /// Settings of the comparison of a disc with the corners around it.
-struct DiscSettings {
+struct TwoDiscSettings {
     /// Largest luminance of black corners, relative to the mean of the disc; codes of JPEG pictures have noise.
     black: f64,
     /// Least fraction of the corners that is black, and of the disc that is brighter than black.
@@ -22,7 +22,7 @@ struct DiscSettings {
     radii: (f64, f64),
 }
 
-const DISC: DiscSettings = DiscSettings { black: 0.02, most: 0.95, radii: (0.96, 1.04) };
+const DISC: TwoDiscSettings = TwoDiscSettings { black: 0.02, most: 0.95, radii: (0.96, 1.04) };
 
 /// True if both halves of a picture of 2:1, read as a map and reduced to `columns`, are bright discs in black squares.
 ///

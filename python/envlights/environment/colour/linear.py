@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _native
-from envlights._common.codes import look_up
+from envlights._common.srgb import look_up
 from envlights.environment.colour.choice import ColourConversion
 from envlights.environment.colour.transfer_curves import Curve
 from envlights.environment.decoders.raw_image import Header

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from envlights._common.template import fill_template
+from envlights._common.words import fill_template
 from envlights.export.files import check_link
 from envlights.export.panels import Panel, crop_names
 

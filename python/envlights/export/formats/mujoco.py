@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights._common.check import amount
-from envlights._common.template import fill_template
+from envlights._common.words import fill_template
 from envlights.environment.envmap import AnyMap
 from envlights.export.axes import AXES
 from envlights.export.files import AnyPath, save_scene

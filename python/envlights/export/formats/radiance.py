@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights._common.check import describe
-from envlights._common.template import fill_template
+from envlights._common.words import fill_template
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import AnyMap, EnvMap
 from envlights.export.axes import AXES

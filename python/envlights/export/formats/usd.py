@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights._common.files import as_path
-from envlights._common.template import fill_template
+from envlights._common.words import fill_template
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import AnyMap
 from envlights.export.axes import AXES

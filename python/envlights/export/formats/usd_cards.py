@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._common.template import fill_template
+from envlights._common.words import fill_template
 from envlights.export.formats.usd_text import asset, colour, prim
 from envlights.export.panels import Panel, crop_names
 
