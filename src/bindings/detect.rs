@@ -14,7 +14,7 @@ use crate::kernels::detect::segment::threshold::Rule;
 use crate::kernels::detect::segment::working_image::WorkingImage;
 use crate::kernels::detect::{self, Detection, DetectionOptions};
 
-/// Options of `detect_tree`: the named tuple of `envlights.detection.component_tree`.
+/// Options of `detect_tree`: the named tuple of `envlights.detection.detect`.
 #[derive(FromPyObject)]
 pub struct TreeOptions {
     working_columns: usize,
@@ -48,7 +48,7 @@ impl From<TreeOptions> for DetectionOptions {
     }
 }
 
-/// Lights of `detect_tree`, and the numbers of its report; see `envlights.detect_tree`.
+/// Lights of `detect_tree`, and the numbers of its report; see `envlights.detect`.
 #[pyclass(frozen, get_all)]
 pub struct TreeDetection {
     direction: Py<PyArray2<f64>>,
@@ -100,7 +100,7 @@ pub fn reduced_luminance<'py>(
     working.luminance.into_pyarray(py).reshape(working.size)
 }
 
-/// See `envlights.detect_tree`.
+/// See `envlights.detect`.
 #[pyfunction]
 pub fn detect_tree(
     py: Python<'_>,

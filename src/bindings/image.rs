@@ -45,7 +45,7 @@ pub fn has_two_discs(
     interruptible(py, || image::has_two_discs(radiance, registration(border_sampled), columns))
 }
 
-/// See `envlights._common.codes`: values of 8-bit codes by one table, or by one for each channel.
+/// See `envlights._common.srgb.look_up`: values of 8-bit codes by one table, or by one for each channel.
 #[pyfunction]
 pub fn decode_8<'py>(
     py: Python<'py>,
@@ -55,7 +55,7 @@ pub fn decode_8<'py>(
     decode(py, codes, tables)
 }
 
-/// See `envlights._common.codes`: values of 16-bit codes by one table, or by one for each channel.
+/// See `envlights._common.srgb.look_up`: values of 16-bit codes by one table, or by one for each channel.
 #[pyfunction]
 pub fn decode_16<'py>(
     py: Python<'py>,

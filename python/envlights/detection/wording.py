@@ -63,8 +63,8 @@ def _rules(detection: _native.TreeDetection) -> list[str]:
     if detection.threshold_rule is not None and detection.threshold_rule[2] is not None:
         fraction = 100 * detection.threshold_rule[2]
         lines.append(
-            f"the brightest {fraction:.3g} % of the sphere counts as light, so the quantile is taken"
-            " below the flux-weighted Otsu threshold"
+            f"the brightest {fraction:.3g} % of the sphere counts as light, so the quantile is"
+            " taken below the flux-weighted Otsu threshold"
         )
     if any(detection.panes):
         ratio, widest = detection.widest_bar

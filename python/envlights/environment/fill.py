@@ -68,9 +68,9 @@ def choice_of(fill: Fill, fraction: float) -> str | list[float]:
     if fraction >= ENOUGH_SEEN:
         return "harmonic"
     raise EnvLightsError(
-        f"the map shows {100 * fraction:.2g} % of the sphere, so the brightest light may be outside;"
-        " say what is there by fill='black', 'harmonic', 'ground' or a radiance (a number or"
-        " RGB). `detect` needs no choice"
+        f"the map shows {100 * fraction:.2g} % of the sphere, so the brightest light may be"
+        " outside; say what is there by fill='black', 'harmonic', 'ground' or a radiance (a"
+        " number or RGB). `detect` needs no choice"
     )
 
 

@@ -47,7 +47,8 @@ def gltf(rigs: Iterable[FrameRig], fps: float | None = None) -> dict[str, Any]:
     --------
     >>> import envlights as el
     >>> lamp = el.Lights([[0, 1, 0]], [[4, 2, 1]])
-    >>> asset = gltf([el.sequence.FrameRig([0, 0, 0], lamp, 0.0, frame=k, ids=(2,)) for k in (0, 1)])
+    >>> frame_rig = el.sequence.FrameRig
+    >>> asset = gltf([frame_rig([0, 0, 0], lamp, 0.0, frame=k, ids=(2,)) for k in (0, 1)])
     >>> asset["nodes"][0]["name"], len(asset["animations"][0]["channels"])
     ('light_2', 3)
     """

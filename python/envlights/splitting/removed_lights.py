@@ -23,8 +23,8 @@ class RemovedLights(DetectedLights):
     r"""Lights that `split` has removed from a map, brightest first.
 
     `irradiance` is that at normal incidence, :math:`|\int T \omega\, d\omega|` for the removed
-    radiance :math:`T`. `direction`, `solid_angle` and `flux_fraction` also belong to T. The remaining
-    measurements come from `detect`.
+    radiance :math:`T`. `direction`, `solid_angle` and `flux_fraction` also belong to T. The
+    remaining measurements come from `detect`.
 
     Examples
     --------

@@ -63,7 +63,8 @@ class SunSplit(_SunSplitFields, LinkedParts):
         >>> import envlights as el
         >>> env = el.EnvMap(np.full((64, 128, 3), 0.5))
         >>> sun = el.sun.Sun("sun", direction=[0.6, 0.8, 0], irradiance=[4, 3.8, 3.4])
-        >>> (el.with_sun(env, sun).to_map().probe([0.6, 0.8, 0]) - env.probe([0.6, 0.8, 0])).round(3)
+        >>> sunny = el.with_sun(env, sun).to_map()
+        >>> (sunny.probe([0.6, 0.8, 0]) - env.probe([0.6, 0.8, 0])).round(3)
         array([4. , 3.8, 3.4])
         """
         if not len(self.lights):
@@ -124,8 +125,8 @@ def with_sun(
     lights : Lights
         The sun; no light if the answer is "perhaps" or "no". Notes say what is a guess.
     remainder : EnvMap
-        The map with sky in place of the clipped part around the sun, without a `clip_level`. It is the
-        map itself, with a note, if there is no sun.
+        The map with sky in place of the clipped part around the sun, without a `clip_level`. It is
+        the map itself, with a note, if there is no sun.
 
     Raises
     ------

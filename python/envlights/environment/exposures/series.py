@@ -197,6 +197,6 @@ def _note_ghosts(is_moved: NDArray[np.bool_], notes: list[str]) -> None:
     fraction = float(solid_angles[is_moved].sum() / solid_angles.sum())
     if fraction > _LEAST_SHARE:
         notes.append(
-            f"exposures contradict each other on {100 * fraction:.2g} % of the sphere, where something"
-            " may have moved; only the best exposure was used there"
+            f"exposures contradict each other on {100 * fraction:.2g} % of the sphere, where"
+            " something may have moved; only the best exposure was used there"
         )
