@@ -183,3 +183,16 @@ def test_cycles_of_folders_are_found():
     }
     assert in_cycles(arrows) == set()
     assert cycles_of_rooms(arrows) == {"a::file", "a::folder"}
+
+
+def test_tables_of_folders_name_files_that_exist():
+    rows = {
+        (file, name)
+        for pattern in ("src/**/mod.rs", "python/envlights/**/__init__.py")
+        for file in SOURCE.parent.glob(pattern)
+        for row in re.findall(r"^(?://! )?\| .*$", file.read_text(), re.MULTILINE)
+        for name in re.findall(r"`([\w/]+(?:\.(?:rs|py|js|glsl|css)|/))`", row)
+    }
+    assert len(rows) > 200
+    missing = [(file, name) for file, name in rows if not (file.parent / name).exists()]
+    assert missing == []

@@ -10,17 +10,17 @@
 | as an overlay for blending                        | `overlay.py`       |
 | form factors between texels, by rays              | `gather.py`        |
 | pairs to learn from                               | `bake.py`          |
-| with Mitsuba: a scene under the light of rigs     | `scene.py`         |
+| with Mitsuba: a scene under the light of rigs     | `mitsuba/scene.py`         |
 | its triangles, and the first that each ray hits   | `triangles.py`     |
-| its shapes as charts; the texels that rays hit    | `chart_rays.py`    |
-| a rig as its emitters                             | `emitters.py`      |
+| its shapes as charts; the texels that rays hit    | `mitsuba/chart_rays.py`    |
+| a rig as its emitters                             | `mitsuba/emitters.py`      |
 | a camera, and the surfaces that it sees           | `camera.py`        |
 | an image of solids on a floor, in closed form     | `closed_form.py`   |
-| the same by Mitsuba, with independent noise       | `path_traced.py`   |
+| the same by Mitsuba, with independent noise       | `mitsuba/path_traced.py`   |
 | reflectance and picture of the floor of a map     | `panorama_floor.py`|
 | solids in a panorama                              | `view_image.py`    |
 | a ball and a box on a floor, in both ways         | `still_life.py`    |
-| Mitsuba, imported when it is needed               | `renderer.py`      |
+| Mitsuba, imported when it is needed               | `mitsuba/renderer.py`      |
 
 Images hold the radiance that a surface reflects, albedo / pi times irradiance. So direct and
 indirect light add up to the radiance of a diffuse surface.

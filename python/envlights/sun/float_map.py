@@ -21,7 +21,7 @@ _WIDEST, _LEAST_RATIO = 2.5, 0.5
 _CLIPPED = 0.004
 
 #: Note of a map that holds its sun already.
-HOLDS_SUN = "the map is not clipped and holds its own sun"
+_OWN_SUN = "the map is not clipped and holds its own sun"
 NO_SUN = "no pixel is clipped, and no light of the map is like a sun"
 
 
@@ -41,7 +41,7 @@ def sun_of_float_map(env: EnvMap) -> Sun:
         lights.irradiance[0],
         angular_radius=SUN_RADIUS,
         evidence=("map",),
-        notes=(HOLDS_SUN,),
+        notes=(_OWN_SUN,),
         units=env.units,
     )
 

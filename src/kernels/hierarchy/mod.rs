@@ -3,7 +3,7 @@
 //! | step                                          | file             |
 //! |-----------------------------------------------|------------------|
 //! | nodes in depth-first order, with skip links   | `nodes.rs`       |
-//! | the nodes as texels of a shader               | `texels.rs`      |
+//! | the nodes as texels of a shader               | `shader_nodes.rs` |
 //! | nearest triangle of each of many rays         | `nearest_hit.rs` |
 
 mod nearest_hit;

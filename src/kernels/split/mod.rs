@@ -7,7 +7,6 @@
 //! | the region of each light: its pixels, rim, glare, glow   | `region.rs`          |
 //! | - rings of glare                                         | `rings.rs`           |
 //! | - the bright surroundings                                | `glow.rs`            |
-//! | radiance that solves Laplace's equation in the region    | `fill/`              |
 //! | the rest of the map, and the light that was removed      | `removal.rs`         |
 //!
 //! In the region of a light, each channel of the rest is the smaller one of the map and the fill. So map = rest + light,

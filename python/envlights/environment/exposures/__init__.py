@@ -4,7 +4,7 @@
 |--------------------------------------------------------------|-----------------|
 | checks of the arguments; codes or linear samples             | `pictures.py`   |
 | times by hand or from EXIF                                   | `times.py`      |
-| clip level of each picture                                   | `white.py`      |
+| clip level of each picture                                   | `clip_level.py`      |
 | codes of two pictures at the same radiance                   | `comparison.py` |
 | response: named curves, or estimated                         | `response.py`   |
 | response and times that agree with the pictures              | `checks.py`     |

@@ -11,7 +11,7 @@
 //! | bright cells of the map and their cones               | `patches.rs`    |
 //! | inner products of discs, the map and the ambient term | `target.rs`     |
 //! | radii to start from                                   | `start.rs`      |
-//! | the objective of a descent                            | `shadows.rs`    |
+//! | the objective of a descent, under any of the kernels  | `shadows.rs`    |
 //! | other lights, one at a time                           | `forward_selection.rs` |
 //! | escape from a local minimum                           | `exchange.rs`   |
 //! | energy of the difference in each degree               | `bands.rs`      |
