@@ -36,7 +36,7 @@ def _exporter(target, old, new, test=None):
     """Mutant of an exporter: its lights have two axes exchanged."""
     return Mutant(
         f"axes of {target}",
-        f"python/envlights/export/{target}.py",
+        f"python/envlights/export/formats/{target}.py",
         old,
         new,
         (f"tests/export/test_{test or target}.py",),

@@ -68,11 +68,22 @@ __all__ = [
 ]
 
 #: Packages that are imported when they are first used, so that `import envlights` is fast.
-_PACKAGES = (
-    *("batches", "cli", "comparison", "export", "io", "papers", "plot", "scene", "sequence"),
-    *("sun", "synthetic", "transfer", "viewer"),
-)
-#: Functions and classes of `__all__` that come from one of them.
+_PACKAGES = {
+    "batches",
+    "cli",
+    "comparison",
+    "export",
+    "io",
+    "papers",
+    "plot",
+    "scene",
+    "sequence",
+    "sun",
+    "synthetic",
+    "transfer",
+    "viewer",
+}
+#: Functions and classes of `__all__` that are imported when they are first used, by their module.
 _LATER = {
     "TransferModel": "transfer",
     "bake": "scene",
@@ -90,7 +101,7 @@ _LATER = {
     "with_sun": "sun",
 }
 
-#: Former names in this module, by their package now; each warns. For version 0.1 only.
+#: Former names in this module, by their package now; each warns, until the first release.
 _FORMER = {
     "batches": "Batch LabelArrays",
     "cards": "Card CardSplit",
@@ -165,10 +176,10 @@ else:
         from envlights._common.former import former
 
         packages = {each: package for package, names in _FORMER.items() for each in names.split()}
-        path = _RENAMED.get(name) or (name in packages and f"{packages[name]}.{name}")
-        if not path:
+        if name not in _RENAMED and name not in packages:
             raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
-        return former(f"el.{name}", f"el.{path}", _import_module(__name__), path)
+        path = _RENAMED.get(name) or f"{packages[name]}.{name}"
+        return former(f"el.{name}", f"el.{path}", _import_module(__name__), path, 3)
 
 
 def __dir__() -> list[str]:

@@ -121,7 +121,7 @@ fn check(is_valid: bool, what: &'static str) -> Result<()> {
 
 type ResampleResult<'py> = (Bound<'py, PyArray3<f32>>, Option<Bound<'py, PyArray2<f32>>>);
 
-/// See `envlights.environment.layouts.resampling`; `matrix` has its rows in order.
+/// See `envlights.environment.resample`; `matrix` has its rows in order.
 #[pyfunction]
 pub fn resample<'py>(
     py: Python<'py>,

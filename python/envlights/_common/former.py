@@ -14,9 +14,12 @@ _Class = TypeVar("_Class", bound=type)
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
 
-def former(old: str, new: str, owner: object, path: str, level: int = 5) -> Any:
-    """Attribute `path` of `owner`, with a warning that `old` is called `new` now."""
-    _warn(old, new, level)
+def former(old: str, new: str, owner: object, path: str, level: int) -> Any:
+    """Attribute `path` of `owner`, with a warning that `old` is called `new` now.
+
+    The warning names the line `level` calls above this module.
+    """
+    _warn(old, new, level + 2)
     return attrgetter(path)(owner)
 
 
@@ -38,9 +41,8 @@ def former_arguments(**names: str) -> Callable[[_Function], _Function]:
     def decorate(function: _Function) -> _Function:
         @functools.wraps(function)
         def call(*args: Any, **keywords: Any) -> Any:
-            for old in names.keys() & keywords.keys():
-                _warn(f"{old}= of {function.__qualname__}", f"{names[old]}=", 3)
-                keywords[names[old]] = keywords.pop(old)
+            for old in [name for name in keywords if name in names]:
+                _rename(function, keywords, old, names[old])
             return function(*args, **keywords)
 
         return call  # type: ignore[return-value]
@@ -57,14 +59,14 @@ def former_settings(**names: str) -> Callable[[_Function], _Function]:
 
         @functools.wraps(function)
         def call(*args: Any, **keywords: Any) -> Any:
-            if old := [name for name in keywords if name in fields or name in names]:
-                now = {f"{names[name]}=" if name in names else "settings=" for name in old}
-                _warn(f"{', '.join(old)} of {function.__qualname__}", " and ".join(sorted(now)), 3)
-            given = {name: keywords.pop(name) for name in old if name in fields}
-            keywords |= {names[name]: keywords.pop(name) for name in old if name in names}
-            if given:
+            for old in [name for name in keywords if name in names]:
+                _rename(function, keywords, old, names[old])
+            changes = {name: keywords.pop(name) for name in [*keywords] if name in fields}
+            for old in changes:
+                _warn(f"{old}= of {function.__qualname__}", f"`{old}` of its settings", 3)
+            if changes:
                 settings = keywords.get("settings", default)
-                keywords["settings"] = dataclasses.replace(settings, **given)
+                keywords["settings"] = dataclasses.replace(settings, **changes)
             return function(*args, **keywords)
 
         return call  # type: ignore[return-value]
@@ -72,8 +74,16 @@ def former_settings(**names: str) -> Callable[[_Function], _Function]:
     return decorate
 
 
+def _rename(function: Callable[..., Any], keywords: dict[str, Any], old: str, new: str) -> None:
+    """Give the value of a former keyword to the present one, unless both are given."""
+    if new in keywords:
+        raise TypeError(f"{function.__qualname__} got both {old}= and {new}=, its present name")
+    _warn(f"{old}= of {function.__qualname__}", f"{new}=", 4)
+    keywords[new] = keywords.pop(old)
+
+
 def _attribute(old: str, new: str, owner: object) -> Any:
-    return former(old, f"`{new}`", owner, new, level=4)
+    return former(old, f"`{new}`", owner, new, 2)
 
 
 def _warn(old: str, new: str, level: int) -> None:

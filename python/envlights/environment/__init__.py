@@ -2,6 +2,7 @@
 
 | step                                                   | place                          |
 |--------------------------------------------------------|--------------------------------|
+| the six steps of opening, in order                     | `open.py`                      |
 | decode the bytes of a file                             | `decoders/`                    |
 | choose the channels, place the picture, write pictures | `files/`                       |
 | convert samples to linear Rec.709                      | `colour/`                      |
@@ -9,5 +10,6 @@
 | clean the samples                                      | `clean.py`                     |
 | resample to an equirectangular map                     | `resample.py`                  |
 | merge exposures                                        | `exposures/`                   |
+| reduce the rows of a file for a fit                    | `reduced_file.py`              |
 | the map with its methods                               | `envmap.py`                    |
 """

@@ -3,14 +3,14 @@
 | step         | of a file                     | of an array        |
 |--------------|-------------------------------|--------------------|
 | bytes        | `decoders`                    |                    |
-| samples      | `files.open_image`            | `arrays`           |
-| linear light | `files.OpenImage.image`       | `arrays`           |
+| samples      | `files.images.open_image`     | `arrays`           |
+| linear light | `files.images.OpenImage`      | `arrays`           |
 | layout       | `layouts.recognise`           | the same           |
 | clean        | `clean`                       | the same           |
 | map          | `_on_sphere`                  | the same           |
 
-A fit of a file takes its rows after the second step, and exposures and photographs take the image
-after the third one.
+`reduced_file.py` takes the rows of a file after the second step; `exposures/` and photographs take
+the image after the third one.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native
+from envlights._common.errors import FileError
 from envlights._common.notes import log
 from envlights._native import EnvLightsError
 from envlights.environment import resample
@@ -31,7 +32,6 @@ from envlights.environment.clean import clean
 from envlights.environment.clip_level import checked_clip_level
 from envlights.environment.convert import checked_width
 from envlights.environment.coverage import multiply_by_coverage
-from envlights.environment.decoders.source import name_of
 from envlights.environment.exposures import merge_exposures
 from envlights.environment.files.hints import Hints
 from envlights.environment.files.images import Image
@@ -62,8 +62,11 @@ def open_map(
     image = read_picture(path, **options)  # bytes, samples, linear light
     try:
         pixels = map_of_image(image, arguments, width, level)
+    except FileError:
+        raise
     except EnvLightsError as refusal:
-        raise EnvLightsError(f"{name_of(path)}: {refusal}") from None
+        name = f"{image.hints.name}: " if image.hints.name else ""
+        raise EnvLightsError(f"{name}{refusal}") from None
     log(pixels.notes)
     return pixels
 

@@ -105,7 +105,7 @@ def __getattr__(name: str) -> object:
         raise EnvLightsError(f"plot.{name} {NO_MATPLOTLIB}")
     if name in _RENAMED:
         return former(
-            f"plot.{name}", f"plot.{_RENAMED[name]}", sys.modules[__name__], _RENAMED[name]
+            f"plot.{name}", f"plot.{_RENAMED[name]}", sys.modules[__name__], _RENAMED[name], 2
         )
     raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
 

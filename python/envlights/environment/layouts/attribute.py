@@ -1,7 +1,7 @@
 """Statement on the layout of a saved picture, so that it opens again without arguments.
 
-It is a line of the file's description (`io.description`) with the arguments of `EnvMap.open` and
-the size of the picture, as JSON.
+It is a line of the description of the file (`decoders.description`) with the arguments of
+`EnvMap.open` and the size of the picture, as JSON.
 """
 
 from __future__ import annotations
