@@ -336,7 +336,7 @@ CALLS = {
     ),
     "kernels.relative_rms": (
         kernels.relative_rms,
-        {"coverage": COLOURS, "wanted": COLOURS, "weights": array(5)},
+        {"seen": COLOURS, "wanted": COLOURS, "weights": array(5)},
     ),
     "kernels.resize_bilinear": (
         kernels.resize_bilinear,

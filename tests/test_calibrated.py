@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 import envlights as el
 from envlights.environment.decoders.openimageio import oiio
 from envlights.kernels.image import LUMINANCE
+from envlights.papers.loghin import Settings
 from tests.reference import srgb
 
 OWN = "the map's own scale"
@@ -225,7 +226,7 @@ DERIVED = {
     "to": lambda env: env.to("cube"),
     "view": lambda env: env.view([0, 0, 1]),
     "detect": lambda env: el.detect(env),
-    "loghin": lambda env: el.papers.loghin.detect(env, threshold=1e4),
+    "loghin": lambda env: el.papers.loghin.detect(env, settings=Settings(threshold=1e4)),
     "one light": lambda env: el.detect(env)[:1],
     "discs": lambda env: el.detect(env).discs(),
     "lights of split": lambda env: el.split(env).lights,

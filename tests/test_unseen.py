@@ -13,6 +13,7 @@ from envlights import cli
 from envlights.kernels.probe import relative_rms
 from envlights.kernels.sphere import pixel_directions
 from envlights.papers import madsen
+from envlights.papers.loghin import Settings
 from tests.helpers import DETECTORS, NORMALS, SOLID_ANGLES, paths_of_real_maps
 
 HEIGHT, WIDTH = 64, 128
@@ -239,7 +240,9 @@ def test_the_background_of_a_light_at_the_border_is_what_is_seen(tmp_path):
 def test_an_even_sky_has_no_light_along_the_border(radiance, method):
     seen = (TOWARDS[..., 2] > 0.3) & (abs(TOWARDS[..., 0]) < 0.6)
     env = el.EnvMap(GREY * radiance * 2, coverage=seen)
-    lights = DETECTORS[method](env, **({"relative": True} if method == "loghin" else {}))
+    lights = DETECTORS[method](
+        env, **({"settings": Settings(relative=True)} if method == "loghin" else {})
+    )
     assert len(lights) == 0
 
 

@@ -117,7 +117,8 @@ def test_detect_prints_and_writes_what_the_function_finds(hall, tmp_path, method
     outputs = ("-o", tmp_path / "lights.json", "-o", tmp_path / "lights.png")
     result = run("detect", hall, "-n", 2, "--method", method, *outputs)
     assert result.exit_code == 0, result.output
-    lights = DETECTORS[method](el.EnvMap.open(hall), max_lights=2)
+    most = {"max_lights" if method == "tree" else "lights": 2}
+    lights = DETECTORS[method](el.EnvMap.open(hall), **most)
     assert result.stdout.startswith(str(lights).split("\n\n")[0])
     assert json.loads((tmp_path / "lights.json").read_text()) == lights.to_dict()
     assert (tmp_path / "lights.png").read_bytes().startswith(b"\x89PNG")

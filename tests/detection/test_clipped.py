@@ -7,6 +7,7 @@ import envlights as el
 from envlights import kernels
 from envlights._common.srgb import encode_srgb
 from envlights.fitting import wording
+from envlights.papers.loghin import Settings
 from envlights.synthetic import Disc, Rectangle, evaluate, scene, suite
 from tests.helpers import DETECTORS, angle_deg, printed_by_threads
 
@@ -279,7 +280,7 @@ def test_the_brightest_pixel_of_an_evenly_lit_window_is_not_clipped():
 def test_a_flat_top_at_a_ceiling_is_clipped(ceiling):
     radiance = np.minimum(ceiling * glow(256, np.array([0, 0.6, 0.8]), 6.0, 1e-3), ceiling)
     for method in DETECTORS:
-        options = {"relative": True} if method == "loghin" else {}
+        options = {"settings": Settings(relative=True)} if method == "loghin" else {}
         assert DETECTORS[method](radiance, **options).is_clipped[0], method
     share = (1 - np.cos(np.deg2rad(6.0))) / 2
     np.testing.assert_allclose(el.EnvMap(radiance).clipped_fraction, share, rtol=0.05)

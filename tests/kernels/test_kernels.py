@@ -197,7 +197,7 @@ el.kernels.probe_model([1] * 8, [[0, 1, 0]])
 child = os.fork()
 if not child:
     signal.alarm(20)  # ends it where it waits for threads that it does not have
-    el.fit(env, 1), el.detect(env), el.detect(env, "article", blur_px=1.0, working_width=16)
+    el.fit(env, 1), el.detect(env), el.papers.loghin.detect(env, working_width=16)
     el.papers.madsen.fit(el.synthetic.hall(16).radiance, 1)
     el.kernels.probe_model([1] * 8, [[0, 1, 0]])
     el.kernels.sum_over_sources(*[[[0, 1, 0]]] * 3, [1])

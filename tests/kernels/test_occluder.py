@@ -171,7 +171,7 @@ def test_threads_give_the_same_bits():
         "import numpy as np, envlights as el\n"
         "g = np.stack(np.meshgrid(np.linspace(-2, 2, 60), 0, np.linspace(-2, 2, 60)), -1)\n"
         "solids = el.scene.Ball((0, 0.5, 0), 0.5), el.scene.Box((1, 0.4, 0), (0.4,) * 3)\n"
-        "s = el.occluders.Stage.floor(solids, g.reshape(-1, 3))\n"
+        "s = el.kernels.solids.Stage.floor(solids, g.reshape(-1, 3))\n"
         "out = el.kernels.hidden_fractions(s, [[0.6, 0.8, 0], [0, 0.6, 0.8]], [0.3, 0.005])\n"
         "import hashlib; print(hashlib.sha256(out.tobytes()).hexdigest())"
     )
@@ -232,7 +232,7 @@ CUBE = el.scene.Box((0, 0, 0), (1, 1, 1))
             "normals must have the shape of points",
         ),
         (lambda: Stage.floor(BALL, [[0, np.inf, 0]]), "points must be finite; row 0 holds"),
-        (lambda: kernels.hidden_fractions(BALL, *NONE), "stage must be an occluders.Stage"),
+        (lambda: kernels.hidden_fractions(BALL, *NONE), "stage must be a Stage"),
         (
             lambda: kernels.hidden_fractions(Stage.floor(BALL, [[0, 0, 0]]), [UP], [2.0]),
             "angular_radius must lie from 0 to pi / 2; got 2",

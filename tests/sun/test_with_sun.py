@@ -243,7 +243,7 @@ def test_without_a_sun_the_repair_is_that_of_the_kernel():
     from envlights.environment.repair import repair
 
     env, _ = clipped()
-    expected = repair(env.radiance, False, 1.0, None, None)
+    expected = repair(env._pixels, None, None)
     repaired = env.repaired()
     assert repaired.radiance.tobytes() == expected.radiance.tobytes()
     assert repaired.notes == (*env.notes, expected.note)

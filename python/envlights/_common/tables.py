@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import csv
 import io
-import json
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from html import escape
@@ -100,11 +99,15 @@ def csv_of(columns: Mapping[str, ArrayLike]) -> str:
 
 def json_lines(rows: Iterable[Any]) -> str:
     """Lines of JSON, which hold no infinity."""
+    import json
+
     return "".join(json.dumps(row, allow_nan=False) + "\n" for row in rows)
 
 
 def json_text(content: Any) -> str:
     """Content of a file of JSON."""
+    import json
+
     return json.dumps(content, indent=2) + "\n"
 
 

@@ -72,5 +72,5 @@ def checked_clip_level(clip_level: float) -> float:
     """Clip level as a number above 0, or a refusal."""
     value = amount("clip_level", clip_level)
     if value == 0:
-        raise EnvLightsError("white must be above 0; got 0")
+        raise EnvLightsError("clip_level must be above 0; got 0")
     return value

@@ -186,7 +186,7 @@ def reflected_irradiance(
 def _check(stage: object) -> None:
     if not isinstance(stage, Stage):
         raise EnvLightsError(
-            "stage must be an occluders.Stage of solids, points and normals;"
+            "stage must be a Stage of solids, points and normals;"
             f" got an object of the type {type(stage).__name__}"
         )
 
