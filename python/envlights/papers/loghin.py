@@ -2,13 +2,9 @@
 
 `detect` runs the steps on a map, `envlights.detect_photograph` on a photograph, and
 `envlights.plot.loghin_picture` draws them. The steps themselves are functions on arrays:
-
-| step                                         | function            |
-|----------------------------------------------|---------------------|
-| 5: brightest pixel around each sample        | `neighbour_maximum` |
-| 7: suppression of samples near brighter ones | `suppress`          |
-| 8: lines between samples, and their merging  | `bresenham_line`, `merge_along_lines` |
-| 9: weighted means                            | `weighted_means`    |
+`neighbour_maximum` is step 5, the brightest pixel around each sample; `suppress` is step 7,
+suppression near brighter samples; `bresenham_line` and `merge_along_lines` are step 8, lines
+between samples and their merging; `weighted_means` is step 9.
 """
 
 from __future__ import annotations
