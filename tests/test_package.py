@@ -4,8 +4,10 @@ import ast
 import importlib.metadata
 import subprocess
 import sys
+from operator import attrgetter
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import envlights as el
@@ -92,3 +94,26 @@ def test_the_constraints_of_the_lowest_versions_are_those_of_the_package():
 def test_the_release_notes_are_the_newest_entry_of_the_changelog():
     entries = ("# Log", "## 0.3.0 (unreleased)", "- c", "## 0.2.0 - 2026-03-04", "- b")
     assert release_notes.newest("\n\n".join(entries)) == ("0.2.0", "- b")
+
+
+@pytest.mark.parametrize(
+    "name", [name for names in el._FORMER.values() for name in names.split()] + [*el._RENAMED]
+)
+def test_a_former_name_works_and_warns_with_the_present_one(name):
+    with pytest.warns(DeprecationWarning, match=rf"el\.{name} is called el\.\S+ now") as warned:
+        value = getattr(el, name)
+    assert warned[0].filename == __file__
+    path = str(warned[0].message).split()[-2].removeprefix("el.")
+    assert value is attrgetter(path)(el)
+
+
+def test_former_arguments_and_attributes_work_and_warn():
+    radiance = np.full((8, 16, 3), 0.5)
+    with pytest.warns(DeprecationWarning, match="white= of EnvMap.* is called clip_level= now"):
+        env = el.EnvMap(radiance, white=2.0)
+    with pytest.warns(DeprecationWarning, match=r"EnvMap\.white is called `clip_level` now"):
+        assert env.white == 2.0
+    with pytest.raises(TypeError, match="both white= and clip_level="):
+        el.EnvMap(radiance, white=2.0, clip_level=2.0)
+    with pytest.warns(DeprecationWarning, match="blur_px= of detect is called `blur_px` of its"):
+        el.papers.loghin.detect(radiance, blur_px=0.0)
