@@ -41,7 +41,7 @@ import os, signal, sys, tempfile, threading, time
 import numpy as np
 import envlights as el
 from envlights import kernels
-from envlights.transfer.training.products import eigensystem
+from envlights.transfer.training.gram import eigensystem
 
 # A shell lets programs in the background ignore it.
 signal.signal(signal.SIGINT, signal.default_int_handler)
