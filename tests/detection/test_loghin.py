@@ -271,7 +271,7 @@ def test_lights_at_the_poles_hold_no_more_than_the_flux():
 
 def test_each_former_keyword_gives_the_same_and_warns():
     radiance = el.synthetic.hall(64).radiance
-    with pytest.warns(DeprecationWarning) as warned:
+    with pytest.warns(DeprecationWarning, match="of detect is called") as warned:
         former = el.papers.loghin.detect(radiance, sphere=True, max_lights=2)
     assert [str(each.message) for each in warned] == [
         "max_lights= of detect is called lights= now",
