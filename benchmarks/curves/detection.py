@@ -1,6 +1,6 @@
 """Detection of lights in generated maps with known lights: run time against missed lights.
 
-The settings of `tree` and `loghin` are working widths. Two families of maps are measured as
+The settings of `tree` and `article` are working widths. Two families of maps are measured as
 radiance and as 8-bit sRGB pictures with 1 % of the sphere clipped. For the pictures the peers read
 the decoded radiance, and the error of flux includes the clipped light. Angle and flux are medians
 over the detected lights. Each family has eight maps of 1024x512 pixels; two are timed.
@@ -21,7 +21,7 @@ TITLE = "Detection"
 READ = ": left is faster, down is more accurate"
 ERRORS = {"missed": "1 - F1", "angle": "angle of detected lights, radians", "flux": "error of flux"}
 COUNTED = None
-OURS = ("tree", "loghin")
+OURS = ("tree", "article")
 COLUMNS = (128, 256, 512, 1024)
 PEERS = (
     "threshold + components",
@@ -36,7 +36,7 @@ CLIPPED = 0.01
 
 METHODS = {
     "tree": [(columns, ours(working_width=columns)) for columns in COLUMNS],
-    "loghin": [
+    "article": [
         (columns, ours(el.papers.loghin.detect, working_width=columns)) for columns in (256, 1024)
     ],
     **{name: [(None, DETECTORS[name])] for name in PEERS},
