@@ -61,13 +61,13 @@ class Linear:
             return self._look_up(samples, self._table)
         curve = self._conversion.curve
         if curve is None and samples.dtype == np.float16:
-            return _native.widen(np.ascontiguousarray(samples))
+            return _in_blocks(lambda halves: _native.widen(np.ascontiguousarray(halves)), samples)
         if curve is None:
             return samples.astype(np.float32, copy=False)
         if samples.dtype.itemsize == 2:
             bits = np.ascontiguousarray(samples).view(np.uint16)
             return self._look_up(bits, self._table_of_halves)
-        return _in_blocks(curve, samples)
+        return _in_blocks(lambda part: curve(part.astype(np.float64)), samples)
 
     def _look_up(self, codes: NDArray[Any], table: NDArray[np.float32]) -> NDArray[np.float32]:
         """Values of codes; a grey channel has the curve of green."""
@@ -91,5 +91,5 @@ def _in_blocks(curve: Curve, samples: NDArray[Any]) -> NDArray[np.float32]:
     for top in range(0, len(samples), _ROWS_AT_ONCE):
         rows = slice(top, top + _ROWS_AT_ONCE)
         with np.errstate(all="ignore"):
-            linear[rows] = curve(samples[rows].astype(np.float64))
+            linear[rows] = curve(samples[rows])
     return linear
