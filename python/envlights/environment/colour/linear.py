@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cached_property
 from typing import Any
 
@@ -11,10 +12,9 @@ from numpy.typing import NDArray
 from envlights import _native
 from envlights._common.srgb import look_up
 from envlights.environment.colour.choice import ColourConversion
-from envlights.environment.colour.transfer_curves import Curve
 from envlights.environment.decoders.raw_image import Header
 
-#: Rows of a block of floating point samples, whose curve needs memory for double precision.
+#: Rows of a block of floating point samples, whose conversion needs memory beside the result.
 _ROWS_AT_ONCE = 64
 
 
@@ -85,11 +85,13 @@ class Linear:
         return self._conversion.values(halves.astype(np.float64))
 
 
-def _in_blocks(curve: Curve, samples: NDArray[Any]) -> NDArray[np.float32]:
-    """Values of the curve for floating point samples."""
+def _in_blocks(
+    values: Callable[[NDArray[Any]], NDArray[Any]], samples: NDArray[Any]
+) -> NDArray[np.float32]:
+    """Values of floating point samples, which need memory for few rows at a time."""
     linear = np.empty(samples.shape, np.float32)
     for top in range(0, len(samples), _ROWS_AT_ONCE):
         rows = slice(top, top + _ROWS_AT_ONCE)
         with np.errstate(all="ignore"):
-            linear[rows] = curve(samples[rows])
+            linear[rows] = values(samples[rows])
     return linear
