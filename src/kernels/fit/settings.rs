@@ -1,6 +1,6 @@
 //! Tuned numbers of a search and of discs, each with the figure that changes without it.
 //!
-//! Those of a descent are in `damped_newton.rs`. Figures are errors on real and generated maps.
+//! The numbers of a descent are in `damped_newton.rs`. All figures are changes of the error on real and generated maps.
 
 use super::objective::PointObjective;
 

@@ -20,8 +20,9 @@ type Arc = (usize, usize);
 
 /// Flows above 0 of least total cost from `supplies` to `demands`, which are above 0 and have the same sum.
 ///
-/// Of several optima, it is one with the least sum of squared costs: if all lights of a great circle move along it,
-/// each of them moves, not one past all others. At most one less than there are nodes; in the order of arcs.
+/// Equal optima are decided by the least sum of squared costs: if all lights of a great circle move along it, each of
+/// them moves a little, instead of one light past all others. The number of flows is less than that of nodes; they are
+/// in the order of arcs.
 pub(super) fn cheapest_flows(
     costs: ArrayView2<'_, f64>,
     supplies: &[i64],
