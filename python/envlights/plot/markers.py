@@ -229,7 +229,7 @@ def key_of(fraction: NDArray[np.float64], sizes: Sizes) -> list[Line2D]:
     entries = [
         _entry("o", f"{100 * fraction:g} %", _diameter(sizes, fraction)) for fraction in seen
     ]
-    entries[0].set_label(f"share {entries[0].get_label()}")
+    entries[0].set_label(f"fraction {entries[0].get_label()}")
     return entries
 
 
