@@ -1,12 +1,16 @@
-//! Readers of image files, bytes in, a header and samples out, and a writer of Radiance pictures. Callers decide on
-//! colour and placement.
+//! Readers and writers of picture files, bytes in, a header and samples out. Callers decide on colour and placement.
 //!
-//! | format        | folder or file |
-//! |---------------|----------------|
-//! | Radiance .hdr | `radiance/`    |
-//! | PNG           | `png.rs`       |
+//! | part                               | folder or file |
+//! |------------------------------------|----------------|
+//! | statements of a file               | `header.rs`    |
+//! | the trait of all readers           | `picture.rs`   |
+//! | limits and refusals of all readers | `input.rs`     |
+//! | Radiance .hdr                      | `radiance/`    |
+//! | PNG                                | `png.rs`       |
 
+pub mod header;
 pub mod input;
+pub mod picture;
 pub mod png;
 pub mod radiance;
 
