@@ -6,7 +6,7 @@
 //! | the trait of all readers           | `picture.rs`   |
 //! | limits and refusals of all readers | `input.rs`     |
 //! | Radiance .hdr                      | `radiance/`    |
-//! | PNG                                | `png.rs`       |
+//! | PNG                                | `png/`         |
 
 pub mod header;
 pub mod input;
