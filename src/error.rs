@@ -175,6 +175,10 @@ pub enum Error {
         negative: usize,
     },
 
+    /// A map whose samples are all NaN or infinite.
+    #[error("the image holds no finite sample; is it damaged?")]
+    NoFiniteSample,
+
     /// An image without a pixel.
     #[error("an image needs at least one pixel; got {height} rows of {width}")]
     EmptyImage {

@@ -8,29 +8,35 @@ use super::output::fill;
 use super::pool::interruptible;
 use super::sphere::registration;
 use crate::error::Error;
-use crate::kernels::image::{self, Sample};
+use crate::kernels::image::{self, Cleaning, Sample, Unusable};
 
-/// See `envlights.EnvMap`: the numbers of NaN, infinite and negative samples, and the largest finite sample.
-#[pyfunction]
-pub fn unusable(
-    py: Python<'_>,
-    radiance: PyReadonlyArray3<'_, f32>,
-) -> PyResult<(usize, usize, usize, Option<f32>)> {
-    let radiance = radiance.as_array();
-    let counts = interruptible(py, || image::unusable(radiance))?;
-    Ok((counts.nan, counts.infinite, counts.negative, counts.largest))
+/// Numbers of NaN, infinite and negative samples, the level of infinite ones, and true for a NaN in the brightest light.
+pub type Cleaned = (usize, usize, usize, Option<f64>, bool);
+
+/// `cleaning` for Python.
+pub fn cleaned(cleaning: &Cleaning) -> Cleaned {
+    let Unusable { nan, infinite, negative, .. } = cleaning.unusable;
+    (nan, infinite, negative, cleaning.level, cleaning.is_nan_bright)
 }
 
-/// See `envlights.environment.clean`: usable samples, and the largest one that replaces a NaN.
+/// See `envlights.environment.clean`: usable samples and what was replaced; None if all samples are usable.
 #[pyfunction]
 pub fn clean<'py>(
     py: Python<'py>,
     radiance: PyReadonlyArray3<'py, f32>,
-    level: f64,
     wraps: bool,
-) -> PyResult<(Bound<'py, PyArray3<f32>>, f64)> {
+) -> PyResult<Option<(Bound<'py, PyArray3<f32>>, Cleaned)>> {
     let radiance = radiance.as_array();
-    fill(py, radiance.dim().into(), |cleaned| image::clean(radiance, level, wraps, cleaned))
+    let unusable = interruptible(py, || image::unusable(radiance))?;
+    if unusable.nan + unusable.infinite + unusable.negative == 0 {
+        return Ok(None);
+    }
+    let (samples, cleaning) = fill(py, radiance.dim().into(), |samples| {
+        let mut cleaning = Cleaning::of(unusable)?;
+        cleaning.apply(radiance, wraps, samples)?;
+        Ok(cleaning)
+    })?;
+    Ok(Some((samples, cleaned(&cleaning))))
 }
 
 /// See `envlights.environment.open`: true for two discs in black squares, by a map reduced to `columns`.

@@ -1,21 +1,6 @@
-//! Common parts of all readers: rows, limits and refusals.
-
-use std::ops::Range;
+//! Common parts of all readers: limits and refusals.
 
 use crate::error::{Error, Result};
-
-/// An image whose rows are decoded from the bytes of its file in any order and by any number of threads.
-pub trait Rows: Sync {
-    /// Rows and columns.
-    fn size(&self) -> (usize, usize);
-
-    /// Write the samples of some rows into `out`, three for each pixel, row after row.
-    ///
-    /// # Errors
-    ///
-    /// If the bytes of a row are damaged.
-    fn read(&self, rows: Range<usize>, out: &mut [f32]) -> Result<()>;
-}
 
 /// Refuse an image without pixels, or with more than `max_pixels`, before memory is allocated.
 ///
