@@ -5,6 +5,7 @@
 //! | statements of a file               | `header.rs`    |
 //! | the trait of all readers           | `picture.rs`   |
 //! | limits and refusals of all readers | `input.rs`     |
+//! | numbers of EXIF                    | `exif.rs`      |
 //! | Radiance .hdr                      | `radiance/`    |
 //! | PNG                                | `png/`         |
 
