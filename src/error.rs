@@ -262,6 +262,13 @@ pub enum Error {
         width: usize,
     },
 
+    /// An image file whose content is not converted.
+    #[error("{reason}")]
+    UnreadFile {
+        /// Sentence about the content and the way out.
+        reason: String,
+    },
+
     /// An image file whose bytes contradict its format.
     #[error("{reason}")]
     DamagedFile {

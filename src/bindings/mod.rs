@@ -56,7 +56,7 @@ mod _native {
     #[pymodule_export]
     use super::detect::{ClippedDetection, TreeDetection, detect_tree, reduced_luminance};
     #[pymodule_export]
-    use super::error::{EnvLightsError, UnusableSamplesError};
+    use super::error::{DamagedBytesError, EnvLightsError, UnusableSamplesError};
     #[pymodule_export]
     use super::fill::fill_unseen;
     #[pymodule_export]

@@ -130,13 +130,11 @@ impl PyRowReducer {
         }
     }
 
-    /// The reduced map, what was replaced in it, and the fraction of the flux in infinite samples; None if rows are
-    /// missing.
-    fn finish(&self, py: Python<'_>) -> PyResult<Option<(ReducedMap, Cleaned, f64)>> {
-        let reduction = interruptible(py, || each!(&self.reducer, reducer => reducer.finish()))?;
-        Ok(reduction.map(|Reduction { map, cleaning, clipped_flux }| {
-            (ReducedMap { map, floor: self.floor }, cleaned(&cleaning), clipped_flux)
-        }))
+    /// The reduced map, what was replaced in it, and the fraction of the flux in infinite samples.
+    fn finish(&self, py: Python<'_>) -> PyResult<(ReducedMap, Cleaned, f64)> {
+        let Reduction { map, cleaning, clipped_flux } =
+            interruptible(py, || each!(&self.reducer, reducer => reducer.finish()))?;
+        Ok((ReducedMap { map, floor: self.floor }, cleaned(&cleaning), clipped_flux))
     }
 }
 

@@ -17,7 +17,12 @@ pub fn check_size(height: usize, width: usize, max_pixels: usize) -> Result<()> 
     Ok(())
 }
 
-/// Refusal of a file for a `reason`.
+/// Refusal of a file whose content is not converted, for a `reason` with the way out.
+pub fn unread(reason: impl Into<String>) -> Error {
+    Error::UnreadFile { reason: reason.into() }
+}
+
+/// Refusal of a damaged file for a `reason`.
 pub fn damage(reason: impl Into<String>) -> Error {
     Error::DamagedFile { reason: reason.into() }
 }

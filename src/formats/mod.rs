@@ -31,6 +31,6 @@ where
     Ok(match kind {
         "radiance" => Box::new(radiance::Radiance::open(bytes, max_pixels)?),
         "png" => Box::new(png::Png::open(bytes, max_pixels)?),
-        _ => return Err(input::damage(format!("there is no reader of the kind {kind}"))),
+        _ => return Err(input::unread(format!("there is no reader of the kind {kind}"))),
     })
 }

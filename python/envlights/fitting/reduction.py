@@ -144,7 +144,7 @@ def reduction_of_file(path: str | os.PathLike[str] | bytes, floor: bool) -> Redu
 
     It equals that of `EnvMap.open`.
     """
-    reduced = reduce_file(path, WORKING_COLUMNS, POINT_SHARE, floor)
-    if reduced is None or reduced.width < LEAST_COLUMNS:
+    reduced = reduce_file(path, WORKING_COLUMNS, POINT_SHARE, floor, LEAST_COLUMNS)
+    if reduced is None:
         return None
     return Reduction(*reduced[:-1], units=reduced.units)

@@ -23,7 +23,7 @@ from envlights.environment.decoders.description import (
     estimates_of_description,
     layout_of_description,
 )
-from envlights.environment.decoders.exif_exposure import ev100_of, exposure_tags
+from envlights.environment.decoders.exif_exposure import ev100_of, exposure_of
 from envlights.environment.decoders.jpeg_segments import Segments, segments
 from envlights.environment.decoders.raw_image import FileColour, Header, Part, RawImage, Window
 from envlights.environment.decoders.source import WANTED, Source
@@ -42,7 +42,6 @@ else:
 __all__ = [
     "WHITE_LUMINANCE",
     "OpenImageIOFile",
-    "check_size",
     "failure",
     "oiio",
     "open_with_openimageio",
@@ -255,15 +254,6 @@ def _block(
         columns = (spec.x, spec.x + spec.width)
         return file.read_tiles(part, 0, *columns, *rows, 0, 1, *channels, as_type)
     return file.read_scanlines(part, 0, *rows, 0, *channels, as_type)
-
-
-def check_size(name: str, width: int, height: int, max_pixels: int) -> None:
-    """Refuse more pixels than `max_pixels`, because a damaged header may claim any number."""
-    if width * height > max_pixels:
-        raise FileError(
-            f"cannot read {name}: it claims to hold {width}x{height} pixels, more than"
-            f" {max_pixels}; if it is not damaged, give a higher max_pixels"
-        )
 
 
 def _check_spec(name: str, spec: oiio.ImageSpec, max_pixels: int) -> None:

@@ -18,9 +18,9 @@ from envlights.environment.clip_level import CodeHistogram, white_of
 from envlights.environment.colour.alpha import seen_of_alpha, straight_codes, visible
 from envlights.environment.colour.choice import ColourArgument, ColourConversion, conversion
 from envlights.environment.colour.linear import Linear
-from envlights.environment.decoders.native import open_png, open_radiance
-from envlights.environment.decoders.openimageio import check_size, open_with_openimageio
-from envlights.environment.decoders.raw_image import ImageFile, RawImage
+from envlights.environment.decoders.native import KINDS, open_native
+from envlights.environment.decoders.openimageio import open_with_openimageio
+from envlights.environment.decoders.raw_image import ImageFile, RawImage, check_size
 from envlights.environment.decoders.source import AnySource, Source, kind_of, named_source
 from envlights.environment.files.channels import Choice, choose
 from envlights.environment.files.hints import NO_HINTS, Hints
@@ -235,10 +235,8 @@ def _check_projection(hints: Hints) -> None:
 @contextlib.contextmanager
 def _reader(named: Source, kind: str, max_pixels: int) -> Iterator[ImageFile]:
     """Open file by the reader of its kind."""
-    if kind == "radiance":
-        yield open_radiance(named, max_pixels)
-    elif kind == "png":
-        yield open_png(named, max_pixels)
+    if kind in KINDS:
+        yield open_native(named, kind, max_pixels)
     else:
         with open_with_openimageio(named, kind, max_pixels) as file:
             yield file

@@ -193,8 +193,12 @@ impl<T: Sample> RowReducer<T> {
         if is_whole && rows <= left {
             return Ok(());
         }
+        Err(self.wrong_rows(rows))
+    }
+
+    fn wrong_rows(&self, rows: usize) -> Error {
         let shape = vec![rows, self.options.width, 3];
-        Err(Error::WrongShape { what: "rows", wanted: "(whole rows of blocks, width, 3)", shape })
+        Error::WrongShape { what: "rows", wanted: "(whole rows of blocks, width, 3)", shape }
     }
 
     /// Add the integrals of the next rows; retain those pixels of `samples` that may be needed again.
@@ -287,14 +291,14 @@ impl<T: Sample> RowReducer<T> {
         self.top.histogram::<T>()
     }
 
-    /// The reduction; none if rows are missing.
+    /// The reduction.
     ///
     /// # Errors
     ///
-    /// [`Error::NoFiniteSample`].
-    pub fn finish(&self) -> Result<Option<Reduction>> {
+    /// [`Error::WrongShape`] if rows are missing; [`Error::NoFiniteSample`].
+    pub fn finish(&self) -> Result<Reduction> {
         if self.rows < self.flux.rows.len() {
-            return Ok(None);
+            return Err(self.wrong_rows(0));
         }
         let (cleaning, lines) = self.odd.cleaned(self.samples, self.options.width)?;
         let mut flux = CellFlux { cells: self.flux.cells.clone(), rows: self.flux.rows.clone() };
@@ -308,7 +312,7 @@ impl<T: Sample> RowReducer<T> {
         }
         let whole = luminance(flux.whole());
         let clipped_flux = cleaning.level.map_or(0.0, |level| self.clipped_flux(&rows, level) / whole);
-        Ok(self.working_map(flux, &rows).map(|map| Reduction { map, cleaning, clipped_flux }))
+        Ok(Reduction { map: self.working_map(flux, &rows), cleaning, clipped_flux })
     }
 
     /// Edges of the lines of a row of blocks.
@@ -334,18 +338,17 @@ impl<T: Sample> RowReducer<T> {
     }
 
     /// The working map of this `flux`, with the cleaned values of odd `rows`.
-    fn working_map(&self, flux: CellFlux, rows: &BTreeMap<usize, Vec<f32>>) -> Option<WorkingMap> {
+    fn working_map(&self, flux: CellFlux, rows: &BTreeMap<usize, Vec<f32>>) -> WorkingMap {
         let ReductionOptions { source_fraction, has_floor, .. } = self.options;
         let reduced = ReducedFlux::new(flux, &self.layout, source_fraction, has_floor);
         let linear = |cell: &(usize, usize)| {
             if let Some(values) = rows.get(&cell.0) {
-                return Some(self.layout.copy(values, *cell));
+                return self.layout.copy(values, *cell);
             }
-            let pixels = self.retained.get(cell)?;
-            Some(without_signs(T::linear(pixels, &self.table, &mut Vec::new())))
+            without_signs(T::linear(&self.retained[cell], &self.table, &mut Vec::new()))
         };
-        let samples = reduced.cells().iter().map(linear).collect::<Option<Vec<_>>>()?;
-        Some(reduced.with_parts(&self.layout, has_floor, samples))
+        let samples = reduced.cells().iter().map(linear).collect();
+        reduced.with_parts(&self.layout, has_floor, samples)
     }
 }
 
