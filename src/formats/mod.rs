@@ -7,11 +7,13 @@
 //! | limits and refusals of all readers | `input.rs`     |
 //! | Radiance .hdr                      | `radiance/`    |
 //! | PNG                                | `png/`         |
+//! | TIFF                               | `tiff/`        |
 
 pub mod header;
 pub mod input;
 pub mod picture;
 pub mod png;
 pub mod radiance;
+pub mod tiff;
 
 pub use input::Rows;
