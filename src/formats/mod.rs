@@ -5,10 +5,12 @@
 //! | statements of a file               | `header.rs`    |
 //! | the trait of all readers           | `picture.rs`   |
 //! | limits and refusals of all readers | `input.rs`     |
+//! | numbers of EXIF                    | `exif.rs`      |
 //! | Radiance .hdr                      | `radiance/`    |
 //! | PNG                                | `png/`         |
 //! | TIFF                               | `tiff/`        |
 
+pub mod exif;
 pub mod header;
 pub mod input;
 pub mod picture;
