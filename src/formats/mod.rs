@@ -5,11 +5,13 @@
 //! | statements of a file               | `header.rs`    |
 //! | the trait of all readers           | `picture.rs`   |
 //! | limits and refusals of all readers | `input.rs`     |
+//! | tags in the layout of TIFF         | `directory.rs` |
 //! | numbers of EXIF                    | `exif.rs`      |
 //! | Radiance .hdr                      | `radiance/`    |
 //! | PNG                                | `png/`         |
 //! | TIFF                               | `tiff/`        |
 
+pub mod directory;
 pub mod exif;
 pub mod header;
 pub mod input;

@@ -2,15 +2,14 @@
 //!
 //! | step                                        | file            |
 //! |---------------------------------------------|-----------------|
-//! | tags and where their values lie             | `directory.rs`  |
 //! | form of a page, refusals of other forms     | `page.rs`       |
 //! | statements of a page                        | `statements.rs` |
 //! | strips and tiles of some rows               | `rows.rs`       |
 //! | compressed bytes of a strip to its bytes    | `unpack.rs`     |
 //! | differences to samples                      | `predictor.rs`  |
 //! | bytes to samples                            | `samples.rs`    |
+//! | a file of samples                           | `write.rs`      |
 
-mod directory;
 mod page;
 mod predictor;
 mod rows;
@@ -19,15 +18,16 @@ mod statements;
 #[cfg(test)]
 mod tests;
 mod unpack;
+pub mod write;
 
 use std::collections::BTreeSet;
 use std::ops::Range;
 
 use half::f16;
 
-use self::directory::{Directory, File};
 use self::page::Page;
 use self::rows::{Kept, Request};
+use super::directory::{Directory, File};
 use super::header::{Header, SampleType};
 use super::input::damage;
 use super::picture::{PictureFile, Samples};

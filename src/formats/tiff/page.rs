@@ -1,7 +1,7 @@
 //! Form of one page: its samples, and the strips or tiles that hold them; refusals of what is not converted.
 
-use super::directory::{Directory, File, Integers};
 use crate::error::{Error, Result};
+use crate::formats::directory::{Directory, File, Integers};
 use crate::formats::header::SampleType;
 use crate::formats::input::{check_size, damage};
 

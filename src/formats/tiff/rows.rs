@@ -8,12 +8,12 @@ use std::sync::{Arc, Mutex, PoisonError};
 use ndarray::Array3;
 use rayon::prelude::*;
 
-use super::directory::File;
 use super::page::{Compression, Page, Predictor};
 use super::predictor::undo;
 use super::samples::Sample;
 use super::unpack::unpack;
 use crate::error::{Error, Result};
+use crate::formats::directory::File;
 use crate::formats::input::zeros;
 use crate::interrupt;
 

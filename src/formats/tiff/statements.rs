@@ -1,11 +1,11 @@
 //! Header of a page: names of its channels, and what its tags state about colour, place and exposure.
 
-use super::directory::Directory;
 use super::page::{Form, Page};
+use crate::formats::directory::Directory;
+use crate::formats::exif;
 use crate::formats::header::{Alpha, Channel, Colour, Header};
 
 const DESCRIPTION: u16 = 270;
-const ORIENTATION: u16 = 274;
 const EXTRA_SAMPLES: u16 = 338;
 const XMP: u16 = 700;
 /// Format of a texture, by Pixar.
@@ -16,6 +16,7 @@ const MOST: (usize, usize, usize) = (1 << 16, 4 << 20, 16 << 20);
 
 /// Header of a `page` with its `directory`.
 pub fn header(page: &Page, directory: &Directory<'_>) -> Header {
+    let exif = exif::numbers_of(directory);
     let (names, alpha) = channels(page, directory);
     let sample = page.sample_type();
     let channels = names.into_iter().map(|name| Channel { name, sample }).collect();
@@ -23,11 +24,15 @@ pub fn header(page: &Page, directory: &Directory<'_>) -> Header {
     Header {
         alpha,
         block: page.block(),
-        colour: Colour { icc: bytes(ICC, MOST.2).to_vec(), ..Colour::default() },
-        orientation: directory.integer(ORIENTATION).filter(|value| (1..=8).contains(value)).unwrap_or(1)
-            as u8,
+        colour: Colour {
+            icc: bytes(ICC, MOST.2).to_vec(),
+            is_srgb: exif.get("ColorSpace") == Some(&1.0),
+            ..Colour::default()
+        },
+        orientation: exif::orientation(&exif),
         environment: environment(bytes(TEXTURE_FORMAT, MOST.0)),
         xmp: bytes(XMP, MOST.1).to_vec(),
+        exif,
         description: text(bytes(DESCRIPTION, MOST.0)),
         ..Header::plain("tiff", page.height, page.width, channels)
     }

@@ -1,4 +1,6 @@
-//! Directories of a TIFF file: its tags and where their values lie (TIFF 6.0, section 2; BigTIFF).
+//! Directories in the layout of TIFF (TIFF 6.0, section 2; `BigTIFF`): tags and where their values lie.
+//!
+//! EXIF has the same layout, in a segment of JPEG, a chunk of PNG, and a TIFF file itself.
 //!
 //! Nothing is copied, and no memory is allocated for anything that the bytes claim.
 
