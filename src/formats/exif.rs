@@ -4,6 +4,8 @@
 
 use std::collections::BTreeMap;
 
+use super::directory::{Directory, File};
+
 /// Names and codes of the tags whose numbers are used.
 pub const TAGS: [(&str, u16); 14] = [
     ("Orientation", 0x0112),
@@ -29,7 +31,7 @@ const EXIF_DIRECTORY: u16 = 0x8769;
 ///
 /// The tags lie in the first directory or in the EXIF directory, which wins.
 pub fn numbers(bytes: &[u8]) -> BTreeMap<&'static str, f64> {
-    read(bytes).unwrap_or_default()
+    File::new(bytes).and_then(File::first).map(|first| numbers_of(&first)).unwrap_or_default()
 }
 
 /// EXIF orientation among the `numbers`, 1 to 8; 1 without one.
@@ -38,79 +40,11 @@ pub fn orientation(numbers: &BTreeMap<&'static str, f64>) -> u8 {
     (1..=8).find(|&value| f64::from(value) == stated).unwrap_or(1)
 }
 
-fn read(bytes: &[u8]) -> Option<BTreeMap<&'static str, f64>> {
-    let tiff = Tiff::new(bytes)?;
-    let first = tiff.long(4)?;
-    let exif = tiff.number(first, EXIF_DIRECTORY).map(|place| place as usize);
-    let number_of = |tag| exif.and_then(|place| tiff.number(place, tag)).or_else(|| tiff.number(first, tag));
-    Some(TAGS.iter().filter_map(|&(name, tag)| Some((name, number_of(tag)?))).collect())
-}
-
-/// Bytes in the layout of TIFF 6.0, section 2.
-struct Tiff<'a> {
-    bytes: &'a [u8],
-    is_little_endian: bool,
-}
-
-impl<'a> Tiff<'a> {
-    fn new(bytes: &'a [u8]) -> Option<Self> {
-        let is_little_endian = match bytes.first_chunk()? {
-            b"II*\0" => true,
-            b"MM\0*" => false,
-            _ => return None,
-        };
-        Some(Self { bytes, is_little_endian })
-    }
-
-    /// First number of a `tag` in the directory at `place`; None if it is absent, damaged or not finite.
-    fn number(&self, place: usize, tag: u16) -> Option<f64> {
-        const ENTRY: usize = 12;
-        let first = place.checked_add(2)?;
-        let mut entries = (0..usize::from(self.short(place)?)).map(|entry| first + entry * ENTRY);
-        let entry = entries.find(|&entry| self.short(entry) == Some(tag))?;
-        let has_values = self.long(entry + 4)? > 0;
-        self.value(self.short(entry + 2)?, entry + 8).filter(|value| has_values && value.is_finite())
-    }
-
-    /// First value of a `kind`, which lies at `place` if it fits into 4 bytes, else where these point.
-    fn value(&self, kind: u16, place: usize) -> Option<f64> {
-        match kind {
-            1 => self.take::<1>(place).map(|[byte]| f64::from(byte)),
-            3 => self.short(place).map(f64::from),
-            4 => self.take(place).map(u32::from_be_bytes).map(f64::from),
-            5 => self.ratio(self.long(place)?, u32::from_be_bytes),
-            6 => self.take(place).map(i8::from_be_bytes).map(f64::from),
-            8 => self.take(place).map(i16::from_be_bytes).map(f64::from),
-            9 => self.take(place).map(i32::from_be_bytes).map(f64::from),
-            10 => self.ratio(self.long(place)?, i32::from_be_bytes),
-            11 => self.take(place).map(f32::from_be_bytes).map(f64::from),
-            12 => self.take(self.long(place)?).map(f64::from_be_bytes),
-            _ => None,
-        }
-    }
-
-    /// Quotient of two integers.
-    fn ratio<T: Into<f64>>(&self, place: usize, integer: impl Fn([u8; 4]) -> T) -> Option<f64> {
-        let (above, below) = (self.take(place)?, self.take(place.checked_add(4)?)?);
-        Some(integer(above).into() / integer(below).into())
-    }
-
-    fn short(&self, place: usize) -> Option<u16> {
-        self.take(place).map(u16::from_be_bytes)
-    }
-
-    fn long(&self, place: usize) -> Option<usize> {
-        self.take(place).map(|bytes| u32::from_be_bytes(bytes) as usize)
-    }
-
-    /// Some bytes at `place`, the highest first.
-    fn take<const N: usize>(&self, place: usize) -> Option<[u8; N]> {
-        let mut bytes: [u8; N] = *self.bytes.get(place..)?.first_chunk()?;
-        if self.is_little_endian {
-            bytes.reverse();
-        }
-        Some(bytes)
-    }
+/// The same for a directory in the layout of TIFF.
+pub fn numbers_of(first: &Directory<'_>) -> BTreeMap<&'static str, f64> {
+    let exif = first.child(EXIF_DIRECTORY);
+    let number_of = |tag| exif.and_then(|exif| exif.number(tag)).or_else(|| first.number(tag));
+    TAGS.iter().filter_map(|&(name, tag)| Some((name, number_of(tag)?))).collect()
 }
 
 #[cfg(test)]

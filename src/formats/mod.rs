@@ -5,16 +5,20 @@
 //! | statements of a file               | `header.rs`    |
 //! | the trait of all readers           | `picture.rs`   |
 //! | limits and refusals of all readers | `input.rs`     |
+//! | tags in the layout of TIFF         | `directory.rs` |
 //! | numbers of EXIF                    | `exif.rs`      |
 //! | Radiance .hdr                      | `radiance/`    |
 //! | PNG                                | `png/`         |
+//! | TIFF                               | `tiff/`        |
 
+pub mod directory;
 pub mod exif;
 pub mod header;
 pub mod input;
 pub mod picture;
 pub mod png;
 pub mod radiance;
+pub mod tiff;
 
 use self::picture::PictureFile;
 use crate::error::Result;

@@ -1,5 +1,7 @@
 //! PNG files, by the crate `png`: samples of 8 or 16 bits and the statements about their colour.
 
+pub mod write;
+
 use std::io::Cursor;
 use std::ops::Range;
 use std::slice::from_ref;
