@@ -13,7 +13,7 @@ use super::pool::interruptible;
 use crate::formats::header::{Alpha, Header, SampleType};
 use crate::formats::picture::Samples;
 use crate::formats::radiance::write;
-use crate::formats::{self, picture};
+use crate::formats::{self, picture, png, tiff};
 
 /// Bytes of a Python object, without a copy.
 #[derive(Clone)]
@@ -161,5 +161,40 @@ pub fn radiance_rows<'py>(
 ) -> PyResult<Bound<'py, PyBytes>> {
     let radiance = radiance.as_array();
     let bytes = interruptible(py, || Ok(write::encode(radiance, rounds)))?;
+    Ok(PyBytes::new(py, &bytes))
+}
+
+/// Codes of a picture in either type.
+#[derive(FromPyObject)]
+pub enum Codes<'py> {
+    Bytes(PyReadonlyArray3<'py, u8>),
+    Words(PyReadonlyArray3<'py, u16>),
+}
+
+/// See `envlights.environment.files.image_output`: a PNG file of sRGB codes.
+#[pyfunction]
+pub fn png_file<'py>(py: Python<'py>, codes: Codes<'py>, description: &str) -> PyResult<Bound<'py, PyBytes>> {
+    let bytes = match &codes {
+        Codes::Bytes(codes) => {
+            let codes = codes.as_array();
+            interruptible(py, || Ok(png::write::encode_8(codes, description)))
+        }
+        Codes::Words(codes) => {
+            let codes = codes.as_array();
+            interruptible(py, || Ok(png::write::encode_16(codes, description)))
+        }
+    };
+    Ok(PyBytes::new(py, &bytes?))
+}
+
+/// See `envlights.environment.files.image_output`: a TIFF file of floats.
+#[pyfunction]
+pub fn tiff_file<'py>(
+    py: Python<'py>,
+    radiance: PyReadonlyArray3<'py, f32>,
+    description: &str,
+) -> PyResult<Bound<'py, PyBytes>> {
+    let radiance = radiance.as_array();
+    let bytes = interruptible(py, || Ok(tiff::write::encode(radiance, description)))?;
     Ok(PyBytes::new(py, &bytes))
 }

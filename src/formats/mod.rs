@@ -35,6 +35,7 @@ where
     Ok(match kind {
         "radiance" => Box::new(radiance::Radiance::open(bytes, max_pixels)?),
         "png" => Box::new(png::Png::open(bytes, max_pixels)?),
+        "tiff" => Box::new(tiff::open(bytes, max_pixels)?),
         _ => return Err(input::unread(format!("there is no reader of the kind {kind}"))),
     })
 }

@@ -96,7 +96,7 @@ def _is_plain(file: OpenImage, least_width: int) -> bool:
 
 
 def _table(file: OpenImage) -> NDArray[np.float32] | None:
-    """Linear value of each code, empty for floating point; None if values do not grow with codes."""
+    """Linear value of each code, empty for floats; None if values do not grow with codes."""
     header = file.raw.header
     if header.dtype.kind == "f":
         return np.zeros(0, np.float32)

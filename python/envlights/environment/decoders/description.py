@@ -39,4 +39,3 @@ def projection_of_layout(statement: str) -> str:
     """Value of `projection=` in a statement on the layout; empty if it names none."""
     found = re.search(r'"projection": *"([a-z-]{1,40})"', statement)
     return found[1] if found else ""
-

@@ -83,10 +83,7 @@ def write_exr(
 
 def write_codes(path: str | os.PathLike[str], codes: NDArray[np.uint8]) -> None:
     """Write sRGB codes, (height, width, 3 or 4), as a PNG file; alpha is not in the colour."""
-    spec = _spec(codes, oiio.UINT8, ())
-    spec.attribute("oiio:UnassociatedAlpha", 1)
-    spec.attribute("oiio:ColorSpace", "sRGB")
-    _write(path, spec, codes)
+    _write(path, _native.png_file(codes, ""))
 
 
 def write_hdr(
@@ -153,9 +150,7 @@ def write_tiff(
     comments : iterable of str
         Lines of the tag ``ImageDescription``.
     """
-    spec = _spec(radiance, oiio.FLOAT, comments)
-    spec.attribute("compression", "zip")
-    _write(path, spec, radiance)
+    _write(path, _native.tiff_file(np.asarray(radiance, np.float32), _description(comments)))
 
 
 def write_png(
@@ -181,14 +176,21 @@ def write_png(
             " scale the map, use its `limited(1)`, or write an .exr, .hdr or .tif file"
         )
     codes = np.round(encode_srgb(radiance) * 65535).astype(np.uint16)
-    spec = _spec(radiance, oiio.UINT16, comments)
-    spec.attribute("oiio:ColorSpace", "sRGB")
-    _write(path, spec, codes)
+    _write(path, _native.png_file(codes, _description(comments)))
 
 
 def _lines(comments: Iterable[str]) -> list[str]:
     """Comments without line breaks and other control characters, one line each."""
     return ["".join(c if c.isprintable() else " " for c in comment) for comment in comments]
+
+
+def _description(comments: Iterable[str]) -> str:
+    """Lines of a description; empty if there are none."""
+    return "\n".join(_lines(comments))
+
+
+def _write(path: str | os.PathLike[str], data: bytes) -> None:
+    write_atomically(path, lambda beside: beside.write_bytes(data))
 
 
 #: Suffixes of maps.

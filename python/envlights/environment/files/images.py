@@ -116,37 +116,54 @@ class OpenImage:
             samples = self.raw.rows(top, min(top + step, height))
             yield top, samples[..., :count], samples[..., count:]
 
-    def _block(
-        self, linear: Linear, colours: NDArray[Any], alpha: NDArray[Any]
+    def _pixels(
+        self, linear: Linear, histogram: CodeHistogram | None
     ) -> tuple[NDArray[np.float32], NDArray[np.float32] | None]:
+        """Linear samples of all rows, and the share of each pixel that alpha shows, if not all."""
+        header, coverage = self.raw.header, None
+        size = (header.height, header.width)
+        if header.dtype == np.float32 and header.alpha == "none":  # decoded in place
+            return linear(self.raw.samples), None
+        pixels = np.empty((*size, 3), np.float32)
+        for top, colours, alpha in self.samples():
+            rows = slice(top, top + len(colours))
+            if histogram:
+                histogram.add(visible(colours, alpha), top)
+            fraction = self._block(linear, colours, alpha, pixels[rows])
+            if fraction is not None:
+                coverage = np.ones(size, np.float32) if coverage is None else coverage
+                coverage[rows] = fraction
+        return pixels, coverage
+
+    def _block(
+        self,
+        linear: Linear,
+        colours: NDArray[Any],
+        alpha: NDArray[Any],
+        out: NDArray[np.float32],
+    ) -> NDArray[np.float32] | None:
+        """Write linear samples of some rows into `out`; return the share that alpha shows."""
         header = self.raw.header
         if not alpha.shape[2] or header.alpha == "none":
-            return linear(colours), None
-        block = linear(straight_codes(colours, alpha[..., 0], header))
-        return block, seen_of_alpha(block, alpha[..., 0], header)
+            linear(colours, out)
+            return None
+        linear(straight_codes(colours, alpha[..., 0], header), out)
+        return seen_of_alpha(out, alpha[..., 0], header)
 
     def image(self) -> Image:
         """All pixels of the sphere."""
         header = self.raw.header
         linear = Linear(header, self.colour)
         histogram = CodeHistogram(header.height) if header.dtype.kind == "u" else None
-        size = (header.height, header.width)
-        pixels, shares = _Rows((*size, 3)), _Rows(size, 1.0)
-        for top, colours, alpha in self.samples():
-            if histogram:
-                histogram.add(visible(colours, alpha), top)
-            block, fraction = self._block(linear, colours, alpha)
-            pixels.add(top, block)
-            shares.add(top, fraction)
-        clip_level, notes = self._clip_level(histogram, pixels.whole)
-        coverage = shares.whole
+        pixels, coverage = self._pixels(linear, histogram)
+        clip_level, notes = self._clip_level(histogram, pixels)
         if coverage is not None and not coverage.any():
             self._check_alpha()
             coverage = None
         if coverage is None and self.place.crop:
-            coverage = np.ones(size, np.float32)
+            coverage = np.ones((header.height, header.width), np.float32)
         return Image(
-            self.place.apply(pixels.whole),
+            self.place.apply(pixels),
             header.border_sampled,
             (*self.notes, *linear.notes, *notes),
             clip_level,
@@ -173,27 +190,6 @@ class OpenImage:
                 f"cannot read {self.name}: alpha is 0 in all pixels, so that nothing is seen;"
                 f" leave it out with channels={','.join(self.choice.colours)!r}"
             )
-
-
-class _Rows:
-    """Array that is filled block by block; one block of all rows is taken as it is."""
-
-    def __init__(self, shape: tuple[int, ...], default: float | None = None) -> None:
-        self._shape, self._default = shape, default
-        self.whole: Any = None
-
-    def add(self, top: int, block: NDArray[np.float32] | None) -> None:
-        """Set the rows from `top` on; rows without a block keep the default, if there is one."""
-        if block is None:
-            return
-        if block.shape == self._shape:
-            self.whole = block
-            return
-        if self.whole is None:
-            self.whole = np.empty(self._shape, np.float32)
-            if self._default is not None:
-                self.whole.fill(self._default)
-        self.whole[top : top + len(block)] = block
 
 
 @contextlib.contextmanager
