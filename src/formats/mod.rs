@@ -8,10 +8,12 @@
 //! | numbers of EXIF                    | `exif.rs`      |
 //! | Radiance .hdr                      | `radiance/`    |
 //! | PNG                                | `png.rs`       |
+//! | JPEG                               | `jpeg/`        |
 
 pub mod exif;
 pub mod header;
 pub mod input;
+pub mod jpeg;
 pub mod picture;
 pub mod png;
 pub mod radiance;
