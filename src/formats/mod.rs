@@ -9,12 +9,14 @@
 //! | numbers of EXIF                    | `exif.rs`      |
 //! | Radiance .hdr                      | `radiance/`    |
 //! | PNG                                | `png/`         |
+//! | JPEG                               | `jpeg/`        |
 //! | TIFF                               | `tiff/`        |
 
 pub mod directory;
 pub mod exif;
 pub mod header;
 pub mod input;
+pub mod jpeg;
 pub mod picture;
 pub mod png;
 pub mod radiance;
@@ -35,6 +37,7 @@ where
     Ok(match kind {
         "radiance" => Box::new(radiance::Radiance::open(bytes, max_pixels)?),
         "png" => Box::new(png::Png::open(bytes, max_pixels)?),
+        "jpeg" => Box::new(jpeg::open(bytes, max_pixels)?),
         "tiff" => Box::new(tiff::open(bytes, max_pixels)?),
         _ => return Err(input::unread(format!("there is no reader of the kind {kind}"))),
     })
