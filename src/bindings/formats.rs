@@ -6,7 +6,7 @@ use std::sync::Arc;
 use numpy::{IntoPyArray, PyReadonlyArray3};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
-use pyo3::types::{PyBytes, PyDict};
+use pyo3::types::{PyBytes, PyDict, PyTuple};
 
 use super::error::EnvLightsError;
 use super::pool::interruptible;
@@ -114,7 +114,8 @@ fn dictionary<'py>(py: Python<'py>, header: &Header) -> PyResult<Bound<'py, PyDi
     said.set_item("environment", header.environment)?;
     said.set_item("border_sampled", header.border_sampled)?;
     said.set_item("exif", &header.exif)?;
-    said.set_item("xmp", PyBytes::new(py, &header.xmp))?;
+    let packets = std::iter::once(&header.xmp).chain(&header.further_xmp).filter(|packet| !packet.is_empty());
+    said.set_item("xmp", PyTuple::new(py, packets.map(|packet| PyBytes::new(py, packet)))?)?;
     said.set_item("description", &header.description)?;
     said.set_item("notes", &header.notes)?;
     Ok(said)

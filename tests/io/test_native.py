@@ -155,7 +155,7 @@ def test_statements_of_a_png_are_read():
         chunk(b"iTXt", b"XML:com.adobe.xmp\0\0\0\0\0<x/>"),
     ]
     (said,) = png(SIGNATURE + header() + b"".join(chunks) + PIXELS + END).parts
-    assert (said["orientation"], said["xmp"], said["notes"]) == (6, b"<x/>", [])
+    assert (said["orientation"], said["xmp"], said["notes"]) == (6, (b"<x/>",), [])
     assert said["colour"] == {
         "cicp": (9, 16, 0, 1),
         "icc": profile,

@@ -19,7 +19,7 @@ from envlights.environment.decoders.raw_image import FileColour, Header, Part, R
 from envlights.environment.decoders.source import WANTED, Source
 
 #: Kinds of files that are read in Rust.
-KINDS = ("radiance", "png", "tiff")
+KINDS = ("radiance", "openexr", "png", "jpeg", "tiff")
 
 #: Rows of one read, or more if rows are decoded together.
 _ROWS_AT_ONCE = 128

@@ -166,7 +166,7 @@ class OpenImageIOFile:
             alpha=_alpha(spec),
             environment=_environment(spec),
             cube_sides=_text(spec, "dds:CubeMapSides"),
-            xmp=_text(spec, "xmp").encode(),
+            xmp=(_text(spec, "xmp").encode(),),
             layout=layout_of_description(description),
             notes=estimates_of_description(description),
         )

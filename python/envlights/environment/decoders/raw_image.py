@@ -98,8 +98,8 @@ class Header:
     cube_sides: str = ""
     """Sides of a DDS cube, in the order of the file: "+x -x +y -y +z -z"."""
 
-    xmp: bytes = b""
-    """XMP packet."""
+    xmp: tuple[bytes, ...] = ()
+    """XMP packets."""
 
     layout: str = ""
     """Statement of our own files on their layout; see `description`."""

@@ -14,13 +14,14 @@ from envlights._common.check import count
 from envlights._common.errors import FileError
 from envlights._common.printable import printable
 from envlights._common.units import OWN_SCALE, PHOTOMETRIC
+from envlights._native import EnvLightsError
 from envlights.environment.clip_level import CodeHistogram, white_of
 from envlights.environment.colour.alpha import seen_of_alpha, straight_codes, visible
 from envlights.environment.colour.choice import ColourArgument, ColourConversion, conversion
 from envlights.environment.colour.linear import Linear
 from envlights.environment.decoders.native import KINDS, open_native
 from envlights.environment.decoders.openimageio import open_with_openimageio
-from envlights.environment.decoders.raw_image import ImageFile, RawImage, check_size
+from envlights.environment.decoders.raw_image import Header, ImageFile, RawImage, check_size
 from envlights.environment.decoders.source import AnySource, Source, kind_of, named_source
 from envlights.environment.files.channels import Choice, choose
 from envlights.environment.files.hints import NO_HINTS, Hints
@@ -211,12 +212,20 @@ def open_image(
         choice = choose(named.name, file.parts, part, channels)
         names = (*choice.colours, choice.alpha) if choice.alpha else choice.colours
         raw = file.image(choice.part, names)
-        place = placement(raw.header)
+        place = _placement(named.name, raw.header)
         check_size(named.name, *place.size, max_pixels)
         opened = OpenImage(named.name, raw, choice, conversion(raw.header, colour), place)
         if not any_projection:
             _check_projection(opened.hints)
         yield opened
+
+
+def _placement(name: str, header: Header) -> Placement:
+    """Placement of the samples, or a refusal with the name of the file."""
+    try:
+        return placement(header)
+    except EnvLightsError as refusal:
+        raise FileError(f"cannot read {name}: {refusal}") from None
 
 
 def _check_projection(hints: Hints) -> None:
