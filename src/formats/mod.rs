@@ -6,8 +6,10 @@
 //! | the trait of all readers           | `picture.rs`   |
 //! | limits and refusals of all readers | `input.rs`     |
 //! | Radiance .hdr                      | `radiance/`    |
+//! | OpenEXR                            | `exr/`         |
 //! | PNG                                | `png.rs`       |
 
+pub mod exr;
 pub mod header;
 pub mod input;
 pub mod picture;
