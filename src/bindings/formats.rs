@@ -114,8 +114,9 @@ fn dictionary<'py>(py: Python<'py>, header: &Header) -> PyResult<Bound<'py, PyDi
     said.set_item("environment", header.environment)?;
     said.set_item("border_sampled", header.border_sampled)?;
     said.set_item("exif", &header.exif)?;
-    let packets = std::iter::once(&header.xmp).chain(&header.further_xmp).filter(|packet| !packet.is_empty());
-    said.set_item("xmp", PyTuple::new(py, packets.map(|packet| PyBytes::new(py, packet)))?)?;
+    let packets = std::iter::once(&header.xmp).chain(&header.further_xmp);
+    let packets: Vec<_> = packets.map(|packet| PyBytes::new(py, packet)).collect();
+    said.set_item("xmp", PyTuple::new(py, packets)?)?;
     said.set_item("description", &header.description)?;
     said.set_item("notes", &header.notes)?;
     Ok(said)
@@ -132,6 +133,7 @@ fn colour<'py>(py: Python<'py>, header: &Header) -> PyResult<Bound<'py, PyDict>>
         colour.chromaticities.map(<(f64, f64, f64, f64, f64, f64, f64, f64)>::from),
     )?;
     said.set_item("is_xyz", colour.is_xyz)?;
+    said.set_item("name", &colour.name)?;
     Ok(said)
 }
 

@@ -134,4 +134,6 @@ pub struct Colour {
     pub chromaticities: Option<[f64; 8]>,
     /// True if the samples are CIE XYZ: XYZE of Radiance.
     pub is_xyz: bool,
+    /// Name of a colour space: `colorInteropID` of OpenEXR; empty without one.
+    pub name: String,
 }

@@ -8,12 +8,14 @@
 //! | tags in the layout of TIFF         | `directory.rs` |
 //! | numbers of EXIF                    | `exif.rs`      |
 //! | Radiance .hdr                      | `radiance/`    |
+//! | OpenEXR                            | `exr/`         |
 //! | PNG                                | `png/`         |
 //! | JPEG                               | `jpeg/`        |
 //! | TIFF                               | `tiff/`        |
 
 pub mod directory;
 pub mod exif;
+pub mod exr;
 pub mod header;
 pub mod input;
 pub mod jpeg;
@@ -36,6 +38,7 @@ where
 {
     Ok(match kind {
         "radiance" => Box::new(radiance::Radiance::open(bytes, max_pixels)?),
+        "openexr" => Box::new(exr::open(bytes, max_pixels)?),
         "png" => Box::new(png::Png::open(bytes, max_pixels)?),
         "jpeg" => Box::new(jpeg::open(bytes, max_pixels)?),
         "tiff" => Box::new(tiff::open(bytes, max_pixels)?),

@@ -163,6 +163,7 @@ def test_statements_of_a_png_are_read():
         "gamma": 1.0,
         "chromaticities": (0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329),
         "is_xyz": False,
+        "name": "",
     }
     (plain,) = png(SIGNATURE + header() + chunk(b"sRGB", b"\0") + PIXELS + END).parts
     assert (plain["colour"]["is_srgb"], plain["orientation"]) == (True, 1)

@@ -80,7 +80,7 @@ fn statements(info: &Info<'_>) -> Colour {
         is_srgb: info.srgb.is_some(),
         gamma: gamma.filter(|&gamma| gamma > 0.0),
         chromaticities: chromaticities(info),
-        is_xyz: false,
+        ..Colour::default()
     }
 }
 
