@@ -24,7 +24,7 @@ from stopwatch import all_seconds, processor_seconds
 
 import envlights as el
 from envlights import _native
-from envlights.environment.layouts.layout import cube, equirectangular
+from envlights.environment.layouts.picture_layout import cube, equirectangular
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from tests.layouts import suns

@@ -4,13 +4,13 @@ from envlights._common.errors import DamagedFileError, MissingFileError
 from envlights._common.files import check_writable, write_atomically
 from envlights.environment.files.image_output import write_exr, write_hdr
 from envlights.environment.files.images import Image, read_image
-from envlights.environment.layouts.layout import Layout
+from envlights.environment.layouts.picture_layout import PictureLayout
 
 __all__ = [
     "DamagedFileError",
     "Image",
-    "Layout",
     "MissingFileError",
+    "PictureLayout",
     "check_writable",
     "read_image",
     "write_atomically",

@@ -15,11 +15,11 @@ from envlights.environment.decoders.description import LAYOUT
 from envlights.environment.files.hints import Hints
 from envlights.environment.files.image_output import write_exr
 from envlights.environment.layouts import Arguments, recognise
-from envlights.environment.layouts import layout as layouts
+from envlights.environment.layouts import picture_layout as layouts
 from envlights.environment.layouts.attribute import line_of
 from envlights.environment.layouts.conventions import CONVENTIONS, CROSSES
 from envlights.environment.layouts.cubes import ARRANGEMENTS
-from envlights.environment.layouts.sources import read_picture
+from envlights.environment.picture_files import read_picture
 from tests.layouts.worlds import smooth
 
 ENV = el.EnvMap(smooth(np.moveaxis(np.mgrid[-1:1:64j, -1:1:128j, 1:1:1j][..., 0], 0, -1)) / 8)

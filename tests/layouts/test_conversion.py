@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 import envlights as el
 from envlights import _native, kernels
-from envlights.environment.layouts import layout as layouts
+from envlights.environment.layouts import picture_layout as layouts
 from tests.helpers import NORMALS, angle_deg, flux
 from tests.layouts import suns
 from tests.layouts.worlds import smooth, upright_directions

@@ -5,7 +5,7 @@ import pytest
 
 import envlights as el
 from envlights.environment import resample
-from envlights.environment.layouts import layout as layouts
+from envlights.environment.layouts import picture_layout as layouts
 
 
 @pytest.mark.parametrize(

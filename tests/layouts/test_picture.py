@@ -9,9 +9,9 @@ import envlights as el
 from envlights.environment.layouts import Arguments, recognise
 from envlights.environment.layouts.conventions import CONVENTIONS, CROSSES
 from envlights.environment.layouts.cubes import ARRANGEMENTS
-from envlights.environment.layouts.layout import angular_map, cube, equirectangular
 from envlights.environment.layouts.picture import picture_of
-from envlights.environment.layouts.sources import read_picture
+from envlights.environment.layouts.picture_layout import angular_map, cube, equirectangular
+from envlights.environment.picture_files import read_picture
 from tests.layouts.worlds import smooth, upright_directions
 
 N = 16

@@ -8,7 +8,7 @@ import pytest
 
 import envlights as el
 from envlights.environment.layouts import recognise
-from envlights.environment.layouts.sources import read_picture
+from envlights.environment.picture_files import read_picture
 
 PANORAMA = ("equirectangular", "", "cell-centred", "shape")
 BORDER = ("equirectangular", "", "border-sampled", "attribute")

@@ -12,7 +12,7 @@ from envlights.environment.files.image_output import write_exr
 from envlights.environment.files.images import read_image
 from envlights.environment.layouts import Arguments, recognise
 from envlights.environment.layouts.cubes import arranged_faces, stored_faces
-from envlights.environment.layouts.layout import MIRRORED
+from envlights.environment.layouts.picture_layout import MIRRORED
 from tests.layouts.files import dds, jpeg_with
 from tests.layouts.worlds import smooth, upright_directions
 

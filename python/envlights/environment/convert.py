@@ -15,10 +15,10 @@ from envlights._common.notes import Note
 from envlights._native import EnvLightsError
 from envlights.environment import resample
 from envlights.environment.files.images import MOST_PIXELS
-from envlights.environment.layouts import layout as layouts
+from envlights.environment.layouts import picture_layout as layouts
 from envlights.environment.layouts.conventions import CONVENTIONS, CROSSES
-from envlights.environment.layouts.layout import MAPPINGS, Layout
 from envlights.environment.layouts.picture import Picture, picture_of, straight
+from envlights.environment.layouts.picture_layout import MAPPINGS, PictureLayout
 from envlights.environment.layouts.records import REGISTRATIONS
 from envlights.environment.peaks import spread_peaks
 from envlights.environment.pixels import MapPixels
@@ -107,7 +107,9 @@ def _below_clip_level(
     return pixels.changed(radiance, coverage, pixels.notes, is_border_sampled=is_border)
 
 
-def _picture(pixels: MapPixels, layout: Layout, faces: str, arrangement: str = "stack") -> Picture:
+def _picture(
+    pixels: MapPixels, layout: PictureLayout, faces: str, arrangement: str = "stack"
+) -> Picture:
     image, coverage = pixels.radiance, pixels.coverage
     if layout != pixels.layout:
         image, coverage = resample.resample(image, coverage, pixels.layout, layout)
@@ -167,7 +169,7 @@ class _Request:
         check_choice("registration", self.registration, REGISTRATIONS)
         return self.registration == REGISTRATIONS[1]
 
-    def layout(self, width: int) -> Layout:
+    def layout(self, width: int) -> PictureLayout:
         """Layout with a number of columns."""
         return _TARGETS[self.projection](self, width)
 
@@ -182,42 +184,42 @@ class _Request:
         return math.radians(amount("fov", default if self.fov is None else self.fov, 0.1, 360))
 
 
-def _equirectangular(request: _Request, width: int) -> Layout:
+def _equirectangular(request: _Request, width: int) -> PictureLayout:
     return layouts.equirectangular(checked_width(width) // 2)
 
 
-def _cube(request: _Request, width: int) -> Layout:
+def _cube(request: _Request, width: int) -> PictureLayout:
     return layouts.cube(width, border_sampled=request.border_sampled)
 
 
-def _octahedral(request: _Request, width: int) -> Layout:
+def _octahedral(request: _Request, width: int) -> PictureLayout:
     return layouts.octahedral(width, axes=request.axes(layouts.UP))
 
 
-def _equal_area(request: _Request, width: int) -> Layout:
+def _equal_area(request: _Request, width: int) -> PictureLayout:
     return layouts.octahedral(width, equal_area=True, axes=request.axes(layouts.PBRT))
 
 
-def _angular(request: _Request, width: int) -> Layout:
+def _angular(request: _Request, width: int) -> PictureLayout:
     return layouts.angular_map(width, axes=request.axes())
 
 
-def _mirror_ball(request: _Request, width: int) -> Layout:
+def _mirror_ball(request: _Request, width: int) -> PictureLayout:
     return layouts.mirror_ball(width)
 
 
-def _fisheye(request: _Request, width: int) -> Layout:
+def _fisheye(request: _Request, width: int) -> PictureLayout:
     mapping = MAPPINGS[0] if request.mapping is None else request.mapping
     return layouts.fisheye(width, mapping, request.view(180), axes=request.axes())
 
 
-def _cylinder(request: _Request, width: int) -> Layout:
+def _cylinder(request: _Request, width: int) -> PictureLayout:
     view = request.view(360)
     # Elevations of up to 45 degrees.
     return layouts.cylinder(max(round(2 * width / view), 1), width, field_of_view=view)
 
 
-def _planar(request: _Request, width: int) -> Layout:
+def _planar(request: _Request, width: int) -> PictureLayout:
     height = max(round(width / 1.5), 1)
     return layouts.planar(height, width, field_of_view=request.view(None), axes=request.axes())
 
@@ -225,7 +227,7 @@ def _planar(request: _Request, width: int) -> Layout:
 #: Name of the layout of a map's source.
 SOURCE = "source"
 #: Layouts by the name of their projection.
-_TARGETS: dict[str, Callable[[_Request, int], Layout]] = {
+_TARGETS: dict[str, Callable[[_Request, int], PictureLayout]] = {
     "equirectangular": _equirectangular,
     "cube": _cube,
     "octahedral": _octahedral,

@@ -22,9 +22,9 @@ from envlights.environment.files.image_output import COMPRESSIONS
 from envlights.environment.files.images import MOST_PIXELS
 from envlights.environment.fill import Fill
 from envlights.environment.layouts.picture import Picture
-from envlights.environment.layouts.records import Arguments, Source
-from envlights.environment.layouts.sources import PictureSource, is_picture_source
+from envlights.environment.layouts.records import Arguments, Origin
 from envlights.environment.open import map_of_array, map_of_exposures, open_map, unchecked_map
+from envlights.environment.picture_files import PictureSource, is_picture_source
 from envlights.environment.pixels import PROJECTION, MapPixels, are_equal
 from envlights.environment.save import save_map
 
@@ -297,7 +297,7 @@ class EnvMap:
         return PROJECTION
 
     @property
-    def source(self) -> Source:
+    def source(self) -> Origin:
         """Picture from which the map was made: its layout, and how it was recognised."""
         return self._pixels.source
 

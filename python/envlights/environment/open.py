@@ -35,16 +35,16 @@ from envlights.environment.coverage import multiply_by_coverage
 from envlights.environment.exposures import merge_exposures
 from envlights.environment.files.hints import Hints
 from envlights.environment.files.images import Image
-from envlights.environment.layouts.layout import equirectangular
+from envlights.environment.layouts.picture_layout import equirectangular
 from envlights.environment.layouts.recognition import recognise, refusal_of_discs
 from envlights.environment.layouts.records import (
     NO_ARGUMENTS,
     REGISTRATIONS,
     Arguments,
     ArrangedPicture,
-    Source,
+    Origin,
 )
-from envlights.environment.layouts.sources import PictureSource, read_picture
+from envlights.environment.picture_files import PictureSource, read_picture
 from envlights.environment.pixels import PROJECTION, MapPixels, with_coverage
 from envlights.kernels.probe import WORKING_COLUMNS
 
@@ -129,7 +129,7 @@ def unchecked_map(array: ArrayLike) -> MapPixels:
     if image.pixels.ndim != 3 or width != 2 * height:
         return map_of_image(image)
     layout = equirectangular(height, width)
-    source = Source(PROJECTION, (height, width), "", REGISTRATIONS[0], "shape", layout)
+    source = Origin(PROJECTION, (height, width), "", REGISTRATIONS[0], "shape", layout)
     picture = ArrangedPicture(image.pixels, image.coverage, layout, source, ())
     pixels = MapPixels(_seen(picture), False, source, None, image.clip_level, image.notes)
     return with_coverage(pixels, image.coverage)
@@ -165,7 +165,7 @@ def _on_sphere(pixels: MapPixels, picture: ArrangedPicture, columns: int | None)
     return with_coverage(pixels, coverage)
 
 
-def _note_of_conversion(source: Source, image: NDArray[np.float32]) -> str:
+def _note_of_conversion(source: Origin, image: NDArray[np.float32]) -> str:
     """Note on the layout and the size of the picture from which a map was made."""
     (rows, columns), (height, width) = source.size, image.shape[:2]
     return f"{source.projection} of {columns}x{rows} pixels, converted to {width}x{height} cells"

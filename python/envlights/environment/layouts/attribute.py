@@ -16,8 +16,8 @@ from envlights._common.check import describe
 from envlights._native import EnvLightsError
 from envlights.environment.decoders.description import LAYOUT
 from envlights.environment.files.hints import Hints
-from envlights.environment.layouts import layout as layouts
-from envlights.environment.layouts.layout import Layout
+from envlights.environment.layouts import picture_layout as layouts
+from envlights.environment.layouts.picture_layout import PictureLayout
 from envlights.environment.layouts.records import REGISTRATIONS, Arguments
 
 _VERSION = 1
@@ -36,12 +36,12 @@ _AXES = {
 _WAY_OUT = "give projection= and its arguments, which replace the attribute"
 
 
-def line_of(layout: Layout, size: tuple[int, int], faces: str = "") -> tuple[str, ...]:
+def line_of(layout: PictureLayout, size: tuple[int, int], faces: str = "") -> tuple[str, ...]:
     """Line of the description of a picture; none for parts of panoramas.
 
     Parameters
     ----------
-    layout : Layout
+    layout : PictureLayout
         Projection of the picture.
     size : tuple of int
         Rows and columns of the picture in the file.
@@ -59,7 +59,7 @@ def line_of(layout: Layout, size: tuple[int, int], faces: str = "") -> tuple[str
     return (LAYOUT + json.dumps({"version": _VERSION, **given, "size": list(size)}),)
 
 
-def _arguments_of(layout: Layout, faces: str) -> dict[str, Any]:
+def _arguments_of(layout: PictureLayout, faces: str) -> dict[str, Any]:
     """Arguments that describe a layout; those that are None are not needed."""
     projection = _projection_of(layout)
     is_fisheye = projection == "fisheye"
@@ -77,7 +77,7 @@ def _arguments_of(layout: Layout, faces: str) -> dict[str, Any]:
     }
 
 
-def _projection_of(layout: Layout) -> str:
+def _projection_of(layout: PictureLayout) -> str:
     """Value of `projection=` of a layout."""
     if layout.kind != "azimuthal":
         return layout.kind

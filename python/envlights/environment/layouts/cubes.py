@@ -22,9 +22,9 @@ from envlights.environment.layouts.conventions import (
     Cross,
     title_of,
 )
-from envlights.environment.layouts.layout import Layout, cube
+from envlights.environment.layouts.picture_layout import PictureLayout, cube
 from envlights.environment.layouts.projections import candidates
-from envlights.environment.layouts.records import REGISTRATIONS, Arguments, ArrangedPicture, Source
+from envlights.environment.layouts.records import REGISTRATIONS, Arguments, ArrangedPicture, Origin
 from envlights.kernels.image import LUMINANCE
 
 #: Rows of the grid on which pictures are compared.
@@ -80,7 +80,7 @@ def arrange_cube(
     layout = cube(n, border_sampled=is_border)
     name = _name_of(order, is_border=is_border)
     size = (6 * n, n) if samples.ndim == 4 else samples.shape[:2]
-    source = Source("cube", size, name, REGISTRATIONS[is_border], order.recognised_by, layout)
+    source = Origin("cube", size, name, REGISTRATIONS[is_border], order.recognised_by, layout)
     fraction = None if coverage is None else _stack(upright_of(coverage, order.name), layout)
     return ArrangedPicture(
         _stack(upright, layout), fraction, layout, source, (*order.notes, *notes)
@@ -147,7 +147,7 @@ def _upright(samples: NDArray[Any], order: str, *, is_faces: bool) -> NDArray[An
     return upright_faces(samples if is_faces else split_strip(samples), order)
 
 
-def _stack(faces: NDArray[Any], layout: Layout) -> NDArray[Any]:
+def _stack(faces: NDArray[Any], layout: PictureLayout) -> NDArray[Any]:
     return np.ascontiguousarray(faces).reshape(layout.height, layout.width, *faces.shape[3:])
 
 

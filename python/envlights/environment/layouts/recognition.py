@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from envlights._common.check import amount, describe, reals
 from envlights._native import EnvLightsError
 from envlights.environment.files.hints import NO_HINTS, Hints
-from envlights.environment.layouts import layout as layouts
+from envlights.environment.layouts import picture_layout as layouts
 from envlights.environment.layouts.attribute import with_statement
 from envlights.environment.layouts.cubes import (
     arrange_cube,
@@ -23,7 +23,7 @@ from envlights.environment.layouts.cubes import (
     is_unfolded_cube,
     log_luminance,
 )
-from envlights.environment.layouts.layout import Axes, Layout
+from envlights.environment.layouts.picture_layout import Axes, PictureLayout
 from envlights.environment.layouts.projections import DISCS, SQUARES, candidates, check_unused
 from envlights.environment.layouts.records import (
     EYES,
@@ -31,7 +31,7 @@ from envlights.environment.layouts.records import (
     REGISTRATIONS,
     Arguments,
     ArrangedPicture,
-    Source,
+    Origin,
 )
 
 #: Projections of GPano by the value of `projection=`.
@@ -154,7 +154,7 @@ def _arrange(
     height, width = picture.shape[:2]
     layout, notes = _LAYOUTS[kind.projection](height, width, hints, arguments)
     registration = REGISTRATIONS[layout.border_sampled]
-    source = Source(kind.projection, (height, width), "", registration, kind.recognised_by, layout)
+    source = Origin(kind.projection, (height, width), "", registration, kind.recognised_by, layout)
     return ArrangedPicture(picture, coverage, layout, source, notes)
 
 
@@ -167,7 +167,7 @@ def refusal_of_discs(height: int, width: int) -> str:
     )
 
 
-_Made = tuple[Layout, tuple[str, ...]]
+_Made = tuple[PictureLayout, tuple[str, ...]]
 
 
 def _equirectangular(height: int, width: int, hints: Hints, arguments: Arguments) -> _Made:

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from envlights._common.check import amount, check_choice
 from envlights._native import EnvLightsError
 from envlights.environment.layouts.conventions import NAMES
-from envlights.environment.layouts.layout import MAPPINGS, Layout
+from envlights.environment.layouts.picture_layout import MAPPINGS, PictureLayout
 from envlights.environment.layouts.projections import PROJECTIONS
 
 #: Names of the positions of samples.
@@ -75,7 +75,7 @@ class Arguments(NamedTuple):
 NO_ARGUMENTS: Arguments = Arguments()
 
 
-class Source(NamedTuple):
+class Origin(NamedTuple):
     """Origin of a map: the picture that was read, and evidence for its projection."""
 
     projection: str
@@ -93,7 +93,7 @@ class Source(NamedTuple):
     recognised_by: str
     """Evidence: "attribute", "name", "shape", "seams" or "argument"."""
 
-    layout: Layout
+    layout: PictureLayout
     """Layout of the arranged samples."""
 
 
@@ -106,10 +106,10 @@ class ArrangedPicture(NamedTuple):
     coverage: NDArray[Any] | None
     """Share of each sample that is seen, arranged alike; None if all is seen."""
 
-    layout: Layout
+    layout: PictureLayout
     """Projection of the samples."""
 
-    source: Source
+    source: Origin
     """Evidence for the projection."""
 
     notes: tuple[str, ...]

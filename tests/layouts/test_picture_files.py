@@ -9,7 +9,7 @@ import envlights as el
 from envlights.environment.files.image_output import write_exr, write_hdr
 from envlights.environment.layouts import Arguments, recognise
 from envlights.environment.layouts.cubes import order_of_names, stored_faces
-from envlights.environment.layouts.sources import faces_of_mapping, read_picture
+from envlights.environment.picture_files import faces_of_mapping, read_picture
 from tests.layouts.worlds import smooth, upright_directions
 
 NAMES = {
