@@ -5,10 +5,12 @@ from envlights._common.files import check_writable, write_atomically
 from envlights.environment.files.image_output import write_exr, write_hdr
 from envlights.environment.files.images import Image, read_image
 from envlights.environment.layouts.picture_layout import PictureLayout
+from envlights.environment.layouts.projections import Layout
 
 __all__ = [
     "DamagedFileError",
     "Image",
+    "Layout",
     "MissingFileError",
     "PictureLayout",
     "check_writable",

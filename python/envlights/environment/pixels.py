@@ -20,7 +20,8 @@ from envlights.environment.coverage import (
     note_of_coverage,
 )
 from envlights.environment.layouts.picture_layout import PictureLayout, equirectangular
-from envlights.environment.layouts.records import REGISTRATIONS, Origin
+from envlights.environment.layouts.projections import REGISTRATIONS
+from envlights.environment.layouts.records import Origin
 
 #: Projection of the pixels of every map.
 PROJECTION = "equirectangular"

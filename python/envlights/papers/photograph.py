@@ -122,8 +122,8 @@ def detect_photograph(
     See Also
     --------
     papers.loghin.detect : the same for maps.
-    detect : with `EnvMap(image, projection="planar", fov=...)` the component tree for photographs,
-        which is more exact on linear pictures.
+    detect : with `EnvMap(image, layout=el.io.Layout.planar(fov=65))` the component tree for
+        photographs, which is more exact on linear pictures.
 
     Examples
     --------
