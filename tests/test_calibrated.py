@@ -4,12 +4,12 @@ import copy
 import pickle
 
 import numpy as np
+import OpenImageIO as oiio  # noqa: N813, its own name for itself
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 import envlights as el
-from envlights.environment.decoders.openimageio import oiio
 from envlights.kernels.image import LUMINANCE
 from envlights.papers.loghin import Settings
 from tests.reference import srgb

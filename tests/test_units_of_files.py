@@ -4,12 +4,12 @@ import json
 import re
 
 import numpy as np
+import OpenImageIO as oiio  # noqa: N813, its own name for itself
 import pytest
 from click.testing import CliRunner
 
 import envlights as el
 from envlights.cli import main
-from envlights.environment.decoders.openimageio import oiio
 from envlights.export.units import UNITS
 from envlights.kernels.image import LUMINANCE
 

@@ -3,13 +3,13 @@
 import json
 
 import numpy as np
+import OpenImageIO as oiio  # noqa: N813, its own name for itself
 import pytest
 from click.testing import CliRunner
 
 import envlights as el
 from envlights._common.printable import printable
 from envlights.cli import main
-from envlights.environment.decoders.openimageio import oiio
 
 #: A title of the window, a colour, a line of its own, and a change of the direction of writing.
 EVIL = "x\x1b]0;title\x07\x1b[31m\nnote: all is well\u202e\x9b"

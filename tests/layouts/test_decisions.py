@@ -203,4 +203,4 @@ def test_six_files_are_taken_as_a_list_or_a_mapping(tmp_path):
 def test_usual_panoramas_are_never_whole_in_memory(tmp_path):
     for suffix, write in WRITERS.items():
         write(tmp_path / f"a.{suffix}", ENV.radiance)
-        assert reduce_file(tmp_path / f"a.{suffix}", 256, 5e-3, False) is not None
+        assert reduce_file(tmp_path / f"a.{suffix}", 256, 5e-3, False, 2) is not None
