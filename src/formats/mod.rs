@@ -6,11 +6,13 @@
 //! | the trait of all readers           | `picture.rs`   |
 //! | limits and refusals of all readers | `input.rs`     |
 //! | numbers of EXIF                    | `exif.rs`      |
+//! | gain maps for high dynamic range   | `gain_map.rs`  |
 //! | Radiance .hdr                      | `radiance/`    |
 //! | PNG                                | `png.rs`       |
 //! | JPEG                               | `jpeg/`        |
 
 pub mod exif;
+pub mod gain_map;
 pub mod header;
 pub mod input;
 pub mod jpeg;
