@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use super::gain_map::GainMap;
+
 /// Statements about one image of a file: its samples, colour, place and exposure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Header {
@@ -45,6 +47,8 @@ pub struct Header {
     pub further_xmp: Vec<Vec<u8>>,
     /// Description or comments; empty without one.
     pub description: String,
+    /// Gain map that raises the samples to high dynamic range, once they are linear.
+    pub gain_map: Option<GainMap>,
     /// Remarks of the reader on content that is left out.
     pub notes: Vec<String>,
 }
@@ -73,6 +77,7 @@ impl Header {
             xmp: Vec::new(),
             further_xmp: Vec::new(),
             description: String::new(),
+            gain_map: None,
             notes: Vec::new(),
         }
     }

@@ -7,6 +7,7 @@
 //! | limits and refusals of all readers | `input.rs`     |
 //! | tags in the layout of TIFF         | `directory.rs` |
 //! | numbers of EXIF                    | `exif.rs`      |
+//! | gain maps for high dynamic range   | `gain_map.rs`  |
 //! | Radiance .hdr                      | `radiance/`    |
 //! | OpenEXR                            | `exr/`         |
 //! | PNG                                | `png/`         |
@@ -16,6 +17,7 @@
 pub mod directory;
 pub mod exif;
 pub mod exr;
+pub mod gain_map;
 pub mod header;
 pub mod input;
 pub mod jpeg;

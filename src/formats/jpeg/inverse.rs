@@ -5,108 +5,117 @@
 
 #![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
 
-use std::array::from_fn;
-use std::ops::{Add, Mul, Sub};
+use std::num::Wrapping;
+
+use super::scan::Block;
+
+/// Integer that wraps around: damaged coefficients may have any size.
+type Number = Wrapping<i32>;
 
 /// Bits after the point of the constants.
-const BITS: u32 = 13;
+const BITS: usize = 13;
 /// Bits after the point between the two passes.
-const BETWEEN: u32 = 2;
+const BETWEEN: usize = 2;
 
-/// Eight integers, which wrap around: damaged coefficients may have any size.
-#[derive(Clone, Copy)]
-struct Lanes([i32; 8]);
+/// Blocks that are transformed together.
+pub(super) const GROUP: usize = 8;
 
-impl Add for Lanes {
-    type Output = Self;
+/// Rows of some blocks side by side.
+type Rows = [[Number; 8 * GROUP]; 8];
 
+/// Memory of the transform.
+pub(super) struct Workspace {
+    rows: Rows,
+    other: Rows,
+}
+
+impl Workspace {
     #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        Self(from_fn(|lane| self.0[lane].wrapping_add(other.0[lane])))
+    pub fn new() -> Self {
+        let rows = [[Wrapping(0); 8 * GROUP]; 8];
+        Self { rows, other: rows }
     }
-}
 
-impl Sub for Lanes {
-    type Output = Self;
-
+    /// Write the samples of up to [`GROUP`] `blocks`, side by side, into rows of `out` that are `stride` apart.
     #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        Self(from_fn(|lane| self.0[lane].wrapping_sub(other.0[lane])))
+    pub fn inverse(&mut self, blocks: &[Block], steps: &[i32; 64], stride: usize, out: &mut [u8]) {
+        let Self { rows, other } = self;
+        for (place, block) in blocks.iter().enumerate() {
+            set_block(block, steps, 8 * place, rows);
+        }
+        transform_columns(rows, BITS - BETWEEN, other);
+        transpose(other, rows);
+        transform_columns(rows, BITS + BETWEEN + 3, other);
+        transpose(other, rows);
+        for (row, out) in rows.iter().zip(out.chunks_mut(stride)) {
+            for (number, out) in row.iter().zip(&mut out[..8 * blocks.len()]) {
+                *out = (number.0.clamp(-128, 127) + 128) as u8;
+            }
+        }
     }
 }
 
-impl Mul<f64> for Lanes {
-    type Output = Self;
-
-    /// Product with a constant, which is rounded to [`BITS`].
-    #[inline(always)]
-    fn mul(self, constant: f64) -> Self {
-        let factor = (constant * f64::from(1 << BITS)).round() as i32;
-        Self(self.0.map(|lane| lane.wrapping_mul(factor)))
+/// Multiply the coefficients of a block by their steps, into some rows at a column.
+#[inline(always)]
+fn set_block(block: &Block, steps: &[i32; 64], column: usize, rows: &mut Rows) {
+    for y in 0..8 {
+        for x in 0..8 {
+            rows[y][column + x] = Wrapping(i32::from(block[8 * y + x])) * Wrapping(steps[8 * y + x]);
+        }
     }
 }
 
-impl Lanes {
-    /// Quotient by 2^`bits`, rounded.
-    #[inline(always)]
-    fn rounded(self, bits: u32) -> Self {
-        Self(self.0.map(|lane| lane.wrapping_add(1 << (bits - 1)) >> bits))
+/// Turn each block about its diagonal.
+#[inline(always)]
+fn transpose(rows: &Rows, columns: &mut Rows) {
+    for place in (0..8 * GROUP).step_by(8) {
+        for y in 0..8 {
+            for x in 0..8 {
+                columns[x][place + y] = rows[y][place + x];
+            }
+        }
     }
 }
 
-/// Samples of a block of `coefficients`, rows of 8, with their steps of quantisation.
+/// Transform each column of 8 numbers, and round to 2^`bits`. The loop becomes one of vectors.
 #[inline(always)]
-pub(super) fn inverse(coefficients: &[i16; 64], steps: &[i32; 64]) -> [[u8; 8]; 8] {
-    if coefficients[1..].iter().all(|&coefficient| coefficient == 0) {
-        let mean = i32::from(coefficients[0]).wrapping_mul(steps[0]);
-        return [[sample(mean.wrapping_add(4) >> 3); 8]; 8];
+fn transform_columns(rows: &Rows, bits: usize, out: &mut Rows) {
+    let half = Wrapping(1 << (bits - 1));
+    for x in 0..8 * GROUP {
+        let even = even_part(rows[0][x], rows[2][x], rows[4][x], rows[6][x]);
+        let odd = odd_part(rows[7][x], rows[5][x], rows[3][x], rows[1][x]);
+        for k in 0..4 {
+            out[k][x] = (even[k] + odd[3 - k] + half) >> bits;
+            out[7 - k][x] = (even[k] - odd[3 - k] + half) >> bits;
+        }
     }
-    let rows = from_fn(|row| {
-        Lanes(from_fn(|x| i32::from(coefficients[8 * row + x]).wrapping_mul(steps[8 * row + x])))
-    });
-    let columns = transposed(transform(rows).map(|lanes| lanes.rounded(BITS - BETWEEN)));
-    let samples = transposed(transform(columns).map(|lanes| lanes.rounded(BITS + BETWEEN + 3)));
-    samples.map(|lanes| lanes.0.map(sample))
 }
 
-/// Sample of a value around 0.
+/// Product with a constant, which is rounded to [`BITS`].
 #[inline(always)]
-fn sample(value: i32) -> u8 {
-    value.clamp(-128, 127).wrapping_add(128) as u8
+fn times(number: Number, constant: f64) -> Number {
+    number * Wrapping((constant * f64::from(1 << BITS)).round() as i32)
 }
 
 #[inline(always)]
-fn transposed(rows: [Lanes; 8]) -> [Lanes; 8] {
-    from_fn(|x| Lanes(from_fn(|y| rows[y].0[x])))
-}
-
-/// Transform in each lane, in units of 2^-[`BITS`] of those of its input.
-#[inline(always)]
-fn transform(input: [Lanes; 8]) -> [Lanes; 8] {
-    let even = even_part(input[0], input[2], input[4], input[6]);
-    let odd = odd_part(input[7], input[5], input[3], input[1]);
-    from_fn(|k| if k < 4 { even[k] + odd[3 - k] } else { even[7 - k] - odd[k - 4] })
-}
-
-#[inline(always)]
-fn even_part(x0: Lanes, x2: Lanes, x4: Lanes, x6: Lanes) -> [Lanes; 4] {
-    let z = (x2 + x6) * 0.541_196_1;
-    let (a, b) = (z - x6 * 1.847_759_065, z + x2 * 0.765_366_865);
-    let (sum, difference) = ((x0 + x4) * 1.0, (x0 - x4) * 1.0);
+fn even_part(x0: Number, x2: Number, x4: Number, x6: Number) -> [Number; 4] {
+    let z = times(x2 + x6, 0.541_196_1);
+    let (a, b) = (z - times(x6, 1.847_759_065), z + times(x2, 0.765_366_865));
+    let (sum, difference) = ((x0 + x4) << BITS, (x0 - x4) << BITS);
     [sum + b, difference + a, difference - a, sum - b]
 }
 
 #[inline(always)]
-fn odd_part(x7: Lanes, x5: Lanes, x3: Lanes, x1: Lanes) -> [Lanes; 4] {
+fn odd_part(x7: Number, x5: Number, x3: Number, x1: Number) -> [Number; 4] {
     let (z3, z4) = (x7 + x3, x5 + x1);
-    let z5 = (z3 + z4) * 1.175_875_602;
-    let (z1, z2) = ((x7 + x1) * 0.899_976_223, (x5 + x3) * 2.562_915_447);
-    let (z3, z4) = (z5 - z3 * 1.961_570_56, z5 - z4 * 0.390_180_644);
+    let z5 = times(z3 + z4, 1.175_875_602);
+    let (z1, z2) = (times(x7 + x1, 0.899_976_223), times(x5 + x3, 2.562_915_447));
+    let (z3, z4) = (z5 - times(z3, 1.961_570_56), z5 - times(z4, 0.390_180_644));
     [
-        x7 * 0.298_631_336 - z1 + z3,
-        x5 * 2.053_119_869 - z2 + z4,
-        x3 * 3.072_711_026 - z2 + z3,
-        x1 * 1.501_321_11 - z1 + z4,
+        times(x7, 0.298_631_336) - z1 + z3,
+        times(x5, 2.053_119_869) - z2 + z4,
+        times(x3, 3.072_711_026) - z2 + z3,
+        times(x1, 1.501_321_11) - z1 + z4,
     ]
 }
 
@@ -130,12 +139,13 @@ mod tests {
     fn blocks_are_within_one_code_of_the_definition() {
         let mut state = 1_u32;
         for sparse in [1, 3, 20] {
-            let coefficients = from_fn(|_| {
+            let coefficients = std::array::from_fn(|_| {
                 state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
                 if (state >> 8).is_multiple_of(sparse) { (state >> 20) as i16 % 200 - 100 } else { 0 }
             });
-            let samples = inverse(&coefficients, &[1; 64]);
-            for (y, row) in samples.iter().enumerate() {
+            let mut samples = [0; 64];
+            Workspace::new().inverse(&[coefficients], &[1; 64], 8, &mut samples);
+            for (y, row) in samples.chunks(8).enumerate() {
                 for (x, &sample) in row.iter().enumerate() {
                     let wanted = exact(&coefficients, x, y);
                     assert!((f64::from(sample) - wanted).abs() < 0.6, "{x} {y}: {sample}, want {wanted}");

@@ -9,6 +9,7 @@
 //! | size and components                       | `frame.rs`    |
 //! | profile, XMP, EXIF, other pictures        | `metadata.rs` |
 //! | codes to numbers                          | `huffman.rs`  |
+//! | gain map in the second picture            | `second.rs`   |
 //! | scans to coefficients                     | `scan.rs`     |
 //! | coefficients to samples                   | `inverse.rs`  |
 //! | samples of components to rows of colours  | `planes.rs`   |
@@ -19,6 +20,7 @@ mod inverse;
 mod metadata;
 mod planes;
 mod scan;
+mod second;
 mod segments;
 #[cfg(test)]
 mod tests;
@@ -67,14 +69,16 @@ pub fn open<Bytes: AsRef<[u8]> + Send + Sync + 'static>(
     let (mut metadata, frame) = Metadata::read(bytes.as_ref(), 0)?;
     check_size(frame.height, frame.width, max_pixels)?;
     frame.check_length(bytes.as_ref().len())?;
-    let model = metadata.model(&frame);
-    let header = header(&mut metadata, &frame, model);
-    let picture = Picture { start: 0, frame, model, planes: OnceLock::new() };
+    let picture = Picture::new(0, frame, &metadata);
+    let mut header = header(&mut metadata, &picture);
+    let (gain_map, note) = second::gain_map(bytes.as_ref(), &metadata, max_pixels);
+    header.gain_map = gain_map;
+    header.notes.extend(note);
     Ok(Jpeg { bytes, header, picture })
 }
 
-fn header(metadata: &mut Metadata<'_>, frame: &Frame, model: Model) -> Header {
-    let names = if model == Model::Grey { "Y" } else { "RGB" };
+fn header(metadata: &mut Metadata<'_>, picture: &Picture) -> Header {
+    let (frame, names) = (&picture.frame, if picture.model == Model::Grey { "Y" } else { "RGB" });
     let mut header = Header::plain("jpeg", frame.height, frame.width, channels(names, SampleType::U8));
     let mut packets = metadata.packets();
     header.exif = exif::numbers(metadata.exif);
@@ -93,6 +97,11 @@ fn header(metadata: &mut Metadata<'_>, frame: &Frame, model: Model) -> Header {
 }
 
 impl Picture {
+    fn new(start: usize, frame: Frame, metadata: &Metadata<'_>) -> Self {
+        let model = metadata.model(&frame);
+        Self { start, frame, model, planes: OnceLock::new() }
+    }
+
     /// Samples of the components; decoded once.
     fn planes(&self, bytes: &[u8]) -> Result<&Planes> {
         if let Some(planes) = self.planes.get() {

@@ -4,11 +4,11 @@
 
 #![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
 
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
 use super::frame::Frame;
-use super::inverse::inverse;
+use super::inverse::{GROUP, Workspace};
 use super::scan::Block;
 use crate::error::Result;
 use crate::formats::input::{damage, zeros};
@@ -88,7 +88,7 @@ impl Planes {
             let rows = plane.samples[start..].par_chunks_mut(8 * plane.stride);
             let stride = plane.stride;
             rows.zip(blocks.par_chunks(stride / 8)).for_each(|(out, blocks)| {
-                Arch::new().dispatch(|| transform_row(blocks, &steps, stride, out));
+                Arch::new().dispatch(Transform { blocks, steps: &steps, stride, out });
             });
         }
     }
@@ -97,12 +97,9 @@ impl Planes {
     pub fn write_rows(&self, model: Model, first: usize, out: &mut [u8]) {
         /// Rows of a task, which allocates rows of components.
         const ROWS: usize = 16;
-        let size = model.channels() * self.width;
-        out.par_chunks_mut(ROWS * size).enumerate().for_each(|(task, out)| {
-            let mut scratch = vec![Scratch::default(); self.planes.len()];
-            for (row, out) in (first + task * ROWS..).zip(out.chunks_exact_mut(size)) {
-                Arch::new().dispatch(|| self.write_row(model, row, &mut scratch, out));
-            }
+        let size = ROWS * model.channels() * self.width;
+        out.par_chunks_mut(size).enumerate().for_each(|(task, out)| {
+            Arch::new().dispatch(Write { planes: self, model, first: first + task * ROWS, out });
         });
     }
 
@@ -131,12 +128,43 @@ impl Model {
     }
 }
 
-#[inline(always)]
-fn transform_row(blocks: &[Block], steps: &[i32; 64], stride: usize, out: &mut [u8]) {
-    for (place, block) in blocks.iter().enumerate() {
-        for (y, row) in inverse(block, steps).iter().enumerate() {
-            let start = y * stride + 8 * place;
-            out[start..start + 8].copy_from_slice(row);
+/// Transform of a row of `blocks` with the vectors of the processor.
+struct Transform<'a> {
+    blocks: &'a [Block],
+    steps: &'a [i32; 64],
+    stride: usize,
+    out: &'a mut [u8],
+}
+
+impl WithSimd for Transform<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let mut workspace = Workspace::new();
+        for (place, blocks) in self.blocks.chunks(GROUP).enumerate() {
+            workspace.inverse(blocks, self.steps, self.stride, &mut self.out[8 * GROUP * place..]);
+        }
+    }
+}
+
+/// Operation of [`Planes::write_rows`] with the vectors of the processor.
+struct Write<'a> {
+    planes: &'a Planes,
+    model: Model,
+    first: usize,
+    out: &'a mut [u8],
+}
+
+impl WithSimd for Write<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { planes, model, first, out } = self;
+        let mut scratch = vec![Scratch::default(); planes.planes.len()];
+        for (row, out) in (first..).zip(out.chunks_exact_mut(model.channels() * planes.width)) {
+            planes.write_row(model, row, &mut scratch, out);
         }
     }
 }
@@ -161,7 +189,7 @@ fn rgb(y: u8, cb: u8, cr: u8) -> [u8; 3] {
     let red = y + ((FACTORS[0] * cr + 32_768) >> 16);
     let green = y + ((-FACTORS[3] * cb - FACTORS[2] * cr + 32_768) >> 16);
     let blue = y + ((FACTORS[1] * cb + 32_768) >> 16);
-    [red, green, blue].map(|sample| sample.clamp(0, 255) as u8)
+    [red.clamp(0, 255) as u8, green.clamp(0, 255) as u8, blue.clamp(0, 255) as u8]
 }
 
 /// Product of two samples as fractions of 255.
