@@ -30,6 +30,8 @@ pub struct Page {
     pub chunk_height: usize,
     /// Columns of a strip or tile.
     pub chunk_width: usize,
+    /// True for tiles, which are whole at the right and at the bottom, too.
+    is_tiled: bool,
     offsets: Integers,
     lengths: Option<Integers>,
 }
@@ -128,6 +130,7 @@ impl Page {
             is_planar: samples > 1 && number(tags::PLANAR, 1)? == 2,
             chunk_height,
             chunk_width,
+            is_tiled: directory.has(tags::TILE_OFFSETS),
             offsets,
             lengths,
         };
@@ -170,6 +173,15 @@ impl Page {
         self.across() * self.height.div_ceil(self.chunk_height)
     }
 
+    /// Rows that are stored in the strips or tiles `down` from the first.
+    pub fn stored_rows(&self, down: usize) -> usize {
+        if self.is_tiled {
+            self.chunk_height
+        } else {
+            self.chunk_height.min(self.height - down * self.chunk_height)
+        }
+    }
+
     /// Rows that are decoded together.
     pub fn block(&self) -> usize {
         if self.compression == Compression::None { 1 } else { self.chunk_height }
@@ -186,7 +198,6 @@ impl Page {
         (plane, down, across): (usize, usize, usize),
     ) -> Result<&'a [u8]> {
         let number = plane * self.chunks_of_plane() + down * self.across() + across;
-        let rows = self.chunk_height.min(self.height - down * self.chunk_height);
         let outside = || damage("the TIFF file is damaged or incomplete: a strip or tile lies outside of it");
         let usize_of =
             |integers: Integers| integers.get(file, number).and_then(|one| usize::try_from(one).ok());
@@ -195,7 +206,7 @@ impl Page {
             Some(lengths) if self.compression != Compression::None => {
                 usize_of(lengths).ok_or_else(outside)?
             }
-            _ => rows * self.row_bytes(),
+            _ => self.stored_rows(down) * self.row_bytes(),
         };
         start.checked_add(length).and_then(|end| file.bytes.get(start..end)).ok_or_else(outside)
     }
@@ -211,7 +222,7 @@ impl Page {
             )));
         }
         let ratio = if self.compression == Compression::None { 1 } else { MOST_RATIO };
-        let bits = (self.height * self.width).saturating_mul(self.samples * self.bits);
+        let bits = self.height.saturating_mul(self.width).saturating_mul(self.samples * self.bits);
         if bits / 8 > file.bytes.len().saturating_mul(ratio) {
             return Err(damage("the TIFF file is damaged or incomplete: it is too short for its samples"));
         }
