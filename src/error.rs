@@ -175,6 +175,10 @@ pub enum Error {
         negative: usize,
     },
 
+    /// A map whose samples are all NaN or infinite.
+    #[error("the image holds no finite sample; is it damaged?")]
+    NoFiniteSample,
+
     /// An image without a pixel.
     #[error("an image needs at least one pixel; got {height} rows of {width}")]
     EmptyImage {
@@ -258,10 +262,24 @@ pub enum Error {
         width: usize,
     },
 
+    /// An image file whose content is not converted.
+    #[error("{reason}")]
+    UnreadFile {
+        /// Sentence about the content and the way out.
+        reason: String,
+    },
+
     /// An image file whose bytes contradict its format.
     #[error("{reason}")]
     DamagedFile {
         /// Sentence about the damage and the expected bytes.
+        reason: String,
+    },
+
+    /// An image file that is sound, but of a kind that is not converted.
+    #[error("{reason}")]
+    UnreadKind {
+        /// Sentence about the kind and the way out.
         reason: String,
     },
 }

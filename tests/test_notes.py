@@ -45,7 +45,7 @@ def some_maps():
     yield {"decoded", "repaired"}, clipped.repaired()
     yield {"unseen"}, el.EnvMap(alpha)
     yield {"filled"}, el.EnvMap(alpha).filled()
-    yield {"layout"}, el.EnvMap(np.full((32, 32, 3), 0.5), projection="octahedral")
+    yield {"layout"}, el.EnvMap(np.full((32, 32, 3), 0.5), layout="octahedral")
     yield {"calibrated"}, el.EnvMap(np.ones((16, 32, 3))).calibrated(lux=1000)
     yield {"removed"}, el.split(el.synthetic.hall(64).radiance, 1)[1]
     yield {"limited"}, el.limit(el.synthetic.hall(64).radiance, 1.0)[1]

@@ -3,7 +3,7 @@
 use std::sync::{Mutex, PoisonError};
 
 use numpy::ndarray::ArrayViewMut3;
-use numpy::{PyArray3, PyArrayMethods};
+use numpy::{PyArray3, PyArrayMethods, PyReadwriteArray3};
 use pyo3::prelude::*;
 
 use super::pool::interruptible;
@@ -18,12 +18,19 @@ pub fn fill<T: Send>(
     work: impl Fn(ArrayViewMut3<'_, f32>) -> Result<T> + Send + Sync,
 ) -> PyResult<(Bound<'_, PyArray3<f32>>, T)> {
     let array = PyArray3::zeros(py, shape, false);
-    let mut access = array.readwrite();
-    let samples = Mutex::new(access.as_array_mut());
-    let done = interruptible(py, || {
+    let done = write_into(py, array.readwrite(), work)?;
+    Ok((array, done))
+}
+
+/// Let `work` write every sample of `values` on all threads; return what it returns.
+pub fn write_into<T: Send>(
+    py: Python<'_>,
+    mut values: PyReadwriteArray3<'_, f32>,
+    work: impl Fn(ArrayViewMut3<'_, f32>) -> Result<T> + Send + Sync,
+) -> PyResult<T> {
+    let samples = Mutex::new(values.as_array_mut());
+    interruptible(py, || {
         // An interrupted run poisons the lock; the next one writes all samples again.
         work(samples.lock().unwrap_or_else(PoisonError::into_inner).view_mut())
-    })?;
-    drop(access);
-    Ok((array, done))
+    })
 }

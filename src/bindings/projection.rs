@@ -17,7 +17,7 @@ use crate::kernels::projection::{
 };
 use crate::kernels::sphere::{check_rows, unit_vectors};
 
-/// The named tuple of `envlights.environment.layouts.layout`.
+/// The named tuple of `envlights.environment.layouts.picture_layout`.
 #[derive(FromPyObject)]
 pub struct PictureLayout {
     kind: String,

@@ -37,7 +37,7 @@ pub fn numbers(bytes: &[u8]) -> BTreeMap<&'static str, f64> {
 /// EXIF orientation among the `numbers`, 1 to 8; 1 without one.
 pub fn orientation(numbers: &BTreeMap<&'static str, f64>) -> u8 {
     let stated = numbers.get("Orientation").copied().unwrap_or(1.0);
-    (1..=8).find(|&value| f64::from(value) == stated).unwrap_or(1)
+    (1..=8).find(|&value| (f64::from(value) - stated).abs() < f64::EPSILON).unwrap_or(1)
 }
 
 /// The same for a directory in the layout of TIFF.

@@ -41,6 +41,8 @@ pub struct Header {
     pub exif: BTreeMap<&'static str, f64>,
     /// XMP packet; empty without one.
     pub xmp: Vec<u8>,
+    /// XMP packets after the first one, such as an extended packet of JPEG.
+    pub further_xmp: Vec<Vec<u8>>,
     /// Description or comments; empty without one.
     pub description: String,
     /// Remarks of the reader on content that is left out.
@@ -69,6 +71,7 @@ impl Header {
             border_sampled: false,
             exif: BTreeMap::new(),
             xmp: Vec::new(),
+            further_xmp: Vec::new(),
             description: String::new(),
             notes: Vec::new(),
         }
@@ -131,4 +134,6 @@ pub struct Colour {
     pub chromaticities: Option<[f64; 8]>,
     /// True if the samples are CIE XYZ: XYZE of Radiance.
     pub is_xyz: bool,
+    /// Name of a colour space: `colorInteropID` of OpenEXR; empty without one.
+    pub name: String,
 }

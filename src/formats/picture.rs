@@ -2,8 +2,10 @@
 
 use std::ops::Range;
 
+use std::sync::{Mutex, PoisonError};
+
 use half::f16;
-use ndarray::Array3;
+use ndarray::{Array3, ArrayView3, Axis, s};
 
 use super::header::Header;
 use crate::error::Result;
@@ -35,4 +37,57 @@ pub enum Samples {
     Halves(Array3<f16>),
     /// Floats, and doubles that were rounded to floats.
     Floats(Array3<f32>),
+}
+
+/// Apply one expression to the samples of any type, and wrap its result.
+macro_rules! each {
+    ($samples:expr, $name:ident => $value:expr) => {
+        match $samples {
+            Samples::Bytes($name) => Samples::Bytes($value),
+            Samples::Words($name) => Samples::Words($value),
+            Samples::Halves($name) => Samples::Halves($value),
+            Samples::Floats($name) => Samples::Floats($value),
+        }
+    };
+}
+
+impl Samples {
+    /// Some rows of whole samples, of the channels with these numbers.
+    pub fn part(&self, channels: &[usize], rows: Range<usize>) -> Self {
+        each!(self, samples => chosen(samples.slice(s![rows, .., ..]), channels))
+    }
+}
+
+/// Samples of the channels with these numbers, in this order.
+pub fn chosen<T: Copy>(samples: ArrayView3<'_, T>, channels: &[usize]) -> Array3<T> {
+    if channels.iter().copied().eq(0..samples.dim().2) {
+        return samples.to_owned();
+    }
+    samples.select(Axis(2), channels)
+}
+
+/// Samples of a format that is decoded as a whole: at the first request, and kept.
+#[derive(Debug, Default)]
+pub struct WholeSamples(Mutex<Option<Samples>>);
+
+impl WholeSamples {
+    /// Some rows and channels of the samples that `decode` gives.
+    ///
+    /// # Errors
+    ///
+    /// Those of `decode`, which runs again at the next request.
+    pub fn part(
+        &self,
+        channels: &[usize],
+        rows: Range<usize>,
+        decode: impl FnOnce() -> Result<Samples>,
+    ) -> Result<Samples> {
+        let mut samples = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if samples.is_none() {
+            *samples = Some(decode()?);
+        }
+        Ok(samples
+            .as_ref()
+            .map_or_else(|| Samples::Bytes(Array3::default((0, 0, 0))), |all| all.part(channels, rows)))
+    }
 }

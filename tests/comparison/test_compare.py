@@ -156,7 +156,7 @@ def test_maps_of_any_sizes_are_compared_at_the_smaller_one(one, other, seed):
 
 def test_a_border_sampled_map_is_compared_by_its_cells():
     radiance = el.synthetic.hall(33).radiance
-    border = el.EnvMap(radiance, registration="border-sampled")
+    border = el.EnvMap(radiance, layout=el.io.Layout(registration="border-sampled"))
     c = el.compare(el.EnvMap(border.cells()), border)
     assert all(each.rmse == 0 for each in c.spheres.values())
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import envlights as el
 from envlights import kernels
-from envlights.environment.layouts.layout import planar
+from envlights.environment.layouts.picture_layout import planar
 from envlights.papers.loghin import PHOTOGRAPH
 from envlights.papers.photograph import _solid_angles
 from envlights.synthetic import Disc, Rectangle, scene

@@ -76,7 +76,7 @@ def test_a_map_stands_in_place_of_the_ambient_term(tmp_path):
 
 def test_a_border_sampled_map_is_understood():
     radiance = environment().radiance
-    env = el.EnvMap(radiance, registration="border-sampled")
+    env = el.EnvMap(radiance, layout=el.io.Layout(registration="border-sampled"))
     seen = irradiance_of(el.export.mitsuba(el.Lights(np.zeros((0, 3)), np.zeros((0, 3))), env))
     assert relative(seen, env.probe(NORMALS)) < 1e-3
 

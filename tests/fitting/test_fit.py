@@ -101,7 +101,9 @@ def numbers_of(rig):
 def maps_of_several_sizes():
     """Maps with different pixels, for which the kernels make different tables."""
     hall = el.synthetic.hall
-    border_sampled = el.EnvMap(hall(96).radiance, registration="border-sampled")
+    border_sampled = el.EnvMap(
+        hall(96).radiance, layout=el.io.Layout(registration="border-sampled")
+    )
     return [el.EnvMap(hall(96).radiance), border_sampled, hall(64), hall(97), hall(192)]
 
 

@@ -22,7 +22,7 @@ def spec_of(path):
 @pytest.mark.parametrize("compression", ["zip", "piz", "rle", "none"])
 @pytest.mark.parametrize("half", [False, True])
 def test_an_exr_file_comes_back_with_its_registration(tmp_path, registration, compression, half):
-    env = el.EnvMap(RADIANCE, registration=registration)
+    env = el.EnvMap(RADIANCE, layout=el.io.Layout(registration=registration))
     env.save(tmp_path / "map.exr", half=half, compression=compression)
     again = el.EnvMap.open(tmp_path / "map.exr")
     assert again.registration == registration
@@ -33,7 +33,9 @@ def test_an_exr_file_comes_back_with_its_registration(tmp_path, registration, co
 
 @pytest.mark.parametrize("half", [False, True])
 def test_the_header_says_what_the_file_holds(tmp_path, half):
-    el.EnvMap(RADIANCE, registration="border-sampled").save(tmp_path / "map.EXR", half=half)
+    el.EnvMap(RADIANCE, layout=el.io.Layout(registration="border-sampled")).save(
+        tmp_path / "map.EXR", half=half
+    )
     spec = spec_of(tmp_path / "map.EXR")
     assert str(spec.format) == ("half" if half else "float")
     assert spec["textureformat"] == "LatLong Environment"
@@ -54,7 +56,9 @@ def test_a_hdr_file_keeps_eight_bits_of_the_largest_channel(tmp_path):
 
 
 def test_a_border_sampled_map_becomes_cells_where_the_file_cannot_say_so(tmp_path):
-    env = el.EnvMap(el.synthetic.hall(64).radiance, registration="border-sampled")
+    env = el.EnvMap(
+        el.synthetic.hall(64).radiance, layout=el.io.Layout(registration="border-sampled")
+    )
     env.save(tmp_path / "map.hdr")
     again = el.EnvMap.open(tmp_path / "map.hdr")
     up = [[0.0, 1.0, 0.0]]
@@ -116,7 +120,10 @@ class InterruptedFile:
 def test_ctrl_c_between_pieces_of_rows_leaves_the_old_file(
     tmp_path, monkeypatch, name, registration, piece
 ):
-    old, new = (el.EnvMap(each, registration=registration) for each in (LARGE[::-1], LARGE))
+    old, new = (
+        el.EnvMap(each, layout=el.io.Layout(registration=registration))
+        for each in (LARGE[::-1], LARGE)
+    )
     old.save(tmp_path / name)
     before = (tmp_path / name).read_bytes()
     names = ("ImageSpec", "FLOAT", "HALF", "TypeDesc", "geterror")
@@ -141,7 +148,10 @@ def test_ctrl_c_between_pieces_of_rows_leaves_the_old_file(
 def test_a_disk_that_is_full_at_any_piece_of_rows_leaves_the_old_file(
     tmp_path, name, registration, share
 ):
-    old, new = (el.EnvMap(each, registration=registration) for each in (LARGE[:32, :64], LARGE))
+    old, new = (
+        el.EnvMap(each, layout=el.io.Layout(registration=registration))
+        for each in (LARGE[:32, :64], LARGE)
+    )
     new.save(tmp_path / name)
     size = (tmp_path / name).stat().st_size
     old.save(tmp_path / name)

@@ -176,7 +176,10 @@ def test_primaries_and_gamma_of_radiance_headers_are_not_applied(tmp_path, varia
 def test_the_envmap_attribute_says_where_pixels_lie_and_can_be_overruled(tmp_path):
     path = write(tmp_path / "env.exr", RADIANCE, textureformat="LatLong Environment")
     assert el.EnvMap.open(path).registration == "border-sampled"
-    assert el.EnvMap.open(path, registration="cell-centred").registration == "cell-centred"
+    assert (
+        el.EnvMap.open(path, layout=el.io.Layout(registration="cell-centred")).registration
+        == "cell-centred"
+    )
 
 
 def test_exr_round_trip_is_exact(tmp_path):

@@ -20,7 +20,7 @@ from tests.layouts.worlds import smooth, upright_directions
 
 WRITERS = {"exr": write_exr, "hdr": write_hdr, "png": write_png, "tif": write_tiff}
 CUBE = (smooth(upright_directions(16)) / 16).clip(0, 1)
-ENV = el.EnvMap(CUBE, projection="cube", faces="py360convert", width=128)
+ENV = el.EnvMap(CUBE, layout=el.io.Layout.cube(faces="py360convert"), width=128)
 RNG = np.random.default_rng(0)
 
 
@@ -109,7 +109,7 @@ def files():
         for suffix in WRITERS:
             built[f"{projection}, own.{suffix}"] = (
                 lambda folder, projection=projection, options=options, suffix=suffix: ENV.to(
-                    projection, width=32, **options
+                    el.io.Layout(projection, **options), width=32
                 ).save(folder / f"a.{suffix}")[0]
             )
     return {**built, **OTHERS}

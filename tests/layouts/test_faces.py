@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import envlights as el
-from envlights.environment.layouts import Arguments, recognise
+from envlights.environment.layouts import Layout, recognise
 from envlights.environment.layouts.conventions import CONVENTIONS, CROSSES, FACES
 from envlights.environment.layouts.cubes import (
     ARRANGEMENTS,
@@ -53,7 +53,7 @@ def test_strips_are_cut_in_their_order(n, order, is_stack):
 def test_a_named_arrangement_is_recognised_without_a_change(order, arrangement, n):
     image = arranged_faces(faces_of_numbers(n), order, arrangement)
     name = arrangement if arrangement in CROSSES else order
-    arranged = recognise(image, arguments=Arguments("cube", faces=name))
+    arranged = recognise(image, layout=Layout("cube", faces=name))
     np.testing.assert_array_equal(arranged.samples.reshape(6, n, n, 3), faces_of_numbers(n))
     assert arranged.source[:3] == ("cube", image.shape[:2], name)
     assert (arranged.layout.height, arranged.layout.width) == (6 * n, n)
@@ -125,4 +125,4 @@ def test_cubes_of_openexr_show_their_panorama(path):
 
 
 def _cells(panorama):
-    return el.EnvMap(panorama, registration="border-sampled").cells()
+    return el.EnvMap(panorama, layout=el.io.Layout(registration="border-sampled")).cells()

@@ -70,7 +70,6 @@ CODES = {
         ("pixels, converted to ", "so the samples lie on them (border-sampled)"),
         "Layout of the picture, and its conversion.",
     ),
-    "memory-faults": Code(("has published memory faults",), "Update openimageio.", True),
     "filled": Code(("of the sphere that is not seen ",), "The unseen part was filled."),
     "unseen": Code(("of the sphere is not seen",), "A part of the sphere is not seen.", True),
     "limited": Code(("limited to ",), "Large samples were limited."),

@@ -16,8 +16,8 @@ from envlights._common.former import former_settings
 from envlights.detection.lights import DetectionReport
 from envlights.environment import thumbnails
 from envlights.environment.colour.choice import ColourArgument
-from envlights.environment.layouts import layout as layouts
-from envlights.environment.layouts.layout import Layout
+from envlights.environment.layouts import picture_layout as layouts
+from envlights.environment.layouts.picture_layout import PictureLayout
 from envlights.kernels import image as images
 from envlights.kernels import loghin
 from envlights.papers.loghin_steps import (
@@ -122,8 +122,8 @@ def detect_photograph(
     See Also
     --------
     papers.loghin.detect : the same for maps.
-    detect : with `EnvMap(image, projection="planar", fov=...)` the component tree for photographs,
-        which is more exact on linear pictures.
+    detect : with `EnvMap(image, layout=el.io.Layout.planar(fov=65))` the component tree for
+        photographs, which is more exact on linear pictures.
 
     Examples
     --------
@@ -205,7 +205,7 @@ def _means_of_all(steps: Steps) -> NDArray[np.float64]:
 
 def _camera(
     photograph: PhotographPixels, fov: float | None
-) -> tuple[Layout | None, tuple[str, ...]]:
+) -> tuple[PictureLayout | None, tuple[str, ...]]:
     """Layout for a horizontal field of view in degrees, or that of the file, with a note on it."""
     height, width, _ = photograph.radiance.shape
     if fov is not None:
@@ -248,7 +248,7 @@ def _levels(working: NDArray[np.float32], clip_level: float | None, settings: Se
 
 def _measure(
     photograph: PhotographPixels,
-    camera: Layout | None,
+    camera: PictureLayout | None,
     luminance: float,
     steps: Steps,
     report: DetectionReport,
@@ -293,7 +293,7 @@ def _measure(
 
 
 def _solid_angles(
-    camera: Layout, pixel: NDArray[np.int64], size: tuple[int, int], each: float
+    camera: PictureLayout, pixel: NDArray[np.int64], size: tuple[int, int], each: float
 ) -> NDArray[np.float64]:
     """Solid angle of `each` pixels of the photograph at pixels of the working image.
 

@@ -15,16 +15,18 @@ mod tests;
 pub mod write;
 
 use std::ops::Range;
+use std::slice::from_ref;
 
 use ndarray::Array3;
 use rayon::prelude::*;
 
-pub use header::Header;
-
+use self::header::Reader;
 use self::lines::{Line, find_lines};
 use self::rows::Planes;
 use crate::error::{Error, Result};
-use crate::formats::input::{Rows, check_size, damage, zeros};
+use crate::formats::header::Header;
+use crate::formats::input::{check_size, damage, zeros};
+use crate::formats::picture::{PictureFile, Samples, chosen};
 use crate::interrupt;
 
 /// A picture whose header was read and whose lines were found; any of its rows can be decoded.
@@ -35,54 +37,40 @@ pub struct Radiance<Bytes> {
     lines: Vec<Line>,
 }
 
-impl<Bytes: AsRef<[u8]> + Sync> Radiance<Bytes> {
+impl<Bytes: AsRef<[u8]>> Radiance<Bytes> {
     /// Picture in `bytes` of at most `max_pixels`.
     ///
     /// # Errors
     ///
     /// If the header or a line is damage, or the picture has too many pixels.
     pub fn open(bytes: Bytes, max_pixels: usize) -> Result<Self> {
-        let header = Header::read(bytes.as_ref())?;
+        let Reader { header, place, .. } = Reader::read(bytes.as_ref())?;
         check_size(header.height, header.width, max_pixels)?;
-        let lines = find_lines(bytes.as_ref(), &header)?;
+        let lines = find_lines(bytes.as_ref(), place, header.height, header.width)?;
         Ok(Self { bytes, header, lines })
-    }
-
-    /// Statements of the file.
-    pub fn header(&self) -> &Header {
-        &self.header
-    }
-
-    /// Samples of some `rows`, (rows, width, 3), in the order of the file.
-    ///
-    /// # Errors
-    ///
-    /// If there is no memory.
-    pub fn samples(&self, rows: Range<usize>) -> Result<Array3<f32>> {
-        let shape = (rows.len(), self.header.width, 3);
-        let no_memory = || Error::NoMemory { shape: vec![shape.0, shape.1, shape.2] };
-        let mut samples = zeros(shape, shape.0 * shape.1 * 3)?;
-        self.read(rows, &mut samples)?;
-        Array3::from_shape_vec(shape, samples).map_err(|_| no_memory())
     }
 }
 
-impl<Bytes: AsRef<[u8]> + Sync> Rows for Radiance<Bytes> {
-    fn size(&self) -> (usize, usize) {
-        (self.header.height, self.header.width)
+impl<Bytes: AsRef<[u8]> + Send + Sync> PictureFile for Radiance<Bytes> {
+    fn parts(&self) -> &[Header] {
+        from_ref(&self.header)
     }
 
-    fn read(&self, rows: Range<usize>, out: &mut [f32]) -> Result<()> {
+    fn read(&self, _: usize, channels: &[usize], rows: Range<usize>) -> Result<Samples> {
         /// Fewest lines of a task, which allocates memory for the bytes of a line.
         const LINES_AT_ONCE: usize = 8;
-        let width = self.header.width;
-        let lines = &self.lines[rows];
-        out.par_chunks_mut(3 * width).zip(lines).with_min_len(LINES_AT_ONCE).try_for_each_init(
-            || Planes::new(width),
+        let shape = (rows.len(), self.header.width, 3);
+        let mut samples = zeros(shape, shape.0 * shape.1 * 3)?;
+        let lines = samples.par_chunks_mut(3 * shape.1).zip(&self.lines[rows]);
+        lines.with_min_len(LINES_AT_ONCE).try_for_each_init(
+            || Planes::new(shape.1),
             |planes, (out, line)| {
                 interrupt::check();
                 planes.decode(self.bytes.as_ref(), line, out).ok_or_else(|| damage("a line has wrong runs"))
             },
-        )
+        )?;
+        let no_memory = |_| Error::NoMemory { shape: vec![shape.0, shape.1, shape.2] };
+        let samples = Array3::from_shape_vec(shape, samples).map_err(no_memory)?;
+        Ok(Samples::Floats(if channels == [0, 1, 2] { samples } else { chosen(samples.view(), channels) }))
     }
 }

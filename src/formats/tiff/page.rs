@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use crate::formats::directory::{Directory, File, Integers};
 use crate::formats::header::SampleType;
-use crate::formats::input::{check_size, damage};
+use crate::formats::input::{check_size, damage, unread};
 
 /// Form of the samples of a page.
 #[derive(Clone, Debug)]
@@ -388,5 +388,5 @@ fn chunks(
 
 /// Refusal of samples that are not converted.
 fn refusal(reason: impl Into<String>) -> Error {
-    damage(reason)
+    unread(reason)
 }

@@ -22,9 +22,14 @@ from envlights.environment.layouts.conventions import (
     Cross,
     title_of,
 )
-from envlights.environment.layouts.layout import Layout, cube
-from envlights.environment.layouts.projections import candidates
-from envlights.environment.layouts.records import REGISTRATIONS, Arguments, ArrangedPicture, Source
+from envlights.environment.layouts.picture_layout import PictureLayout, cube
+from envlights.environment.layouts.projections import (
+    REGISTRATIONS,
+    Layout,
+    argument_for,
+    candidates,
+)
+from envlights.environment.layouts.records import ArrangedPicture, Origin
 from envlights.kernels.image import LUMINANCE
 
 #: Rows of the grid on which pictures are compared.
@@ -47,7 +52,7 @@ def arrange_cube(
     samples: NDArray[Any],
     coverage: NDArray[Any] | None,
     hints: Hints,
-    arguments: Arguments,
+    layout: Layout,
     recognised_by: str,
 ) -> ArrangedPicture:
     """Stack of six upright faces, (6 n, n, ...), in our order.
@@ -58,7 +63,7 @@ def arrange_cube(
         Six faces, a stack, a strip or a cross.
     coverage : ndarray, optional
         Share of each pixel that is seen, of the same arrangement.
-    hints, arguments
+    hints, layout
         Statements of the file and of the user.
     recognised_by : str
         Evidence that it is a cube, for one whose order needs none.
@@ -73,18 +78,16 @@ def arrange_cube(
     # Vertical crosses differ in one face.
     faces = ("back",) if orders[0].startswith("vertical") else FACES
     evidence = compare({order: upright_of(logs, order) for order in orders}, faces, lines)
-    order = _order(evidence, hints, arguments, recognised_by)
+    order = _order(evidence, hints, layout, recognised_by)
     upright = upright_of(samples, order.name)
-    is_border, notes = _registration(upright, order, arguments)
+    is_border, notes = _registration(upright, order, layout)
     n = upright.shape[1]
-    layout = cube(n, border_sampled=is_border)
+    made = cube(n, border_sampled=is_border)
     name = _name_of(order, is_border=is_border)
     size = (6 * n, n) if samples.ndim == 4 else samples.shape[:2]
-    source = Source("cube", size, name, REGISTRATIONS[is_border], order.recognised_by, layout)
-    fraction = None if coverage is None else _stack(upright_of(coverage, order.name), layout)
-    return ArrangedPicture(
-        _stack(upright, layout), fraction, layout, source, (*order.notes, *notes)
-    )
+    source = Origin("cube", size, name, REGISTRATIONS[is_border], order.recognised_by, made)
+    fraction = None if coverage is None else _stack(upright_of(coverage, order.name), made)
+    return ArrangedPicture(_stack(upright, made), fraction, made, source, (*order.notes, *notes))
 
 
 def is_unfolded_cube(picture: NDArray[Any]) -> bool:
@@ -147,14 +150,14 @@ def _upright(samples: NDArray[Any], order: str, *, is_faces: bool) -> NDArray[An
     return upright_faces(samples if is_faces else split_strip(samples), order)
 
 
-def _stack(faces: NDArray[Any], layout: Layout) -> NDArray[Any]:
+def _stack(faces: NDArray[Any], layout: PictureLayout) -> NDArray[Any]:
     return np.ascontiguousarray(faces).reshape(layout.height, layout.width, *faces.shape[3:])
 
 
-def _order(evidence: Evidence, hints: Hints, arguments: Arguments, recognised_by: str) -> _Order:
+def _order(evidence: Evidence, hints: Hints, layout: Layout, recognised_by: str) -> _Order:
     """Order by argument, by metadata or names unless the seams decide on another, or by seams."""
-    if arguments.faces is not None:
-        return _order_of_argument(arguments.faces, hints.order, evidence)
+    if layout.faces is not None:
+        return _order_of_argument(layout.faces, hints.order, evidence)
     stated, by = _stated_order(hints)
     if stated and set(evidence.scores) == {*DISTINCT}:
         return _order_of_statement(stated, by, evidence)
@@ -164,9 +167,10 @@ def _order(evidence: Evidence, hints: Hints, arguments: Arguments, recognised_by
         fits = evidence.scores[name] < FITS
         if not fits and by == "shape" and recognised_by == "shape":
             raise EnvLightsError(
-                f"a picture with even corners of the shape 4:3 may be a cube map (faces={name!r}),"
+                f"a picture with even corners of the shape 4:3 may be a cube map"
+                f" ({argument_for(Layout.cube(faces=name))}),"
                 f" but the edges of its faces do not fit ({_scores(evidence)}), or"
-                f" {candidates(('planar',))}; give the arguments of one of them"
+                f" {candidates(('planar',))}; give one of them"
             )
         return _Order(name, by, (f"faces of {title_of(name)}{'' if fits else _doubt(evidence)}",))
     if not evidence.chosen:
@@ -224,11 +228,11 @@ def _stated_order(hints: Hints) -> tuple[str, str]:
 
 
 def _registration(
-    upright: NDArray[Any], order: _Order, arguments: Arguments
+    upright: NDArray[Any], order: _Order, layout: Layout
 ) -> tuple[bool, tuple[str, ...]]:
     """True for border samples, and notes."""
-    if arguments.registration is not None:
-        return arguments.registration == REGISTRATIONS[1], ()
+    if layout.registration is not None:
+        return layout.registration == REGISTRATIONS[1], ()
     convention = CONVENTIONS.get(order.name)
     if order.recognised_by != "seams" and convention is not None and convention.border_sampled:
         return True, ()
@@ -258,7 +262,7 @@ def _distinct(name: str) -> str:
 
 
 def _possible_names(evidence: Evidence) -> list[str]:
-    """Values of `faces=` that the shape admits."""
+    """Names of the orders that the shape admits."""
     return [name for name in (*CONVENTIONS, *CROSSES) if _distinct(name) in evidence.scores]
 
 
@@ -295,7 +299,7 @@ def _no_cube(samples: NDArray[Any], hints: Hints) -> EnvLightsError:
     got = f" {width}x{height} pixels" if hints.name else f" six square faces; got {width}x{height}"
     return EnvLightsError(
         f"{what}{got}; give a stack (1:6), a strip (6:1), a horizontal cross (4:3), a vertical"
-        " cross (3:4), or six squares; or projection= if it is no cube map"
+        " cross (3:4), or six squares; or layout= if it is no cube map"
     )
 
 

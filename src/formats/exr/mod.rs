@@ -1,0 +1,96 @@
+//! OpenEXR pictures: channels of half floats and floats in blocks, of which any can be decoded by itself.
+//!
+//! | step                                            | file            |
+//! |-------------------------------------------------|-----------------|
+//! | headers to attributes                           | `attributes.rs` |
+//! | attributes to statements and a layout of blocks | `part.rs`       |
+//! | order of the channels                           | `channels.rs`   |
+//! | blocks to samples                               | `blocks.rs`     |
+//!
+//! The crate `exr` decodes the values of attributes and the blocks.
+
+mod attributes;
+mod blocks;
+mod channels;
+mod part;
+#[cfg(test)]
+mod tests;
+
+use std::ops::Range;
+
+use half::f16;
+use ndarray::Array3;
+
+use self::attributes::Preamble;
+use self::blocks::{Blocks, Sample};
+use self::part::Part;
+use crate::error::{Error, Result};
+use crate::formats::header::{Header, SampleType};
+use crate::formats::input::{damage, zeros};
+use crate::formats::picture::{PictureFile, Samples};
+
+/// Picture in `bytes`, of whose parts none has more than `max_pixels`.
+///
+/// # Errors
+///
+/// If a header is damaged or claims too much, or the first part is of a kind that is not converted.
+pub fn open<Bytes>(bytes: Bytes, max_pixels: usize) -> Result<impl PictureFile>
+where
+    Bytes: AsRef<[u8]> + Send + Sync + 'static,
+{
+    let (headers, parts) = parts(bytes.as_ref(), max_pixels)?;
+    parts[0].check_kind()?;
+    Ok(OpenExr { bytes, parts, headers })
+}
+
+fn parts(bytes: &[u8], max_pixels: usize) -> Result<(Vec<Header>, Vec<Part>)> {
+    let preamble = Preamble::read(bytes)?;
+    let mut table = preamble.length;
+    let (mut headers, mut parts) = (Vec::new(), Vec::new());
+    for (number, attributes) in preamble.parts.iter().enumerate() {
+        let number = preamble.is_multipart.then_some(number);
+        let (header, part) = Part::read(attributes, number, preamble.is_tiled, table)?;
+        part.check(max_pixels, bytes.len())?;
+        table = table.saturating_add(part.table_length());
+        headers.push(header);
+        parts.push(part);
+    }
+    if table > bytes.len() {
+        return Err(damage("the table of its blocks is incomplete"));
+    }
+    Ok((headers, parts))
+}
+
+/// File whose headers were read.
+struct OpenExr<Bytes> {
+    bytes: Bytes,
+    parts: Vec<Part>,
+    headers: Vec<Header>,
+}
+
+impl<Bytes: AsRef<[u8]> + Send + Sync> OpenExr<Bytes> {
+    fn samples<T: Sample>(&self, part: &Part, channels: &[usize], rows: Range<usize>) -> Result<Array3<T>> {
+        let shape = (rows.len(), part.layout.layer_size.0, channels.len());
+        let mut samples = zeros(shape, shape.0 * shape.1 * shape.2)?;
+        let channels = channels.iter().map(|&channel| part.order[channel]).collect();
+        Blocks { bytes: self.bytes.as_ref(), part, channels }.read(rows, &mut samples)?;
+        Array3::from_shape_vec(shape, samples)
+            .map_err(|_| Error::NoMemory { shape: vec![shape.0, shape.1, shape.2] })
+    }
+}
+
+impl<Bytes: AsRef<[u8]> + Send + Sync> PictureFile for OpenExr<Bytes> {
+    fn parts(&self) -> &[Header] {
+        &self.headers
+    }
+
+    fn read(&self, part: usize, channels: &[usize], rows: Range<usize>) -> Result<Samples> {
+        let (header, part) = (&self.headers[part], &self.parts[part]);
+        part.check_kind()?;
+        part.check_samples(channels)?;
+        if channels.iter().all(|&channel| header.channels[channel].sample == SampleType::F16) {
+            return self.samples::<f16>(part, channels, rows).map(Samples::Halves);
+        }
+        self.samples::<f32>(part, channels, rows).map(Samples::Floats)
+    }
+}
