@@ -29,3 +29,35 @@ fn utf8(info: &Info<'_>, keyword: &str, most: usize) -> Option<String> {
     text.decompress_text_with_limit(most).ok()?;
     text.get_text().ok().filter(|text| text.len() <= most)
 }
+
+#[cfg(test)]
+mod tests {
+    use png::text_metadata::{ITXtChunk, TEXtChunk, ZTXtChunk};
+
+    use super::*;
+
+    #[test]
+    fn texts_of_every_kind_are_read_up_to_their_limits() {
+        for (length, is_read) in [(MOST.1, true), (MOST.1 + 1, false)] {
+            let (keyword, text) = ("Description", "a".repeat(length));
+            let mut plain = Info::default();
+            plain.uncompressed_latin1_text.push(TEXtChunk::new(keyword, text.clone()));
+            let mut packed = Info::default();
+            let mut chunk = ZTXtChunk::new(keyword, text.clone());
+            chunk.compress_text().expect("memory");
+            packed.compressed_latin1_text.push(chunk);
+            let mut international = Info::default();
+            international.utf8_text.push(ITXtChunk::new(keyword, text.clone()));
+            for info in [plain, packed, international] {
+                assert_eq!(description(&info), if is_read { text.clone() } else { String::new() });
+            }
+        }
+        for (length, is_read) in [(MOST.0, true), (MOST.0 + 1, false), (1 << 26, false)] {
+            let mut chunk = ITXtChunk::new("XML:com.adobe.xmp", "a".repeat(length));
+            chunk.compress_text().expect("memory");
+            let mut info = Info::default();
+            info.utf8_text.push(chunk);
+            assert_eq!(xmp(&info).len(), if is_read { length } else { 0 });
+        }
+    }
+}

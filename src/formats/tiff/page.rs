@@ -1,6 +1,6 @@
 //! Form of one page: its samples, and the strips or tiles that hold them; refusals of what is not converted.
 
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::formats::directory::{Directory, File, Integers};
 use crate::formats::header::SampleType;
 use crate::formats::input::{check_size, damage, unread};
@@ -256,7 +256,7 @@ fn photometric(directory: &Directory<'_>, samples: usize) -> Result<u64> {
         34892 => "linear raw samples",
         _ => "of an unknown colour model",
     };
-    Err(refusal(format!(
+    Err(unread(format!(
         "its samples are {name} (photometric {model}); give RGB, as floating point for high dynamic range"
     )))
 }
@@ -265,13 +265,13 @@ fn photometric(directory: &Directory<'_>, samples: usize) -> Result<u64> {
 fn check_model(directory: &Directory<'_>, samples: usize) -> Result<()> {
     let depth = number(directory, tags::DEPTH, 1)?;
     if depth > 1 {
-        return Err(refusal(format!("it is a volume of {depth} slices; give a flat image")));
+        return Err(unread(format!("it is a volume of {depth} slices; give a flat image")));
     }
     if !(1..=MOST_SAMPLES).contains(&samples) {
-        return Err(refusal(format!("it has {samples} channels; give from 1 to {MOST_SAMPLES}")));
+        return Err(unread(format!("it has {samples} channels; give from 1 to {MOST_SAMPLES}")));
     }
     if number(directory, tags::FILL_ORDER, 1)? == 2 {
-        return Err(refusal("its bits are stored in reverse order (FillOrder 2); give the usual order"));
+        return Err(unread("its bits are stored in reverse order (FillOrder 2); give the usual order"));
     }
     Ok(())
 }
@@ -292,7 +292,7 @@ fn compression(code: usize) -> Result<Compression> {
         _ => "an unknown method",
     };
     let way_out = "give LZW, deflate or no compression";
-    Err(refusal(format!(
+    Err(unread(format!(
         "its samples are compressed by {name} (compression {code}), which is not read; {way_out}"
     )))
 }
@@ -302,7 +302,7 @@ fn bits_of(directory: &Directory<'_>, file: File<'_>, tag: u16, name: &str, defa
     let first = number(directory, tag, default)?;
     let mut others = directory.integers(tag).into_iter().flat_map(|values| values.iter(file));
     if others.any(|other| other != first as u64) {
-        return Err(refusal(format!("its channels have different {name}; give the same for all")));
+        return Err(unread(format!("its channels have different {name}; give the same for all")));
     }
     Ok(first)
 }
@@ -322,7 +322,7 @@ fn form(directory: &Directory<'_>, file: File<'_>, photometric: u64, bits: usize
                 (3, _) => format!("float{bits}"),
                 _ => "complex numbers".to_string(),
             };
-            Err(refusal(format!("its samples are {name}; give floating point, uint8 or uint16")))
+            Err(unread(format!("its samples are {name}; give floating point, uint8 or uint16")))
         }
     }
 }
@@ -352,7 +352,7 @@ fn predictor(
         (2, _, 8 | 16 | 32 | 64) => Ok(Predictor::Horizontal),
         (3, Form::Floats, _) => Ok(Predictor::Floats),
         (other, ..) => {
-            Err(refusal(format!("its samples have the predictor {other}, which {bits} bits cannot have")))
+            Err(unread(format!("its samples have the predictor {other}, which {bits} bits cannot have")))
         }
     }
 }
@@ -384,9 +384,4 @@ fn chunks(
         )));
     }
     Ok((offsets, lengths, rows, columns))
-}
-
-/// Refusal of samples that are not converted.
-fn refusal(reason: impl Into<String>) -> Error {
-    unread(reason)
 }

@@ -333,8 +333,12 @@ fn palettes_and_inverted_grey_become_colours() {
     for bits in [8, 16] {
         let grey = Example { photometric: 0, bits, ..codes };
         match (read(grey.file(&[])).expect("grey"), grey.expected()) {
-            (Samples::Bytes(found), Samples::Bytes(codes)) => assert_eq!(found, codes.mapv(|code| 255 - code)),
-            (Samples::Words(found), Samples::Words(codes)) => assert_eq!(found, codes.mapv(|code| 65535 - code)),
+            (Samples::Bytes(found), Samples::Bytes(codes)) => {
+                assert_eq!(found, codes.mapv(|code| 255 - code))
+            }
+            (Samples::Words(found), Samples::Words(codes)) => {
+                assert_eq!(found, codes.mapv(|code| 65535 - code))
+            }
             other => panic!("{other:?}"),
         }
     }
