@@ -36,7 +36,7 @@ pub struct Integers {
 }
 
 /// Most tags of a directory that are read.
-const MOST_TAGS: usize = 4096;
+const MOST_TAGS: usize = 1024;
 
 impl<'a> File<'a> {
     /// File with the header of TIFF or `BigTIFF`; None for other bytes.
@@ -53,7 +53,12 @@ impl<'a> File<'a> {
 
     /// First directory.
     pub fn first(self) -> Option<Directory<'a>> {
-        Directory::read(self, self.offset(if self.is_big { 8 } else { 4 })?)
+        Directory::read(self, self.first_place()?)
+    }
+
+    /// Place of the first directory.
+    pub fn first_place(self) -> Option<usize> {
+        self.offset(self.offset_size())
     }
 
     /// Some bytes at `place`, the lowest first.

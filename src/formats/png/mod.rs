@@ -1,5 +1,6 @@
 //! PNG files, by the crate `png`: samples of 8 or 16 bits and the statements about their colour.
 
+mod texts;
 pub mod write;
 
 use std::io::Cursor;
@@ -7,7 +8,9 @@ use std::ops::Range;
 use std::slice::from_ref;
 
 use ndarray::Array3;
-use png::{BitDepth, ColorType, DecodeOptions, Decoder, DecodingError, Info, Reader, Transformations};
+use png::{
+    BitDepth, ColorType, DecodeOptions, Decoder, DecodingError, Info, Limits, Reader, Transformations,
+};
 
 use crate::error::{Error, Result};
 use crate::formats::exif;
@@ -60,8 +63,8 @@ fn header(bytes: &[u8], max_pixels: usize) -> Result<Header> {
     header.orientation = exif::orientation(&exif);
     header.exif = exif;
     header.colour = statements(info);
-    header.xmp = xmp(info);
-    header.description = description(info);
+    header.xmp = texts::xmp(info);
+    header.description = texts::description(info);
     if info.animation_control.is_some() {
         header.notes.push("only the first image of the animation was read".into());
     }
@@ -84,12 +87,6 @@ fn statements(info: &Info<'_>) -> Colour {
     }
 }
 
-/// Text with the keyword Description; empty without one.
-fn description(info: &Info<'_>) -> String {
-    let said = info.uncompressed_latin1_text.iter().find(|text| text.keyword == "Description");
-    said.map(|text| text.text.clone()).unwrap_or_default()
-}
-
 /// Factor of the integers in the chunks gAMA and cHRM.
 const SCALE: f64 = 100_000.0;
 
@@ -98,11 +95,6 @@ fn chromaticities(info: &Info<'_>) -> Option<[f64; 8]> {
     let (red, green, blue, white) = (said.red, said.green, said.blue, said.white);
     let numbers = [red.0, red.1, green.0, green.1, blue.0, blue.1, white.0, white.1];
     Some(numbers.map(|number| f64::from(number.into_scaled()) / SCALE))
-}
-
-fn xmp(info: &Info<'_>) -> Vec<u8> {
-    let packet = info.utf8_text.iter().find(|text| text.keyword == "XML:com.adobe.xmp");
-    packet.and_then(|text| text.get_text().ok()).map(String::into_bytes).unwrap_or_default()
 }
 
 /// All samples of the PNG file in `bytes`, which is read to its end.
@@ -126,12 +118,16 @@ fn samples(bytes: &[u8], max_pixels: usize) -> Result<Samples> {
     Array3::from_shape_vec(shape, samples).map(Samples::Bytes).map_err(|_| no_memory())
 }
 
+/// Bytes for all texts and the profile, which may be packed.
+const MOST_METADATA: usize = 1 << 25;
+
 /// Reader in front of the pixels; palettes, transparent colours and few bits are expanded.
 fn open(bytes: &[u8], max_pixels: usize) -> Result<Reader<Cursor<&[u8]>>> {
     let mut options = DecodeOptions::default();
     // By default the crate passes over the checksum of the pixels.
     options.set_ignore_adler32(false);
     let mut decoder = Decoder::new_with_options(Cursor::new(bytes), options);
+    decoder.set_limits(Limits { bytes: MOST_METADATA });
     decoder.set_transformations(Transformations::EXPAND);
     let info = decoder.read_header_info().map_err(|error| refusal(&error))?;
     check_size(info.height as usize, info.width as usize, max_pixels)?;

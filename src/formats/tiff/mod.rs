@@ -55,11 +55,15 @@ where
 {
     let file = File::new(bytes.as_ref()).ok_or_else(damaged)?;
     let (mut headers, mut pages, mut reasons) = (Vec::new(), Vec::new(), Vec::new());
+    let mut texts = file.bytes.len();
     for (number, directory) in full_pages(file)?.into_iter().enumerate() {
-        match Page::read(&directory, file, max_pixels) {
-            Ok(page) => {
-                headers.push(statements::header(&page, &directory));
+        let page = Page::read(&directory, file, max_pixels);
+        let page = page
+            .and_then(|page| statements::header(&page, &directory, &mut texts).map(|header| (page, header)));
+        match page {
+            Ok((page, header)) => {
                 pages.push((page, Kept::default()));
+                headers.push(header);
             }
             Err(error) if number == 0 => return Err(error),
             Err(error) => reasons.push(format!("page {number} was left out: {error}")),
@@ -105,13 +109,14 @@ fn full_pages(file: File<'_>) -> Result<Vec<Directory<'_>>> {
 
 /// Directories of all pages, at least one; a damaged one ends the list.
 fn directories(file: File<'_>) -> Result<Vec<Directory<'_>>> {
-    let mut all = vec![file.first().ok_or_else(damaged)?];
-    let mut places = BTreeSet::new();
-    while let Some(place) = all[all.len() - 1].next().filter(|_| all.len() < MOST_PAGES) {
-        let Some(directory) = Directory::read(file, place).filter(|_| places.insert(place)) else { break };
+    let (mut all, mut places) = (Vec::new(), BTreeSet::new());
+    let mut next = file.first_place();
+    while let Some(place) = next.filter(|&place| all.len() < MOST_PAGES && places.insert(place)) {
+        let Some(directory) = Directory::read(file, place) else { break };
+        next = directory.next();
         all.push(directory);
     }
-    Ok(all)
+    if all.is_empty() { Err(damaged()) } else { Ok(all) }
 }
 
 fn damaged() -> Error {

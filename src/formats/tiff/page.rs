@@ -1,6 +1,6 @@
 //! Form of one page: its samples, and the strips or tiles that hold them; refusals of what is not converted.
 
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::formats::directory::{Directory, File, Integers};
 use crate::formats::header::SampleType;
 use crate::formats::input::{check_size, damage, unread};
@@ -30,6 +30,8 @@ pub struct Page {
     pub chunk_height: usize,
     /// Columns of a strip or tile.
     pub chunk_width: usize,
+    /// True for tiles, which are whole at the right and at the bottom, too.
+    is_tiled: bool,
     offsets: Integers,
     lengths: Option<Integers>,
 }
@@ -128,6 +130,7 @@ impl Page {
             is_planar: samples > 1 && number(tags::PLANAR, 1)? == 2,
             chunk_height,
             chunk_width,
+            is_tiled: directory.has(tags::TILE_OFFSETS),
             offsets,
             lengths,
         };
@@ -170,6 +173,15 @@ impl Page {
         self.across() * self.height.div_ceil(self.chunk_height)
     }
 
+    /// Rows that are stored in the strips or tiles `down` from the first.
+    pub fn stored_rows(&self, down: usize) -> usize {
+        if self.is_tiled {
+            self.chunk_height
+        } else {
+            self.chunk_height.min(self.height - down * self.chunk_height)
+        }
+    }
+
     /// Rows that are decoded together.
     pub fn block(&self) -> usize {
         if self.compression == Compression::None { 1 } else { self.chunk_height }
@@ -186,7 +198,6 @@ impl Page {
         (plane, down, across): (usize, usize, usize),
     ) -> Result<&'a [u8]> {
         let number = plane * self.chunks_of_plane() + down * self.across() + across;
-        let rows = self.chunk_height.min(self.height - down * self.chunk_height);
         let outside = || damage("the TIFF file is damaged or incomplete: a strip or tile lies outside of it");
         let usize_of =
             |integers: Integers| integers.get(file, number).and_then(|one| usize::try_from(one).ok());
@@ -195,7 +206,7 @@ impl Page {
             Some(lengths) if self.compression != Compression::None => {
                 usize_of(lengths).ok_or_else(outside)?
             }
-            _ => rows * self.row_bytes(),
+            _ => self.stored_rows(down) * self.row_bytes(),
         };
         start.checked_add(length).and_then(|end| file.bytes.get(start..end)).ok_or_else(outside)
     }
@@ -211,7 +222,7 @@ impl Page {
             )));
         }
         let ratio = if self.compression == Compression::None { 1 } else { MOST_RATIO };
-        let bits = (self.height * self.width).saturating_mul(self.samples * self.bits);
+        let bits = self.height.saturating_mul(self.width).saturating_mul(self.samples * self.bits);
         if bits / 8 > file.bytes.len().saturating_mul(ratio) {
             return Err(damage("the TIFF file is damaged or incomplete: it is too short for its samples"));
         }
@@ -245,7 +256,7 @@ fn photometric(directory: &Directory<'_>, samples: usize) -> Result<u64> {
         34892 => "linear raw samples",
         _ => "of an unknown colour model",
     };
-    Err(refusal(format!(
+    Err(unread(format!(
         "its samples are {name} (photometric {model}); give RGB, as floating point for high dynamic range"
     )))
 }
@@ -254,13 +265,13 @@ fn photometric(directory: &Directory<'_>, samples: usize) -> Result<u64> {
 fn check_model(directory: &Directory<'_>, samples: usize) -> Result<()> {
     let depth = number(directory, tags::DEPTH, 1)?;
     if depth > 1 {
-        return Err(refusal(format!("it is a volume of {depth} slices; give a flat image")));
+        return Err(unread(format!("it is a volume of {depth} slices; give a flat image")));
     }
     if !(1..=MOST_SAMPLES).contains(&samples) {
-        return Err(refusal(format!("it has {samples} channels; give from 1 to {MOST_SAMPLES}")));
+        return Err(unread(format!("it has {samples} channels; give from 1 to {MOST_SAMPLES}")));
     }
     if number(directory, tags::FILL_ORDER, 1)? == 2 {
-        return Err(refusal("its bits are stored in reverse order (FillOrder 2); give the usual order"));
+        return Err(unread("its bits are stored in reverse order (FillOrder 2); give the usual order"));
     }
     Ok(())
 }
@@ -281,7 +292,7 @@ fn compression(code: usize) -> Result<Compression> {
         _ => "an unknown method",
     };
     let way_out = "give LZW, deflate or no compression";
-    Err(refusal(format!(
+    Err(unread(format!(
         "its samples are compressed by {name} (compression {code}), which is not read; {way_out}"
     )))
 }
@@ -291,7 +302,7 @@ fn bits_of(directory: &Directory<'_>, file: File<'_>, tag: u16, name: &str, defa
     let first = number(directory, tag, default)?;
     let mut others = directory.integers(tag).into_iter().flat_map(|values| values.iter(file));
     if others.any(|other| other != first as u64) {
-        return Err(refusal(format!("its channels have different {name}; give the same for all")));
+        return Err(unread(format!("its channels have different {name}; give the same for all")));
     }
     Ok(first)
 }
@@ -311,7 +322,7 @@ fn form(directory: &Directory<'_>, file: File<'_>, photometric: u64, bits: usize
                 (3, _) => format!("float{bits}"),
                 _ => "complex numbers".to_string(),
             };
-            Err(refusal(format!("its samples are {name}; give floating point, uint8 or uint16")))
+            Err(unread(format!("its samples are {name}; give floating point, uint8 or uint16")))
         }
     }
 }
@@ -341,7 +352,7 @@ fn predictor(
         (2, _, 8 | 16 | 32 | 64) => Ok(Predictor::Horizontal),
         (3, Form::Floats, _) => Ok(Predictor::Floats),
         (other, ..) => {
-            Err(refusal(format!("its samples have the predictor {other}, which {bits} bits cannot have")))
+            Err(unread(format!("its samples have the predictor {other}, which {bits} bits cannot have")))
         }
     }
 }
@@ -373,9 +384,4 @@ fn chunks(
         )));
     }
     Ok((offsets, lengths, rows, columns))
-}
-
-/// Refusal of samples that are not converted.
-fn refusal(reason: impl Into<String>) -> Error {
-    unread(reason)
 }

@@ -145,8 +145,7 @@ impl<'a> Request<'a> {
     /// Bytes of the samples of a strip or tile, in the byte order of the file.
     fn decode(&self, place: (usize, usize, usize)) -> Result<Cow<'a, [u8]>> {
         let page = self.page;
-        let rows = page.chunk_height.min(page.height - place.1 * page.chunk_height);
-        let mut bytes = unpack(page, page.stored(self.file, place)?, rows)?;
+        let mut bytes = unpack(page, page.stored(self.file, place)?, page.stored_rows(place.1))?;
         if page.predictor != Predictor::None {
             undo(page, self.file.is_little_endian, bytes.to_mut());
         }

@@ -1,9 +1,11 @@
 //! Header of a page: names of its channels, and what its tags state about colour, place and exposure.
 
 use super::page::{Form, Page};
+use crate::error::Result;
 use crate::formats::directory::Directory;
 use crate::formats::exif;
 use crate::formats::header::{Alpha, Channel, Colour, Header};
+use crate::formats::input::damage;
 
 const DESCRIPTION: u16 = 270;
 const EXTRA_SAMPLES: u16 = 338;
@@ -14,28 +16,36 @@ const ICC: u16 = 34675;
 /// Longest texts and profiles that are read, in bytes.
 const MOST: (usize, usize, usize) = (1 << 16, 4 << 20, 16 << 20);
 
-/// Header of a `page` with its `directory`.
-pub fn header(page: &Page, directory: &Directory<'_>) -> Header {
+/// Header of a `page` with its `directory`, whose texts and profiles are taken off the number of bytes in `texts`.
+///
+/// # Errors
+///
+/// If they need more: the pages of a damaged file may all claim the same long text.
+pub fn header(page: &Page, directory: &Directory<'_>, texts: &mut usize) -> Result<Header> {
+    let bytes = |tag, most| directory.bytes(tag, most).unwrap_or_default();
+    let (icc, xmp, description) = (bytes(ICC, MOST.2), bytes(XMP, MOST.1), bytes(DESCRIPTION, MOST.0));
+    let length = icc.len() + xmp.len() + description.len();
+    *texts =
+        texts.checked_sub(length).ok_or_else(|| damage("the TIFF file is damaged: its texts overlap"))?;
     let exif = exif::numbers_of(directory);
     let (names, alpha) = channels(page, directory);
     let sample = page.sample_type();
     let channels = names.into_iter().map(|name| Channel { name, sample }).collect();
-    let bytes = |tag, most| directory.bytes(tag, most).unwrap_or_default();
-    Header {
+    Ok(Header {
         alpha,
         block: page.block(),
         colour: Colour {
-            icc: bytes(ICC, MOST.2).to_vec(),
+            icc: icc.to_vec(),
             is_srgb: exif.get("ColorSpace") == Some(&1.0),
             ..Colour::default()
         },
         orientation: exif::orientation(&exif),
         environment: environment(bytes(TEXTURE_FORMAT, MOST.0)),
-        xmp: bytes(XMP, MOST.1).to_vec(),
+        xmp: xmp.to_vec(),
         exif,
-        description: text(bytes(DESCRIPTION, MOST.0)),
+        description: text(description),
         ..Header::plain("tiff", page.height, page.width, channels)
-    }
+    })
 }
 
 /// Text up to its first zero.
