@@ -162,7 +162,7 @@ def test_former_arguments_of_a_layout_work_and_warn(tmp_path, size, arguments, l
 
 def test_the_older_name_of_a_direction_works_and_warns():
     picture = np.ones((16, 16, 3))
-    with pytest.warns(DeprecationWarning) as warned:
+    with pytest.warns(DeprecationWarning, match="EnvMap") as warned:
         env = el.EnvMap(picture, projection="angular", towards=[1, 0, 0])
     assert "towards= of EnvMap.__init__ is called forward= now" in str(warned[0].message)
     assert env == el.EnvMap(picture, layout=Layout.angular(forward=[1, 0, 0]))

@@ -53,14 +53,8 @@ def line_of(layout: PictureLayout, size: tuple[int, int], faces: str = "") -> tu
     is_panorama = layout.kind == "equirectangular"
     if is_panorama and not layout.is_whole_sphere:
         return ()
-    given = _entries(_statement(layout, faces))
+    given = _statement(layout, faces).entries()
     return (LAYOUT + json.dumps({"version": _VERSION, **given, "size": list(size)}),)
-
-
-def _entries(layout: Layout) -> dict[str, Any]:
-    """Fields of a layout that are not None."""
-    each = {field.name: getattr(layout, field.name) for field in fields(layout)}
-    return {name: value for name, value in each.items() if value is not None}
 
 
 def _statement(layout: PictureLayout, faces: str) -> Layout:
@@ -122,7 +116,7 @@ def with_statement(layout: Layout, hints: Hints, size: tuple[int, int]) -> tuple
     """
     if not hints.layout or any(getattr(layout, name) is not None for name in _NAMING):
         return layout, False
-    given = _entries(layout)
+    given = layout.entries()
     if "forward" in given:
         given["axes"] = None
     return replace(_layout_of_statement(hints.layout, size), **given), True

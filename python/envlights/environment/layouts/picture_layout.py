@@ -23,16 +23,6 @@ UP: Axes = ((0.0, 1.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 0.0, -1.0))
 #: Axes of the squares of pbrt-v4: the centre is up, and the picture is a mirror image.
 PBRT: Axes = ((0.0, 1.0, 0.0), (0.0, 0.0, -1.0), (-1.0, 0.0, 0.0))
 
-#: Projections of a layout.
-KINDS = (
-    "equirectangular",
-    "cylinder",
-    "cube",
-    "octahedral",
-    "octahedral-equal-area",
-    "azimuthal",
-    "planar",
-)
 #: Mappings of a fisheye: radius in focal lengths for the angle t from the axis is t, 2 sin(t / 2),
 #: 2 tan(t / 2), sin t.
 MAPPINGS = ("equidistant", "equisolid", "stereographic", "orthographic")
@@ -49,7 +39,7 @@ class PictureLayout(NamedTuple):
     """
 
     kind: str
-    """Projection: one of `KINDS`."""
+    """Projection, by its name in the kernels; all circles are "azimuthal"."""
 
     height: int
     """Rows of the picture; 6 n for a cube with faces of n x n pixels."""
@@ -102,17 +92,7 @@ def equirectangular(
 def crop(
     height: int, width: int, *, field_of_view: float, horizon: float | None = None
 ) -> PictureLayout:
-    """Layout of a part of a panorama around its centre.
-
-    Parameters
-    ----------
-    height, width : int
-        Size of the picture.
-    field_of_view : float
-        Azimuth that the width covers, in radians.
-    horizon : float, optional
-        Row coordinate of elevation 0; the middle when left out.
-    """
+    """Layout of a part of a panorama around its centre, `field_of_view` radians wide."""
     view = _view(field_of_view, 360.0)
     rows = max(round(width * math.pi / view), math.ceil(width / 2))
     rows = height if height == rows + 1 else rows
@@ -132,17 +112,7 @@ def crop(
 def cylinder(
     height: int, width: int, *, field_of_view: float, horizon: float | None = None
 ) -> PictureLayout:
-    """Layout of a cylindrical panorama.
-
-    Parameters
-    ----------
-    height, width : int
-        Size of the picture.
-    field_of_view : float
-        Azimuth that the width covers, in radians.
-    horizon : float, optional
-        Row coordinate of elevation 0, which may lie outside; the middle when left out.
-    """
+    """Layout of a cylindrical panorama, `field_of_view` radians wide, around any horizon."""
     view = _view(field_of_view, 360.0)
     row = None if horizon is None else amount("horizon", horizon, -100.0 * height, 100.0 * height)
     return PictureLayout("cylinder", height, width, field_of_view=view, horizon=row)
@@ -194,20 +164,9 @@ def fisheye(
     circle: tuple[float, float, float] | None = None,
     axes: Axes = FRONT,
 ) -> PictureLayout:
-    """Layout of a circular fisheye picture.
+    """Layout of a circular fisheye picture: a square, or of rows and columns.
 
-    Parameters
-    ----------
-    size : int or tuple of int
-        Side of a square picture, or rows and columns.
-    mapping : str
-        One of `MAPPINGS`.
-    field_of_view : float
-        Angle across the circle, in radians.
-    circle : tuple of float, optional
-        Centre x, centre y and radius, in pixels; the largest centred circle when left out.
-    axes : tuple
-        Axes of the picture.
+    The field of view is the angle across the circle, in radians.
     """
     check_choice("mapping", mapping, MAPPINGS)
     view = _view(field_of_view, _WIDEST[mapping])
@@ -218,17 +177,7 @@ def fisheye(
 
 
 def planar(height: int, width: int, *, field_of_view: float, axes: Axes = FRONT) -> PictureLayout:
-    """Layout of a photograph without distortion.
-
-    Parameters
-    ----------
-    height, width : int
-        Size of the picture.
-    field_of_view : float
-        Horizontal field of view, in radians, below pi.
-    axes : tuple
-        Axes of the picture.
-    """
+    """Layout of a photograph without distortion, `field_of_view` radians wide."""
     view = _view(field_of_view, 179.0)
     return PictureLayout("planar", height, width, field_of_view=view, axes=axes)
 

@@ -93,19 +93,29 @@ class Layout:
                 check_choice(name, value, choices)
         if self.fov is not None and amount("fov", self.fov, 0, 360) == 0:
             raise EnvLightsError("fov must be above 0 degrees, up to 360; got 0")
-        for name, checked in (("circle", _circle), ("forward", _direction), ("axes", _axes)):
+        for name, checked in (
+            ("circle", _circle),
+            ("forward", _direction),
+            ("axes", layouts.checked_axes),
+        ):
             if (value := getattr(self, name)) is not None:
                 object.__setattr__(self, name, checked(value))
         if self.projection is not None:
             _check_unused(self.projection, self.arguments())
 
-    def arguments(self) -> dict[str, Any]:
-        """Arguments that are not None, without projection and axes."""
-        each = {field.name: getattr(self, field.name) for field in fields(self)[1:-1]}
+    def entries(self) -> dict[str, Any]:
+        """All fields that are not None."""
+        each = {field.name: getattr(self, field.name) for field in fields(self)}
         return {name: value for name, value in each.items() if value is not None}
 
+    def arguments(self) -> dict[str, Any]:
+        """Arguments that are not None, without projection and axes."""
+        others = ("projection", "axes")
+        return {name: value for name, value in self.entries().items() if name not in others}
+
     def __repr__(self) -> str:
-        given = self.arguments() | ({} if self.axes is None else {"axes": self.axes})
+        given = self.entries()
+        given.pop("projection", None)
         method = f".{_method(self.projection)}" if self.projection else ""
         each = ", ".join(f"{name}={value!r}" for name, value in given.items())
         return f"Layout{method}({each})"
@@ -583,10 +593,6 @@ def _axes_of(layout: Layout) -> Axes:
     if layout.forward is not None:
         return layouts.looking(layout.forward)
     return layout.axes or PROJECTIONS[layout.projection or ""].axes  # type: ignore[return-value]
-
-
-def _axes(values: ArrayLike) -> Axes:
-    return layouts.checked_axes(values)
 
 
 def _direction(forward: ArrayLike) -> tuple[float, ...]:
