@@ -34,6 +34,13 @@ def run_blender(*arguments):
     assert done.returncode == 0, done.stderr[-2000:]
 
 
+def irradiance_of_file(path):
+    """Irradiance at `NORMALS` that Cycles renders."""
+    np.save(path.parent / "normals.npy", AXES["blender"].to_target(NORMALS))
+    run_blender("irradiance", path.parent / "normals.npy", path)
+    return np.load(path.with_suffix(".npy"))
+
+
 @pytest.fixture(scope="module")
 def irradiances(tmp_path_factory):
     """Irradiance that Cycles renders from each script."""

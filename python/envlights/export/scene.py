@@ -12,14 +12,12 @@ from numpy.typing import NDArray
 from envlights._common.blocks import in_blocks
 from envlights._common.check import describe
 from envlights._common.printable import printable
-from envlights._common.units import PHOTOMETRIC
 from envlights._native import EnvLightsError
 from envlights.environment.decoders.source import is_source
 from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
 from envlights.export.capabilities import HARMONIC_MEAN, ROWS
 from envlights.export.panels import Panel, distant_and_panels
-from envlights.export.targets import TARGETS
-from envlights.export.units import UNITS
+from envlights.export.targets import TARGETS, target_named
 from envlights.kernels.ambient import ambient_rows
 from envlights.kernels.sphere import pixel_solid_angles
 
@@ -124,7 +122,7 @@ def scene_of(rig: Exportable, environment: AnyMap | None = None, *, target: str)
     environment : EnvMap or array_like, optional
         Map that replaces the ambient term; an array has the units of the lights.
     target : str
-        Name in `units.UNITS`.
+        Name of the target.
 
     Returns
     -------
@@ -144,7 +142,7 @@ def scene_of(rig: Exportable, environment: AnyMap | None = None, *, target: str)
         ambient, env, term, floor = None, _environment(lights, environment), np.zeros(3), False
         units = env.units
     statement = statement_of(lights, units, target)
-    factor = UNITS[target].factor if units == PHOTOMETRIC else 1.0
+    factor = target_named(target).units.factor_of(units)
     panels: tuple[Panel, ...] = ()
     if target in PANELS:
         lights, panels = distant_and_panels(rig, env, factor)
@@ -153,7 +151,7 @@ def scene_of(rig: Exportable, environment: AnyMap | None = None, *, target: str)
 
 def statement_of(lights: Discs, units: str, target: str) -> str:
     """Sentence for the file of a target: units, and the notes of the lights."""
-    return "; ".join([UNITS[target].statement(units), *map(_plain, lights.notes)])
+    return "; ".join([target_named(target).units.statement(units), *map(_plain, lights.notes)])
 
 
 def _plain(note: str) -> str:

@@ -16,10 +16,9 @@ from numpy.typing import NDArray
 from envlights._common.check import amount
 from envlights._common.words import fill_template
 from envlights.environment.envmap import AnyMap
-from envlights.export.axes import AXES
 from envlights.export.files import AnyPath, save_scene
 from envlights.export.scene import Discs, Exportable, at_most, mean_radiance, scene_of
-from envlights.export.targets import CASTERS, target_named
+from envlights.export.targets import AXES, CASTERS, target_named
 from envlights.kernels.sampling import icosphere
 
 #: Lights beside the headlight; MuJoCo ignores any others.

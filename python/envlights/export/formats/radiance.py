@@ -9,11 +9,11 @@ from envlights._common.check import describe
 from envlights._common.words import fill_template
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import AnyMap, EnvMap
-from envlights.export.axes import AXES
 from envlights.export.discs import split_by_size, with_discs
 from envlights.export.files import CONTROLS, AnyPath, check_link
 from envlights.export.look_up import looked_up
 from envlights.export.scene import Exportable, Scene, scene_of
+from envlights.export.targets import AXES
 from envlights.export.textures import Beside, save_beside
 
 #: Angular radius in radians above which a light is drawn into the sky. Radiance samples a source

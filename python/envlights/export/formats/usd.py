@@ -13,11 +13,11 @@ from envlights._common.files import as_path
 from envlights._common.words import fill_template
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import AnyMap
-from envlights.export.axes import AXES
 from envlights.export.files import AnyPath
 from envlights.export.formats import usd_cards
 from envlights.export.formats.usd_text import asset, colour, prim
 from envlights.export.scene import Exportable, Scene, scene_of
+from envlights.export.targets import AXES
 from envlights.export.textures import Beside, save_beside
 
 _HEAD = """#usda 1.0
