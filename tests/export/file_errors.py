@@ -19,14 +19,18 @@ from envlights.kernels import relative_rms
 from tests.helpers import NORMALS, SOLID_ANGLES
 
 
+def readers_of(target):
+    """Module of the tests of a target, with its readers."""
+    return importlib.import_module(f"tests.export.test_{target.file or target.name}")
+
+
 def irradiance_of_file(rig, target):
     """Irradiance at `NORMALS` from the file of a rig, as the tests of the target read it."""
-    tests = importlib.import_module(f"tests.export.test_{target.file or target.name}")
     with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
         warnings.simplefilter("ignore")
         path = Path(folder).resolve() / f"rig{target.suffixes[0]}"
         rig.save(path)
-        return tests.irradiance_of_file(path)
+        return readers_of(target).irradiance_of_file(path)
 
 
 def error_of_file(rig, target, truth):

@@ -36,6 +36,11 @@ def rig_of(scene):
     )
 
 
+def texture_of_file(path):
+    """Name of the map."""
+    return json.loads(path.read_text(encoding="utf-8"))["map"]
+
+
 def irradiance_of_file(path):
     """Irradiance of the lights as points, and of harmonics or a map."""
     scene = json.loads(path.read_text())

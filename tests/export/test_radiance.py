@@ -1,6 +1,7 @@
 """Radiance: irradiance as its own `rtrace` measures it."""
 
 import os
+import re
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +26,26 @@ def irradiance(path, params, repeats=1, normals=NORMALS):
     lines = np.hstack([np.zeros_like(there), there]).repeat(repeats, axis=0)
     found = trace(path, lines, params, irradiance=True)
     return found.reshape(len(normals), repeats, 3).mean(axis=1)
+
+
+def words_of_radiance(path):
+    """Words as `fgetword` reads them, after the comments at the start."""
+    text = re.sub(rb"\A(#[^\n]*\n)*", b"", path.read_bytes())
+    while text := text.lstrip(b" \t\n\v\f\r"):
+        if text[:1] in (b'"', b"'"):
+            word, _, text = text[1:].partition(text[:1])
+        else:
+            word = text.split(None, 1)[0]
+            text = text[len(word) :]
+        yield os.fsdecode(word)
+
+
+def texture_of_file(path):
+    """Name of the picture of the sky."""
+    words = list(words_of_radiance(path))
+    place = words.index("blue") + 1
+    assert words[place + 1] == "."
+    return words[place]
 
 
 def irradiance_of_file(path):

@@ -61,6 +61,14 @@ def irradiance_of_file(path):
     return lights if dome is None else lights + dome
 
 
+def texture_of_file(path):
+    """Path of the texture of the dome, which OpenUSD finds."""
+    stage = Usd.Stage.Open(str(path))
+    file = stage.GetPrimAtPath("/rig/ambient").GetAttribute("inputs:texture:file").Get()
+    assert file.resolvedPath == str(path.parent / file.path)
+    return file.path.removeprefix("./")
+
+
 @pytest.mark.parametrize("suffix", [".usda", ".usdc", ".usd"])
 @pytest.mark.parametrize("name", RIGS)
 def test_a_stage_lights_as_the_rig_does(name, suffix, tmp_path):
