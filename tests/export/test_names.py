@@ -20,7 +20,7 @@ PARTS = [
     *"abc 0.-_~!@#$%&*?'\"`\\:;,|<>()[]{}^+=\t\n\r\x01\x1b\x7f\x85\xa0",
     *("ü", "Küche", "光", "é", "👩‍🚀", "\u202e", "\u2028", "\ufeff", "\ufffe", "\ud800", "\udcff"),
     *("<UDIM>", "@@@", '"', "'", "$x", "${HOME}", "%41", "%d", "####", "\\u", "\\n", "]]>", "&lt;"),
-    *("-->", "..", "{face}", "CON", "*.exr", "`id`", "!id", "x" * 60),
+    *("-->", "..", "{face}", "@MAP@", "@FILE@", "CON", "*.exr", "`id`", "!id", "x" * 60),
 ]
 #: Names as people give them, which every target must read.
 ORDINARY = ["scene", "my scene", "Küche", "光", "50%", "a,b;c", "#1", "-x", "(1)", "[a]", "a+b=c"]

@@ -1,7 +1,6 @@
 """Radiance: irradiance as its own `rtrace` measures it."""
 
 import os
-import re
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +12,7 @@ from tests.export.balls import CAMERA, check_balls, environment, rays
 from tests.export.rigs import AXES as LAMPS
 from tests.export.rigs import DISCS, POINTS, relative, relative_error, rigs
 from tests.helpers import NORMALS
+from tests.reference.radiance import tokens
 
 pyradiance = pytest.importorskip("pyradiance")
 
@@ -28,21 +28,9 @@ def irradiance(path, params, repeats=1, normals=NORMALS):
     return found.reshape(len(normals), repeats, 3).mean(axis=1)
 
 
-def words_of_radiance(path):
-    """Words as `fgetword` reads them, after the comments at the start."""
-    text = re.sub(rb"\A(#[^\n]*\n)*", b"", path.read_bytes())
-    while text := text.lstrip(b" \t\n\v\f\r"):
-        if text[:1] in (b'"', b"'"):
-            word, _, text = text[1:].partition(text[:1])
-        else:
-            word = text.split(None, 1)[0]
-            text = text[len(word) :]
-        yield os.fsdecode(word)
-
-
 def texture_of_file(path):
     """Name of the picture of the sky."""
-    words = list(words_of_radiance(path))
+    words = [text for kind, text in tokens(path) if kind == "word"]
     place = words.index("blue") + 1
     assert words[place + 1] == "."
     return words[place]

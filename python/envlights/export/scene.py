@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
 from typing import Any, NamedTuple, Protocol
 
@@ -89,7 +88,9 @@ class Scene(NamedTuple):
     """Cell-centred map that replaces the constant."""
 
     statement: str
-    """Sentence for the file on the units of all numbers, and on estimates among them."""
+    """Sentence for the file on the units of all numbers, and on estimates among them.
+
+    One line without control characters; each writer quotes it by the syntax of its format."""
 
     term: NDArray[np.float64]
     """Ambient term of the rig, (3,) or harmonics, (9, 3); zeros if there is a map in its place."""
@@ -151,13 +152,7 @@ def scene_of(rig: Exportable, environment: AnyMap | None = None, *, target: str)
 
 def statement_of(lights: Discs, units: str, target: str) -> str:
     """Sentence for the file of a target: units, and the notes of the lights."""
-    return "; ".join([target_named(target).units.statement(units), *map(_plain, lights.notes)])
-
-
-def _plain(note: str) -> str:
-    """Note for the comments and strings of any format: without quotes, escapes and line breaks."""
-    text = printable(note).replace('"', "'").replace("\\", "/").replace("*/", "* /")
-    return re.sub("--+", "-", text)
+    return "; ".join([target_named(target).units.statement(units), *map(printable, lights.notes)])
 
 
 def _environment(lights: Discs, environment: AnyMap) -> EnvMap:

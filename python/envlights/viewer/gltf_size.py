@@ -14,7 +14,7 @@ from envlights._native import EnvLightsError
 #: Bytes of arrays that any file may ask for, and largest ratio to the bytes of its own files: an
 #: array without data is zeros, and two arrays may share data.
 _FREE, _SHARED = 64 * 2**20, 4
-#: Largest number of bytes in the meshes, each of which gets a copy of its arrays.
+#: Largest number of bytes in the meshes: each gets a copy of its arrays.
 _MOST_COPIED = 2**30
 _COLUMNS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 #: Bytes of a number by the constants of OpenGL: bytes, shorts, integers and floats.

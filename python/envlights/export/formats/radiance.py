@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights._common.check import describe
-from envlights._common.words import fill_template
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import AnyMap, EnvMap
 from envlights.export.discs import split_by_size, with_discs
@@ -23,10 +22,13 @@ _WIDE = 0.2
 _LARGEST = float(np.finfo(np.float32).max)
 #: Angular radius of a point; a source must have one.
 _POINT = 1e-4
-_HEADER = """\
-# Lights of envlights, z up. Units: @UNITS@.
-# rtrace and rpict: -ab 1 or more for the ambient term and wide lights, -dj 1 for soft shadows.
-"""
+#: Largest number of bytes of a line or a word. Radiance parses the rest of a longer comment as part
+#: of the scene, where an exclamation mark begins a command.
+_LONGEST = 2047
+_HEADER = (
+    "Lights of envlights, z up. Units: {units}.",
+    "rtrace and rpict: -ab 1 or more for the ambient term and wide lights, -dj 1 for soft shadows.",
+)
 
 
 def radiance(
@@ -101,7 +103,7 @@ def _description(scene: Scene, names: Beside) -> str:
         _source("light", f"light_{j}", rgb, direction, 2 * angle)
         for j, (rgb, direction, angle) in enumerate(zip(seen, towards, radius, strict=True))
     ]
-    header = fill_template(_HEADER, units=scene.statement)
+    header = "".join(_comment(line.format(units=scene.statement)) for line in _HEADER)
     return "\n".join([header, *sources, *_glow(scene, names.map)])
 
 
@@ -145,10 +147,21 @@ def _look_up(env: EnvMap) -> str:
     return f"{column} {row}"
 
 
+def _comment(text: str) -> str:
+    """Lines of a comment; the space at their ends hides a backslash, which would join two lines."""
+    most = _LONGEST // 4 - 1  # characters have up to 4 bytes
+    return "".join(f"# {text[start : start + most]} \n" for start in range(0, len(text), most))
+
+
 def _word(name: str) -> str:
     """File name as one word of a description, in quotes where that is necessary."""
     # Versions that know no quotes would run what follows a line break and an exclamation mark.
     check_link(name, "Radiance", CONTROLS)
+    if len(name.encode()) > _LONGEST - 2:
+        raise EnvLightsError(
+            f"Radiance reads names of up to {_LONGEST - 2} bytes; got one of {len(name.encode())};"
+            " give the scene a shorter name"
+        )
     quotes = [quote for quote in "\"'" if quote not in name]
     if not quotes or name.startswith("~"):
         raise EnvLightsError(
