@@ -11,18 +11,16 @@ from urllib.parse import unquote
 
 from envlights._native import EnvLightsError
 
-#: Bytes of arrays that any file may ask for, and largest ratio to the bytes of its own files: an
-#: array without data is zeros, and two arrays may share data.
-_FREE, _SHARED = 64 * 2**20, 4
-#: Largest number of bytes in the meshes: each gets a copy of its arrays.
-_MOST_COPIED = 2**30
 _COLUMNS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 #: Bytes of a number by the constants of OpenGL: bytes, shorts, integers and floats.
 _BYTES = {5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4}
 
 
-def check_size(path: Path) -> None:
-    """Refuse a file whose arrays or meshes are much larger than the file and its buffers."""
+def check_size(path: Path, most: int) -> None:
+    """Refuse arrays or meshes of more than `most` bytes that are larger than the file itself.
+
+    An array without data is zeros, and each mesh gets a copy of its arrays.
+    """
     try:
         header = _header(path)
         sizes = [_size(accessor) for accessor in header.get("accessors", ())]
@@ -32,9 +30,10 @@ def check_size(path: Path) -> None:
         raise EnvLightsError(
             f"it is not a complete glTF file ({type(x).__name__}: {x}); export it again"
         ) from None
-    if sum(sizes) > max(_FREE, _SHARED * held) or copied > _MOST_COPIED:
+    needed = max(sum(sizes), copied)
+    if needed > max(most, held):
         raise EnvLightsError(
-            f"its arrays would need {max(sum(sizes), copied) / 1e6:.0f} MB, but its files have"
+            f"its arrays would need {needed / 1e6:.0f} MB, but its files have"
             f" {held / 1e6:.3g} MB; export it again, for example as GLB"
         )
 

@@ -26,8 +26,8 @@ ALBEDO = 0.7
 SUFFIXES = (".glb", ".gltf", ".obj", ".off", ".ply", ".stl")
 #: Largest number of meshes in a scene: trimesh needs the square of it if they hang on each other.
 _MOST_MESHES = 1000
-#: Largest number of pixels of a texture.
-_MOST_TEXELS = 8192**2
+#: Memory for arrays of a small file: a kilobyte for each triangle.
+_MOST_BYTES = MOST_TRIANGLES * 1024
 #: Files whose colours are linear, as glTF has them; others hold sRGB.
 _LINEAR = (".glb", ".gltf")
 
@@ -108,7 +108,7 @@ def _load(trimesh: Any, path: str | os.PathLike[str]) -> Any:
     """Scene of a file, with the vertices as they are."""
     file = Path(os.fsdecode(path))
     if file.suffix.lower() in _LINEAR:
-        check_size(file)
+        check_size(file, _MOST_BYTES)
     return trimesh.load_scene(file, process=False)
 
 
@@ -162,10 +162,10 @@ def _of_material(material: Any, uv: Any, triangles: NDArray[np.int64]) -> NDArra
 
 def _texels(image: Any, uv: NDArray[np.float64]) -> NDArray[np.float64]:
     """Codes from 0 to 1 of a texture that repeats, (n, 3), at coordinates from its lower left."""
-    width, height = image.size
-    if width * height > _MOST_TEXELS:
+    (width, height), most = image.size, import_module("PIL.Image").MAX_IMAGE_PIXELS
+    if most and width * height > most:
         raise EnvLightsError(
-            f"a texture may have up to {_MOST_TEXELS} pixels; got {width} x {height}; scale it down"
+            f"a texture may have up to {most} pixels; got {width} x {height}; scale it down"
         )
     pixels = np.asarray(image.convert("RGB"))
     place = np.nan_to_num(uv % 1.0)

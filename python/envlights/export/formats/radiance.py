@@ -22,9 +22,6 @@ _WIDE = 0.2
 _LARGEST = float(np.finfo(np.float32).max)
 #: Angular radius of a point; a source must have one.
 _POINT = 1e-4
-#: Largest number of bytes of a line or a word. Radiance parses the rest of a longer comment as part
-#: of the scene, where an exclamation mark begins a command.
-_LONGEST = 2047
 _HEADER = (
     "Lights of envlights, z up. Units: {units}.",
     "rtrace and rpict: -ab 1 or more for the ambient term and wide lights, -dj 1 for soft shadows.",
@@ -148,20 +145,18 @@ def _look_up(env: EnvMap) -> str:
 
 
 def _comment(text: str) -> str:
-    """Lines of a comment; the space at their ends hides a backslash, which would join two lines."""
-    most = _LONGEST // 4 - 1  # characters have up to 4 bytes
-    return "".join(f"# {text[start : start + most]} \n" for start in range(0, len(text), most))
+    """Lines of a comment; the space at their ends hides a backslash, which would join two lines.
+
+    Radiance reads 2047 bytes of a comment and parses the rest as a part of the scene, where an
+    exclamation mark begins a command. A character has up to 4 bytes.
+    """
+    return "".join(f"# {text[start : start + 500]} \n" for start in range(0, len(text), 500))
 
 
 def _word(name: str) -> str:
     """File name as one word of a description, in quotes where that is necessary."""
     # Versions that know no quotes would run what follows a line break and an exclamation mark.
     check_link(name, "Radiance", CONTROLS)
-    if len(name.encode()) > _LONGEST - 2:
-        raise EnvLightsError(
-            f"Radiance reads names of up to {_LONGEST - 2} bytes; got one of {len(name.encode())};"
-            " give the scene a shorter name"
-        )
     quotes = [quote for quote in "\"'" if quote not in name]
     if not quotes or name.startswith("~"):
         raise EnvLightsError(
