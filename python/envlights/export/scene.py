@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from envlights._common.blocks import in_blocks
 from envlights._common.check import describe
-from envlights._common.printable import printable
 from envlights._native import EnvLightsError
 from envlights.environment.decoders.source import is_source
 from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
@@ -152,7 +151,7 @@ def scene_of(rig: Exportable, environment: AnyMap | None = None, *, target: str)
 
 def statement_of(lights: Discs, units: str, target: str) -> str:
     """Sentence for the file of a target: units, and the notes of the lights."""
-    return "; ".join([target_named(target).units.statement(units), *map(printable, lights.notes)])
+    return "; ".join([target_named(target).units.statement(units), *lights.notes])
 
 
 def _environment(lights: Discs, environment: AnyMap) -> EnvMap:
