@@ -127,7 +127,7 @@ def test_the_help_lists_what_each_target_shows():
     text = " ".join(run("export", "-h").output.split())
     for target in TARGETS:
         assert f"{target.name}: {target.title} ({', '.join(target.suffixes)})" in text
-        assert " ".join(target.shows.lines()) in text
+        assert " ".join(target.lines()) in text
 
 
 @pytest.mark.parametrize(

@@ -43,6 +43,13 @@ def irradiance_of(emitters):
         return irradiance_in(scene, mi)
 
 
+def texture_of_file(path):
+    """Path of the map in a file, which Mitsuba loads."""
+    with mitsuba() as mi:
+        mi.load_file(str(path))
+    return ElementTree.parse(path).find(".//string[@name='filename']").get("value")
+
+
 def irradiance_of_file(path):
     with mitsuba() as mi:
         (path.parent / "ball.xml").write_text(BALL.format(path.name))

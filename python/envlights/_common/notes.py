@@ -6,6 +6,8 @@ import logging
 from collections.abc import Iterable
 from typing import NamedTuple
 
+from envlights._common.printable import printable
+
 LOG = logging.getLogger("envlights")
 LOG.addHandler(logging.NullHandler())
 
@@ -99,9 +101,13 @@ CODES = {
 
 
 class Note(str):
-    """Remark on an assumption or a change: text, with the `code` of its kind."""
+    """Remark on an assumption or a change: text on one line, with the `code` of its kind."""
 
     __slots__ = ()
+
+    def __new__(cls, text: str = "") -> Note:
+        """Make `text` printable: a note of a file neither forges lines nor controls a terminal."""
+        return super().__new__(cls, printable(text))
 
     @property
     def code(self) -> str:

@@ -65,7 +65,7 @@ def print_losses(*, strict: bool = False) -> Iterator[None]:
         except UserWarning as loss:
             raise FileError(f"--strict refuses a file: {loss}") from None
     for each in caught:
-        click.echo(f"warning: {each.message}", err=True)
+        click.echo(f"warning: {printable(str(each.message))}", err=True)
 
 
 def check_output(output: str, suffixes: tuple[str, ...], inputs: Mapping[str, str]) -> None:

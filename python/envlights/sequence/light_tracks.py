@@ -10,9 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights._common.check import describe
-from envlights._common.units import PHOTOMETRIC
 from envlights._native import EnvLightsError
-from envlights.export.units import UNITS
+from envlights.export.targets import target_named
 from envlights.sequence.frame_rig import FrameRig
 from envlights.sequence.steadiness import frame_rate
 
@@ -68,11 +67,11 @@ def tracks_of(rigs: Iterable[FrameRig], target: str, fps: float | None) -> Light
             f"a sequence for {target} must have a constant ambient term or none; got harmonics."
             " Follow the frames with ambient='constant', or save .jsonl"
         )
-    units = rigs[0].units
-    factor = UNITS[target].factor if units == PHOTOMETRIC else 1.0
+    units = target_named(target).units
+    factor = units.factor_of(rigs[0].units)
     ids = sorted({identity for rig in rigs for identity in rig.ids})
     lights = tuple(_track(rigs, identity, factor) for identity in ids)
-    statement = UNITS[target].statement(units)
+    statement = units.statement(rigs[0].units)
     ambient = factor * np.array([rig.ambient for rig in rigs])
     return LightTracks(tuple(rig.frame for rig in rigs), fps, lights, ambient, statement)
 

@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 from envlights.environment.envmap import AnyMap
 from envlights.environment.layouts.picture_layout import PictureLayout, equirectangular
 from envlights.environment.resample import resample
-from envlights.export.axes import AXES
 from envlights.export.discs import split_by_size, with_discs
 from envlights.export.files import AnyPath, check_link
 from envlights.export.panels import Panel, crop_names
 from envlights.export.scene import Exportable, Scene, scene_of
+from envlights.export.targets import AXES
 from envlights.export.textures import Beside, save_beside
 
 #: Angular radius in radians below which a light has no size in pbrt: 0.7 degrees, which is four
