@@ -56,6 +56,7 @@ __all__ = [
     "even_sphere",
     "expand_discs",
     "expand_map",
+    "exr_file",
     "face_radiance",
     "fill_unseen",
     "fit_reduced",
@@ -81,6 +82,7 @@ __all__ = [
     "pixel_directions",
     "pixel_solid_angles",
     "plane_threshold",
+    "png_file",
     "probe_jacobian",
     "probe_model",
     "probe_residual",
@@ -103,6 +105,7 @@ __all__ = [
     "sum_over_sources",
     "suppress",
     "threads",
+    "tiff_file",
     "transfer_columns",
     "transfer_frames",
     "transfer_gram",
@@ -444,4 +447,14 @@ class PictureFile:
     def __new__(cls, data: bytes, kind: str, max_pixels: int) -> PictureFile: ...
     @property
     def parts(self) -> list[dict[str, Any]]: ...
+    def apply_gain_map(self, values: _Image, top: int) -> None: ...
     def rows(self, part: int, channels: list[int], top: int, bottom: int) -> NDArray[Any]: ...
+
+def exr_file(
+    radiance: _Image,
+    half: bool,
+    compression: str,
+    statements: tuple[tuple[float, ...], float | None, str, str],
+) -> bytes: ...
+def png_file(codes: NDArray[Any], description: str) -> bytes: ...
+def tiff_file(radiance: _Image, description: str) -> bytes: ...

@@ -1,19 +1,19 @@
 //! `formats` for Python.
 
 use std::ops::Range;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
-use numpy::{IntoPyArray, PyReadonlyArray3};
+use numpy::{IntoPyArray, PyReadonlyArray3, PyReadwriteArray3};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
 use pyo3::types::{PyBytes, PyDict, PyTuple};
 
 use super::error::EnvLightsError;
-use super::pool::interruptible;
+use super::pool::{in_pool, interruptible};
 use crate::formats::header::{Alpha, Header, SampleType};
 use crate::formats::picture::Samples;
 use crate::formats::radiance::write;
-use crate::formats::{self, picture, png, tiff};
+use crate::formats::{self, exr, gain_map, picture, png, tiff};
 
 /// Bytes of a Python object, without a copy.
 #[derive(Clone)]
@@ -45,6 +45,25 @@ impl PictureFile {
     #[getter]
     fn parts<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
         self.file.parts().iter().map(|header| dictionary(py, header)).collect()
+    }
+
+    /// Raise linear `values` of some rows from `top` on, (rows, width, 1 or 3), by the gain map of the first part, in
+    /// place; nothing happens without one.
+    fn apply_gain_map(
+        &self,
+        py: Python<'_>,
+        mut values: PyReadwriteArray3<'_, f32>,
+        top: usize,
+    ) -> PyResult<()> {
+        let header = &self.file.parts()[0];
+        let Some(map) = &header.gain_map else { return Ok(()) };
+        let values = Mutex::new(values.as_array_mut());
+        in_pool(py, || {
+            // Nothing interrupts this run, so it is not repeated.
+            let mut values = values.lock().unwrap_or_else(PoisonError::into_inner);
+            gain_map::apply(map, values.view_mut(), top, header.height);
+            Ok(())
+        })
     }
 
     /// Samples of rows from `top` to `bottom` in the type of the file, (bottom - top, width, channels), of the channels
@@ -117,6 +136,7 @@ fn dictionary<'py>(py: Python<'py>, header: &Header) -> PyResult<Bound<'py, PyDi
     let packets = std::iter::once(&header.xmp).chain(&header.further_xmp);
     let packets: Vec<_> = packets.map(|packet| PyBytes::new(py, packet)).collect();
     said.set_item("xmp", PyTuple::new(py, packets)?)?;
+    said.set_item("has_gain_map", header.gain_map.is_some())?;
     said.set_item("description", &header.description)?;
     said.set_item("notes", &header.notes)?;
     Ok(said)
@@ -164,6 +184,35 @@ pub fn radiance_rows<'py>(
 ) -> PyResult<Bound<'py, PyBytes>> {
     let radiance = radiance.as_array();
     let bytes = interruptible(py, || Ok(write::encode(radiance, rounds)))?;
+    Ok(PyBytes::new(py, &bytes))
+}
+
+/// Chromaticities, luminance of white, environment attribute and comments of an OpenEXR file.
+type Statements = ([f32; 8], Option<f32>, String, String);
+
+/// See `envlights.environment.files.image_output`: an OpenEXR file of RGB, or of RGB and alpha.
+#[pyfunction]
+pub fn exr_file<'py>(
+    py: Python<'py>,
+    radiance: PyReadonlyArray3<'py, f32>,
+    half: bool,
+    compression: &str,
+    statements: Statements,
+) -> PyResult<Bound<'py, PyBytes>> {
+    let radiance = radiance.as_array();
+    let names = &["R", "G", "B", "A"][..radiance.dim().2.min(4)];
+    let known = exr::write::COMPRESSIONS.iter().find(|(name, _)| *name == compression);
+    let (chromaticities, white_luminance, environment, comments) = statements;
+    let options = exr::write::Options {
+        channels: names,
+        is_half: half,
+        compression: known.unwrap_or(&exr::write::COMPRESSIONS[0]).1,
+        chromaticities: Some(chromaticities),
+        white_luminance,
+        environment: &environment,
+        comments: &comments,
+    };
+    let bytes = interruptible(py, || exr::write::write(radiance, &options))?;
     Ok(PyBytes::new(py, &bytes))
 }
 

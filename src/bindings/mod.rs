@@ -65,7 +65,7 @@ mod _native {
         relative_rms, rig_error, rig_irradiance,
     };
     #[pymodule_export]
-    use super::formats::{PictureFile, png_file, radiance_rows, tiff_file};
+    use super::formats::{PictureFile, exr_file, png_file, radiance_rows, tiff_file};
     #[pymodule_export]
     use super::gloss::gloss_spectrum;
     #[pymodule_export]

@@ -21,8 +21,13 @@ _ROWS_AT_ONCE = 64
 class Linear:
     """Function from samples of some rows to linear Rec.709; counts the pixels outside of it."""
 
-    def __init__(self, header: Header, conversion: ColourConversion) -> None:
-        self._conversion = conversion
+    def __init__(
+        self,
+        header: Header,
+        conversion: ColourConversion,
+        apply_gain_map: Callable[[NDArray[np.float32], int], None] | None = None,
+    ) -> None:
+        self._conversion, self._gain_map = conversion, apply_gain_map
         self._bits = 8 * header.dtype.itemsize
         exposure = np.asarray(header.exposure, np.float32)
         self._divisor = None if (exposure == 1).all() else exposure
@@ -31,15 +36,19 @@ class Linear:
         self._pixels = self._outside = 0
 
     def __call__(
-        self, samples: NDArray[Any], out: NDArray[np.float32] | None = None
+        self, samples: NDArray[Any], out: NDArray[np.float32] | None = None, top: int = 0
     ) -> NDArray[np.float32]:
         """Linear values, (rows, width, 3), of red, green and blue or of one grey channel.
+
+        `top` is the first row of the samples.
 
         They are written into `out` if it is given. Negative results of the matrix become 0. Floats
         without a conversion are not copied.
         """
         is_grey = samples.shape[2] == 1
         linear = self._decode(samples, None if is_grey or self._matrix is not None else out)
+        if self._gain_map:
+            self._gain_map(linear, top)
         if self._divisor is not None:
             linear = linear / self._divisor[: linear.shape[2]]
         if not is_grey and self._matrix is not None:

@@ -21,6 +21,8 @@ from envlights.environment.decoders.source import WANTED, Source
 #: Kinds of files that are read in Rust.
 KINDS = ("radiance", "openexr", "png", "jpeg", "tiff")
 
+#: Remark on a picture of high dynamic range.
+_NOTE_OF_GAIN_MAP = "high dynamic range is that of the file's gain map, which ends at its maximum"
 #: Rows of one read, or more if rows are decoded together.
 _ROWS_AT_ONCE = 128
 
@@ -56,7 +58,8 @@ class NativeFile:
             return samples
 
         block = said["block"]
-        return RawImage(header, rows, -(-_ROWS_AT_ONCE // block) * block)
+        gain = self._file.apply_gain_map if said["has_gain_map"] else None
+        return RawImage(header, rows, -(-_ROWS_AT_ONCE // block) * block, gain)
 
     def close(self) -> None:
         """Close the file; its bytes go with this object."""
@@ -70,6 +73,7 @@ def open_native(source: Source, kind: str, max_pixels: int) -> NativeFile:
 
 def _header(said: dict[str, Any], channels: tuple[str, ...], dtype: np.dtype[Any]) -> Header:
     nits, description = said["white_luminance"], said["description"]
+    is_single = dtype.kind == "u" and not said["has_gain_map"]  # exposure
     return Header(
         width=said["width"],
         height=said["height"],
@@ -81,15 +85,17 @@ def _header(said: dict[str, Any], channels: tuple[str, ...], dtype: np.dtype[Any
         data_window=said["data_window"],
         display_window=said["display_window"],
         exposure=(1 / nits,) * 3 if nits else said["exposure"],
-        ev100=ev100_of(exposure_of(said["exif"])) if dtype.kind == "u" else None,
+        ev100=ev100_of(exposure_of(said["exif"])) if is_single else None,
         has_luminance=bool(nits),
         alpha=said["alpha"] if len(channels) in (2, 4) else "none",
         border_sampled=said["border_sampled"],
         environment=said["environment"],
         xmp=said["xmp"],
+        has_gain_map=said["has_gain_map"],
         layout=layout_of_description(description),
         notes=(
             *said["notes"],
+            *([_NOTE_OF_GAIN_MAP] if said["has_gain_map"] else []),
             *_note_of_luminance(nits),
             *estimates_of_description(description),
         ),

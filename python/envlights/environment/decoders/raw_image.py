@@ -105,7 +105,7 @@ class Header:
     """Statement of our own files on their layout; see `description`."""
 
     has_gain_map: bool = False
-    """True if the samples are those of a gain map, which ends at a largest value."""
+    """True if linear samples are raised by a gain map, which ends at a largest value."""
 
     notes: tuple[str, ...] = ()
     """Remarks of the reader."""
@@ -123,6 +123,11 @@ class RawImage:
 
     rows_at_once: int = 128
     """Rows of one read; a multiple of the rows that are decoded together."""
+
+    apply_gain_map: Callable[[NDArray[np.float32], int], None] | None = None
+    """Function that raises linear samples of some rows, (rows, width, 1 or 3), from a first row on.
+
+    None for files without a gain map."""
 
     def rows(self, top: int, bottom: int) -> NDArray[Any]:
         """Samples of some rows, (bottom - top, width, channels), in the type of the file."""

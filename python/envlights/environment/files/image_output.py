@@ -19,7 +19,7 @@ from envlights._native import EnvLightsError
 from envlights.environment.files.images import REC709
 
 #: Lossless compressions of OpenEXR.
-COMPRESSIONS = ("zip", "piz", "rle", "none")
+COMPRESSIONS: tuple[str, ...] = ("zip", "piz", "rle", "none")
 #: Rows that are encoded at a time.
 _ROWS_AT_ONCE = 128
 _LARGEST_HALF = float(np.finfo(np.float16).max)
@@ -63,8 +63,14 @@ def write_exr(
             f"cannot write {path} with half floats: its largest sample is {radiance.max():g},"
             f" above their {_LARGEST_HALF:g}; write it with half=False"
         )
-    attributes = (REC709, _description(comments), environment, 1.0 if units == PHOTOMETRIC else None)
-    _write(path, _native.exr_file(np.asarray(radiance, np.float32), half, compression, attributes))
+    statements = (
+        REC709,
+        1.0 if units == PHOTOMETRIC else None,
+        environment,
+        _description(comments),
+    )
+    samples = np.asarray(radiance, np.float32)
+    _write(path, _native.exr_file(samples, half, compression, statements))
 
 
 def write_codes(path: str | os.PathLike[str], codes: NDArray[np.uint8]) -> None:

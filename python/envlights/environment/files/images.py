@@ -130,7 +130,7 @@ class OpenImage:
             rows = slice(top, top + len(colours))
             if histogram:
                 histogram.add(visible(colours, alpha), top)
-            fraction = self._block(linear, colours, alpha, pixels[rows])
+            fraction = self._block(linear, top, (colours, alpha), pixels[rows])
             if fraction is not None:
                 coverage = np.ones(size, np.float32) if coverage is None else coverage
                 coverage[rows] = fraction
@@ -139,22 +139,22 @@ class OpenImage:
     def _block(
         self,
         linear: Linear,
-        colours: NDArray[Any],
-        alpha: NDArray[Any],
+        top: int,
+        samples: tuple[NDArray[Any], NDArray[Any]],
         out: NDArray[np.float32],
     ) -> NDArray[np.float32] | None:
         """Write linear samples of some rows into `out`; return the share that alpha shows."""
-        header = self.raw.header
+        header, (colours, alpha) = self.raw.header, samples
         if not alpha.shape[2] or header.alpha == "none":
-            linear(colours, out)
+            linear(colours, out, top)
             return None
-        linear(straight_codes(colours, alpha[..., 0], header), out)
+        linear(straight_codes(colours, alpha[..., 0], header), out, top)
         return seen_of_alpha(out, alpha[..., 0], header)
 
     def image(self) -> Image:
         """All pixels of the sphere."""
         header = self.raw.header
-        linear = Linear(header, self.colour)
+        linear = Linear(header, self.colour, self.raw.apply_gain_map)
         histogram = CodeHistogram(header.height) if header.dtype.kind == "u" else None
         pixels, coverage = self._pixels(linear, histogram)
         clip_level, notes = self._clip_level(histogram, pixels)
