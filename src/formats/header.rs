@@ -64,7 +64,7 @@ impl Header {
             name: String::new(),
             view: String::new(),
             alpha: Alpha::None,
-            block: height,
+            block: 1,
             colour: Colour::default(),
             orientation: 1,
             data_window: None,

@@ -53,9 +53,12 @@ class NativeFile:
         header = _header(said, tuple(channels), dtype)
 
         def rows(top: int, bottom: int) -> NDArray[Any]:
-            read = self._file.rows
-            samples: NDArray[Any] = _named(self._name, lambda: read(part, places, top, bottom))
-            return samples
+            try:
+                return self._file.rows(part, places, top, bottom)
+            except EnvLightsError as refusal:
+                raise DamagedFileError(
+                    f"cannot read all pixels of {self._name}: {refusal}; give an undamaged file"
+                ) from None
 
         block = said["block"]
         gain = self._file.apply_gain_map if said["has_gain_map"] else None

@@ -92,10 +92,11 @@ def crop(said: dict[str, str], width: int, height: int) -> tuple[Crop | None, li
     known = {key: _number(said, f"{key}Pixels") for key in _KEYS}
     if all(number is None for number in known.values()):
         return None, []
+    unreadable = [key for key in _KEYS if known[key] is None and f"GPano:{key}Pixels" in said]
     _complete(known, width, height)
-    missing = [key for key, number in known.items() if number is None]
+    missing = unreadable or [key for key, number in known.items() if number is None]
     if missing:
-        return None, [f"its GPano crop was not applied: {', '.join(missing)} is missing"]
+        return None, [f"its GPano crop was not applied: no number for {', '.join(missing)}"]
     full_width, full_height, crop_width, crop_height, left, top = (n or 0.0 for n in known.values())
     is_whole = (crop_width, crop_height) == (full_width, full_height)
     if is_whole or (width, height) == (full_width, full_height):
