@@ -6,6 +6,7 @@
 //! | attributes to statements and a layout of blocks | `part.rs`       |
 //! | order of the channels                           | `channels.rs`   |
 //! | blocks to samples                               | `blocks.rs`     |
+//! | samples to a file                               | `write.rs`      |
 //!
 //! The crate `exr` decodes the values of attributes and the blocks.
 
@@ -15,6 +16,7 @@ mod channels;
 mod part;
 #[cfg(test)]
 mod tests;
+pub mod write;
 
 use std::ops::Range;
 

@@ -10,9 +10,10 @@ use exr::meta::attribute::{
 use exr::meta::header::Header as Layout;
 use exr::meta::{BlockDescription, Headers};
 use half::f16;
-use ndarray::s;
+use ndarray::{Array3, s};
 
 use super::open;
+use super::write::{self, Options, write};
 use crate::error::Error;
 use crate::formats::header::{Alpha, Header};
 use crate::formats::picture::{PictureFile, Samples};
@@ -79,7 +80,7 @@ fn rgb(kind: FileType) -> [(&'static str, FileType); 3] {
     ["B", "G", "R"].map(|name| (name, kind))
 }
 
-fn floats(samples: Samples) -> ndarray::Array3<f32> {
+fn floats(samples: Samples) -> Array3<f32> {
     match samples {
         Samples::Floats(samples) => samples,
         Samples::Halves(samples) => samples.mapv(f16::to_f32),
@@ -160,29 +161,72 @@ fn channels_of_positions_keep_their_order() {
 }
 
 #[test]
-fn other_kinds_and_wrong_sizes_are_refused() {
-    let mut subsampled = layout("", 8, 8, &rgb(FileType::F16));
-    let whole = file(vec![subsampled.clone()]);
+fn other_kinds_and_wrong_claims_are_refused_with_the_reason() {
+    let whole = file(vec![layout("", 8, 8, &rgb(FileType::F16))]);
     assert!(matches!(open(whole.clone(), 63), Err(Error::HugeImage { height: 8, width: 8, limit: 63 })));
-    subsampled = subsampled.with_display_window(IntegerBounds::new((0, 0), (300, 300)));
-    assert!(matches!(open(file(vec![subsampled]), LIMIT), Err(Error::HugeImage { height: 300, .. })));
-    for (name, value, words) in [
-        ("chlist\0", 0x1b, "half resolution"),
-        ("compression\0compression\0", 4, "HTJ2K"),
-        ("box2i\0", 4, "dataWindow"),
+    let large =
+        layout("", 8, 8, &rgb(FileType::F16)).with_display_window(IntegerBounds::new((0, 0), (300, 300)));
+    assert!(matches!(open(file(vec![large]), LIMIT), Err(Error::HugeImage { height: 300, .. })));
+    for (attribute, offset, value, words) in [
+        ("chlist\0", 14, &[2][..], "of half resolution (Y, RY, BY), which are not converted"),
+        ("compression\0compression\0", 4, &[11], "compressed by HTJ2K"),
+        ("type\0string\0\x0a\0\0\0tiledimage", -14, b"\x08\0\0\0deeptile", "it is a deep image"),
+        ("dataWindow\0box2i\0", 4, &[200], "its attribute dataWindow has a wrong value"),
+        ("chlist\0", 4, b"Z", "in alphabetical order"),
+        ("chunkCount\0int\0", 4, &[77], "(chunkCount) contradicts its size"),
     ] {
         let mut bytes = whole.clone();
-        let start =
-            bytes.windows(name.len()).position(|window| window == name.as_bytes()).unwrap() + name.len();
-        match words {
-            "half resolution" => bytes[start + 4 + 10] = 2,
-            "HTJ2K" => bytes[start + value] = 11,
-            _ => bytes[start + value + 3] = 1,
-        }
+        let name = bytes.windows(attribute.len()).position(|window| window == attribute.as_bytes()).unwrap();
+        let end = name + attribute.len();
+        let start = end.saturating_add_signed(offset);
+        bytes.splice(start..end.max(start + value.len()), value.iter().copied());
         let refusal = open(bytes, LIMIT).err().unwrap().to_string();
-        assert!(refusal.contains(words) || refusal.contains("displayWindow"), "{refusal}");
+        assert!(refusal.contains(words), "{refusal}");
     }
 }
+
+#[test]
+fn a_written_file_comes_back_and_is_the_same_for_any_number_of_threads() {
+    let samples = Array3::from_shape_fn((37, 19, 4), |(y, x, channel)| value(x, y, channel));
+    for (name, compression) in write::COMPRESSIONS {
+        for is_half in [false, true] {
+            let options = Options {
+                channels: &["R", "G", "B", "A"],
+                is_half,
+                compression,
+                chromaticities: Some([0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329]),
+                white_luminance: Some(1.0),
+                environment: "cube",
+                comments: "a: \u{e9}\nb",
+            };
+            let bytes = write(samples.view(), &options).unwrap();
+            let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+            assert!(one.install(|| write(samples.view(), &options)) == Ok(bytes.clone()), "{name}");
+            let picture = open(bytes, LIMIT).unwrap();
+            let header = &picture.parts()[0];
+            assert_eq!((header.environment, header.border_sampled), ("cube", true));
+            assert_eq!((header.description.as_str(), header.white_luminance), (options.comments, Some(1.0)));
+            assert_eq!(header.colour.chromaticities.unwrap()[7], f64::from(0.329_f32));
+            assert_eq!(header.alpha, Alpha::Premultiplied);
+            assert_eq!(floats(picture.read(0, &[0, 1, 2, 3], 0..37).unwrap()), samples);
+        }
+    }
+    let wrong = Options { channels: &["R"], ..EMPTY };
+    assert!(matches!(write(samples.view(), &wrong), Err(Error::WrongShape { .. })));
+    let twice = Options { channels: &["R", "R", "G", "B"], ..EMPTY };
+    assert!(matches!(write(samples.view(), &twice), Err(Error::NoSuchLayout { .. })));
+    assert!(matches!(write(Array3::zeros((0, 2, 1)).view(), &wrong), Err(Error::EmptyImage { .. })));
+}
+
+const EMPTY: Options<'_> = Options {
+    channels: &[],
+    is_half: true,
+    compression: Compression::ZIP16,
+    chromaticities: None,
+    white_luminance: None,
+    environment: "",
+    comments: "",
+};
 
 /// All samples of the first part, and of the others if they are of the same kind; the number of rows on success.
 fn read_all(bytes: Vec<u8>) -> Result<usize, Error> {
