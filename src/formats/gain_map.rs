@@ -137,7 +137,8 @@ impl Curve {
     }
 
     fn has_gain_of(&self, other: &Self) -> bool {
-        [self.minimum, self.range, self.exponent] == [other.minimum, other.range, other.exponent]
+        let numbers = |curve: &Self| [curve.minimum, curve.range, curve.exponent].map(f32::to_bits);
+        numbers(self) == numbers(other)
     }
 
     /// Gain of a code from 0 to 1.

@@ -5,18 +5,21 @@ use crate::formats::input::damage;
 
 /// Codes of the markers with a meaning here (T.81, table B.1).
 pub(super) mod marker {
-    pub const HUFFMAN_TABLES: u8 = 0xC4;
-    pub const ARITHMETIC_TABLES: u8 = 0xCC;
-    pub const START: u8 = 0xD8;
-    pub const END: u8 = 0xD9;
-    pub const SCAN: u8 = 0xDA;
-    pub const STEPS: u8 = 0xDB;
-    pub const RESTART_INTERVAL: u8 = 0xDD;
-    pub const APP0: u8 = 0xE0;
-    pub const APP1: u8 = 0xE1;
-    pub const APP2: u8 = 0xE2;
-    pub const APP14: u8 = 0xEE;
-    pub const COMMENT: u8 = 0xFE;
+    /// Second byte of a marker.
+    pub type Code = u8;
+
+    pub const HUFFMAN_TABLES: Code = 0xC4;
+    pub const ARITHMETIC_TABLES: Code = 0xCC;
+    pub const START: Code = 0xD8;
+    pub const END: Code = 0xD9;
+    pub const SCAN: Code = 0xDA;
+    pub const STEPS: Code = 0xDB;
+    pub const RESTART_INTERVAL: Code = 0xDD;
+    pub const APP0: Code = 0xE0;
+    pub const APP1: Code = 0xE1;
+    pub const APP2: Code = 0xE2;
+    pub const APP14: Code = 0xEE;
+    pub const COMMENT: Code = 0xFE;
 }
 
 /// True for the markers SOF0 to SOF15 of frames.
@@ -110,7 +113,7 @@ impl Frame {
         ((self.height * component.down).div_ceil(down), (self.width * component.across).div_ceil(across))
     }
 
-    /// Refuse a file of `length` bytes that is too short for the blocks, each of which takes one bit or more.
+    /// Refuse a file of `length` bytes that is too short for the blocks: each takes at least one bit.
     pub fn check_length(&self, length: usize) -> Result<()> {
         let blocks = self.components.iter().map(|component| {
             let (rows, columns) = self.samples(component);

@@ -20,7 +20,7 @@ const BETWEEN: usize = 2;
 /// Blocks that are transformed together.
 pub(super) const GROUP: usize = 8;
 
-/// Rows of some blocks side by side.
+/// Rows of a group of blocks, from left to right.
 type Rows = [[Number; 8 * GROUP]; 8];
 
 /// Memory of the transform.
@@ -36,7 +36,7 @@ impl Workspace {
         Self { rows, other: rows }
     }
 
-    /// Write the samples of up to [`GROUP`] `blocks`, side by side, into rows of `out` that are `stride` apart.
+    /// Write the samples of up to [`GROUP`] `blocks` of a row into rows of `out` that are `stride` apart.
     #[inline(always)]
     pub fn inverse(&mut self, blocks: &[Block], steps: &[i32; 64], stride: usize, out: &mut [u8]) {
         let Self { rows, other } = self;

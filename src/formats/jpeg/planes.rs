@@ -169,14 +169,24 @@ impl WithSimd for Write<'_> {
     }
 }
 
+/// Write the `colour` of each pixel: first in planes of bytes, which become vectors, then in turns.
 #[inline(always)]
 fn write_pixels(rows: [&[u8]; 4], out: &mut [u8], colour: impl Fn([u8; 4]) -> [u8; 3]) {
-    let width = out.len() / 3;
-    let [a, b, c, d] = rows;
-    let (a, b, c) = (&a[..width], &b[..width], &c[..width]);
-    let d = if d.is_empty() { a } else { &d[..width] };
-    for (x, out) in out.as_chunks_mut::<3>().0.iter_mut().enumerate() {
-        *out = colour([a[x], b[x], c[x], d[x]]);
+    const PIXELS: usize = 64;
+    for (place, out) in out.chunks_mut(3 * PIXELS).enumerate() {
+        let (first, count) = (PIXELS * place, out.len() / 3);
+        let mut samples = [[0; PIXELS]; 4];
+        for (samples, row) in samples.iter_mut().zip(rows).filter(|(_, row)| !row.is_empty()) {
+            samples[..count].copy_from_slice(&row[first..first + count]);
+        }
+        let mut colours = [[0; PIXELS]; 3];
+        for x in 0..PIXELS {
+            let [red, green, blue] = colour([samples[0][x], samples[1][x], samples[2][x], samples[3][x]]);
+            (colours[0][x], colours[1][x], colours[2][x]) = (red, green, blue);
+        }
+        for (x, out) in out.as_chunks_mut::<3>().0.iter_mut().enumerate() {
+            *out = [colours[0][x], colours[1][x], colours[2][x]];
+        }
     }
 }
 
@@ -210,9 +220,8 @@ impl Plane {
     /// Samples of a `row` of the picture, one or more for each pixel.
     #[inline(always)]
     fn full_row<'a>(&'a self, row: usize, scratch: &'a mut Scratch) -> &'a [u8] {
-        /// Fewest samples in a row that libjpeg interpolates.
-        const LEAST_WIDTH: usize = 3;
-        let is_wide = self.width >= LEAST_WIDTH;
+        // libjpeg interpolates no shorter rows.
+        let is_wide = self.width > 2;
         match (self.across, self.down) {
             (1, 1) => return self.row(row),
             (1, 2) => self.between_rows(row, scratch),

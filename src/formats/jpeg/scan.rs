@@ -18,7 +18,7 @@ pub(super) type Block = [i16; 64];
 /// Most scans of a picture. Programs write 1 to 20; each scan of a hostile file takes time.
 const MOST_SCANS: usize = 256;
 /// Rows of units that are decoded while the rows before them are transformed.
-const BAND: usize = 8;
+const BAND: usize = 4;
 
 /// Position of each coefficient in its block, by its number in a scan (T.81, figure A.6).
 const ZIGZAG: [u8; 64] = [
@@ -179,21 +179,25 @@ impl<'a> Decoder<'a> {
 
     /// Decode the only scan in bands of rows; each is transformed while the next one is decoded.
     fn transform_scan(&mut self, scan: &Scan<'_>, units: &Units, mut reader: Reader<'_>) -> Result<()> {
-        let (frame, planes) = (self.frame, &mut self.planes);
-        let band_of = |first: usize, reader: &mut Reader<'_>| -> Result<Vec<Vec<Block>>> {
-            let mut blocks = frame.blocks(BAND.min(units.rows - first))?;
-            for row in 0..BAND.min(units.rows - first) {
-                interrupt::check();
-                reader.sequential_row(scan, units, row, &mut blocks)?;
+        let planes = &mut self.planes;
+        let mut read_band = |first: usize, blocks: &mut [Vec<Block>]| -> Result<()> {
+            for blocks in blocks.iter_mut() {
+                blocks.fill([0; 64]);
             }
-            Ok(blocks)
+            for row in 0..BAND.min(units.rows.saturating_sub(first)) {
+                interrupt::check();
+                reader.sequential_row(scan, units, row, blocks)?;
+            }
+            Ok(())
         };
-        let mut blocks = band_of(0, &mut reader)?;
+        let mut blocks = self.frame.blocks(BAND)?;
+        let mut next = blocks.clone();
+        read_band(0, &mut blocks)?;
         for first in (0..units.rows).step_by(BAND) {
-            let next = first + BAND;
-            let work = || if next < units.rows { band_of(next, &mut reader) } else { Ok(Vec::new()) };
-            let (after, ()) = rayon::join(work, || planes.transform(first, &blocks));
-            blocks = after?;
+            let (read, ()) =
+                rayon::join(|| read_band(first + BAND, &mut next), || planes.transform(first, &blocks));
+            read?;
+            std::mem::swap(&mut blocks, &mut next);
         }
         reader.finish()
     }

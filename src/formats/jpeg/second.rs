@@ -59,7 +59,6 @@ fn pictures(bytes: &[u8], first: &Metadata<'_>, is_needed: bool) -> Vec<usize> {
 
 /// Positions in an index of pictures (CIPA DC-007, 5.2.3), which are relative to its `place`.
 fn indexed_pictures(index: &[u8], place: usize) -> Option<Vec<usize>> {
-    const ENTRIES: u16 = 0xB002;
     /// Most pictures that are looked at.
     const MOST_PICTURES: usize = 16;
     let is_little_endian = index.starts_with(b"II");
@@ -73,7 +72,7 @@ fn indexed_pictures(index: &[u8], place: usize) -> Option<Vec<usize>> {
     };
     let directory = long(4)?;
     let mut fields = (0..usize::from(short(directory)?)).map(|field| directory + 2 + 12 * field);
-    let field = fields.find(|&field| short(field) == Some(ENTRIES))?;
+    let field = fields.find(|&field| short(field) == Some(0xB002))?;
     let (size, entries) = (long(field + 4)?, long(field + 8)?);
     let offsets =
         (0..(size / 16).min(MOST_PICTURES)).filter_map(|entry| long(entries.checked_add(16 * entry + 8)?));
@@ -106,18 +105,16 @@ fn parameters(second: &Metadata<'_>) -> Option<(Parameters, bool)> {
 
 /// Numbers in the binary layout of ISO 21496-1, annex C.2; None if the base is the brighter rendition.
 fn iso_parameters(mut bytes: &[u8]) -> Option<(Parameters, bool)> {
-    const SEVERAL_CHANNELS: u8 = 1 << 7;
-    const PRIMARIES_OF_BASE: u8 = 1 << 6;
-    const COMMON_DENOMINATOR: u8 = 1 << 3;
     let (version, rest) = bytes.split_first_chunk::<4>()?;
     let (&flags, rest) = rest.split_first()?;
     bytes = rest;
+    let [has_channels, is_of_base, has_denominator] = [7, 6, 3].map(|bit| flags >> bit & 1 == 1);
     let mut long = || {
         let (number, rest) = bytes.split_first_chunk()?;
         bytes = rest;
         Some(u32::from_be_bytes(*number))
     };
-    let common = if flags & COMMON_DENOMINATOR == 0 { None } else { Some(long()?) };
+    let common = if has_denominator { Some(long()?) } else { None };
     let mut ratio = |is_signed: bool| {
         let above = long()?;
         let below = common.map_or_else(&mut long, Some)?;
@@ -126,7 +123,7 @@ fn iso_parameters(mut bytes: &[u8]) -> Option<(Parameters, bool)> {
     };
     let is_brighter = ratio(false)? > ratio(false)?;
     let mut channels = [[0.0; 5]; 3];
-    let count = if flags & SEVERAL_CHANNELS == 0 { 1 } else { 3 };
+    let count = if has_channels { 3 } else { 1 };
     for channel in &mut channels[..count] {
         *channel = [ratio(true)?, ratio(true)?, ratio(false)?, ratio(true)?, ratio(true)?];
     }
@@ -142,7 +139,7 @@ fn iso_parameters(mut bytes: &[u8]) -> Option<(Parameters, bool)> {
         alternate_offset: number(4),
     };
     let is_read = version[..2] == [0, 0] && !is_brighter;
-    is_read.then_some((parameters, flags & PRIMARIES_OF_BASE != 0))
+    is_read.then_some((parameters, is_of_base))
 }
 
 /// Numbers among the properties of XMP (Adobe, gain map 1.0); None if the base is the brighter rendition.

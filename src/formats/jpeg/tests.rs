@@ -1,3 +1,5 @@
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
 use jpeg_encoder::{ColorType, Encoder, SamplingFactor};
 use ndarray::Array3;
 use proptest::prelude::*;
@@ -332,7 +334,7 @@ proptest! {
         let _ = read(bytes);
     }
 
-    /// As above, in the segments of a gain map.
+    /// A changed gain map gives samples, or a note, or a refusal.
     #[test]
     fn a_changed_gain_map_is_an_answer_or_a_note(place in any::<prop::sample::Index>(), byte: u8) {
         let mut bytes = with_gain_map(&[XMP]);
