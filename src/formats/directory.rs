@@ -129,7 +129,7 @@ impl<'a> Directory<'a> {
         self.integers(tag)?.get(self.file, 0)
     }
 
-    /// Values of a `tag` of unsigned integers, all of which lie in the file.
+    /// Values of a `tag` of unsigned integers; None if some lie outside of the file.
     pub fn integers(&self, tag: u16) -> Option<Integers> {
         let (kind, count, place) = self.values(tag)?;
         let size = [(1, 1), (3, 2), (4, 4), (13, 4), (16, 8), (18, 8)].iter().find(|one| one.0 == kind)?.1;

@@ -40,7 +40,7 @@ pub fn orientation(numbers: &BTreeMap<&'static str, f64>) -> u8 {
     (1..=8).find(|&value| (f64::from(value) - stated).abs() < f64::EPSILON).unwrap_or(1)
 }
 
-/// The same for a directory in the layout of TIFF.
+/// First number of each tag of [`TAGS`] in a directory or in its EXIF directory.
 pub fn numbers_of(first: &Directory<'_>) -> BTreeMap<&'static str, f64> {
     let exif = first.child(EXIF_DIRECTORY);
     let number_of = |tag| exif.and_then(|exif| exif.number(tag)).or_else(|| first.number(tag));

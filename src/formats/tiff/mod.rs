@@ -26,7 +26,7 @@ use std::ops::Range;
 use half::f16;
 
 use self::page::Page;
-use self::rows::{Kept, Request};
+use self::rows::{Cache, Request};
 use super::directory::{Directory, File};
 use super::header::{Header, SampleType};
 use super::input::damage;
@@ -38,7 +38,7 @@ use crate::error::{Error, Result};
 pub struct Tiff<Bytes> {
     bytes: Bytes,
     headers: Vec<Header>,
-    pages: Vec<(Page, Kept)>,
+    pages: Vec<(Page, Cache)>,
 }
 
 /// Most pages of a file.
@@ -53,7 +53,7 @@ pub fn open<Bytes>(bytes: Bytes, max_pixels: usize) -> Result<Tiff<Bytes>>
 where
     Bytes: AsRef<[u8]> + Send + Sync + 'static,
 {
-    let file = File::new(bytes.as_ref()).ok_or_else(damaged)?;
+    let file = File::new(bytes.as_ref()).ok_or_else(damage_of_tags)?;
     let (mut headers, mut pages, mut reasons) = (Vec::new(), Vec::new(), Vec::new());
     let mut texts = file.bytes.len();
     for (number, directory) in full_pages(file)?.into_iter().enumerate() {
@@ -62,7 +62,7 @@ where
             .and_then(|page| statements::header(&page, &directory, &mut texts).map(|header| (page, header)));
         match page {
             Ok((page, header)) => {
-                pages.push((page, Kept::default()));
+                pages.push((page, Cache::default()));
                 headers.push(header);
             }
             Err(error) if number == 0 => return Err(error),
@@ -79,10 +79,10 @@ impl<Bytes: AsRef<[u8]> + Send + Sync> PictureFile for Tiff<Bytes> {
     }
 
     fn read(&self, part: usize, channels: &[usize], rows: Range<usize>) -> Result<Samples> {
-        let file = File::new(self.bytes.as_ref()).ok_or_else(damaged)?;
-        let (page, kept) = &self.pages[part];
+        let file = File::new(self.bytes.as_ref()).ok_or_else(damage_of_tags)?;
+        let (page, cache) = &self.pages[part];
         let is_in_pieces = page.block() >= page.height && rows.len() < page.height;
-        let request = Request { file, page, channels, kept: is_in_pieces.then_some(kept) };
+        let request = Request { file, page, channels, cache: is_in_pieces.then_some(cache) };
         match page.sample_type() {
             SampleType::U8 => request.samples::<u8>(rows).map(Samples::Bytes),
             SampleType::U16 => request.samples::<u16>(rows).map(Samples::Words),
@@ -116,9 +116,9 @@ fn directories(file: File<'_>) -> Result<Vec<Directory<'_>>> {
         next = directory.next();
         all.push(directory);
     }
-    if all.is_empty() { Err(damaged()) } else { Ok(all) }
+    if all.is_empty() { Err(damage_of_tags()) } else { Ok(all) }
 }
 
-fn damaged() -> Error {
+fn damage_of_tags() -> Error {
     damage("the TIFF file is damaged or incomplete: its tags cannot be read")
 }

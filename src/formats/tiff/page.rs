@@ -50,7 +50,7 @@ pub enum Form {
 /// Compressions that are read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Compression {
-    /// None, so that any row can be read by itself.
+    /// Samples as they are; any row can be read by itself.
     None,
     /// LZW of TIFF 5 and later.
     Lzw,
@@ -60,10 +60,10 @@ pub enum Compression {
     PackBits,
 }
 
-/// Predictions of a sample from its left neighbour.
+/// Predictions of a sample from its left neighbour, if any.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Predictor {
-    /// None.
+    /// Samples themselves.
     None,
     /// Differences of integers.
     Horizontal,
@@ -163,7 +163,7 @@ impl Page {
         (self.chunk_width * self.chunk_samples() * self.bits).div_ceil(8)
     }
 
-    /// Strips or tiles side by side.
+    /// Number of strips or tiles in a row of them.
     pub fn across(&self) -> usize {
         self.width.div_ceil(self.chunk_width)
     }
@@ -174,7 +174,7 @@ impl Page {
     }
 
     /// Rows that are stored in the strips or tiles `down` from the first.
-    pub fn stored_rows(&self, down: usize) -> usize {
+    pub fn chunk_rows(&self, down: usize) -> usize {
         if self.is_tiled {
             self.chunk_height
         } else {
@@ -192,7 +192,7 @@ impl Page {
     /// # Errors
     ///
     /// If they do not lie in the file.
-    pub fn stored<'a>(
+    pub fn chunk<'a>(
         &self,
         file: File<'a>,
         (plane, down, across): (usize, usize, usize),
@@ -206,7 +206,7 @@ impl Page {
             Some(lengths) if self.compression != Compression::None => {
                 usize_of(lengths).ok_or_else(outside)?
             }
-            _ => self.stored_rows(down) * self.row_bytes(),
+            _ => self.chunk_rows(down) * self.row_bytes(),
         };
         start.checked_add(length).and_then(|end| file.bytes.get(start..end)).ok_or_else(outside)
     }

@@ -18,7 +18,7 @@ use crate::formats::input::zeros;
 use crate::interrupt;
 
 /// Strips or tiles by their plane, row and column.
-pub type Kept = Mutex<BTreeMap<(usize, usize, usize), Arc<[u8]>>>;
+pub type Cache = Mutex<BTreeMap<(usize, usize, usize), Arc<[u8]>>>;
 
 /// Rows of one page that are to be read.
 pub struct Request<'a> {
@@ -29,7 +29,7 @@ pub struct Request<'a> {
     /// Numbers of the channels.
     pub channels: &'a [usize],
     /// Decoded strips or tiles, for pages that have one row of them and are read in pieces.
-    pub kept: Option<&'a Kept>,
+    pub cache: Option<&'a Cache>,
 }
 
 /// Most rows of a task.
@@ -83,13 +83,13 @@ impl<'a> Request<'a> {
     ) -> Result<()> {
         let page = self.page;
         let down = rows.start / page.chunk_height;
-        let (decoded, remembered);
-        let bytes: &[u8] = if let Some(kept) = self.kept {
-            remembered = self.remembered(kept, (plane, down, across))?;
-            &remembered
+        let (new, old);
+        let bytes: &[u8] = if let Some(cache) = self.cache {
+            old = self.from_cache(cache, (plane, down, across))?;
+            &old
         } else {
-            decoded = self.decode((plane, down, across))?;
-            &decoded
+            new = self.decode((plane, down, across))?;
+            &new
         };
         let (top, left) = (down * page.chunk_height, across * page.chunk_width);
         let columns = page.chunk_width.min(page.width - left);
@@ -126,14 +126,14 @@ impl<'a> Request<'a> {
             let grey = places.iter().filter(|&&(sample, _)| plane + sample == 0);
             for &(_, place) in grey {
                 out.chunks_exact_mut(self.channels.len())
-                    .for_each(|pixel| pixel[place] = pixel[place].inverted());
+                    .for_each(|pixel| pixel[place] = pixel[place].complement());
             }
         }
     }
 
-    /// Bytes of the samples of a strip or tile that is kept; it is decoded if it is new.
-    fn remembered(&self, kept: &Kept, place: (usize, usize, usize)) -> Result<Arc<[u8]>> {
-        let lock = || kept.lock().unwrap_or_else(PoisonError::into_inner);
+    /// Bytes of the samples of a strip or tile from the cache; it is decoded if it is new.
+    fn from_cache(&self, cache: &Cache, place: (usize, usize, usize)) -> Result<Arc<[u8]>> {
+        let lock = || cache.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(bytes) = lock().get(&place) {
             return Ok(bytes.clone());
         }
@@ -145,7 +145,7 @@ impl<'a> Request<'a> {
     /// Bytes of the samples of a strip or tile, in the byte order of the file.
     fn decode(&self, place: (usize, usize, usize)) -> Result<Cow<'a, [u8]>> {
         let page = self.page;
-        let mut bytes = unpack(page, page.stored(self.file, place)?, page.stored_rows(place.1))?;
+        let mut bytes = unpack(page, page.chunk(self.file, place)?, page.chunk_rows(place.1))?;
         if page.predictor != Predictor::None {
             undo(page, self.file.is_little_endian, bytes.to_mut());
         }

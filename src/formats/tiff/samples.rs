@@ -10,7 +10,7 @@ pub trait Sample: Copy + Default + Send + Sync {
     fn append(page: &Page, is_little_endian: bool, row: &[u8], out: &mut Vec<Self>);
 
     /// Sample of a page whose 0 is white.
-    fn inverted(self) -> Self {
+    fn complement(self) -> Self {
         self
     }
 }
@@ -26,7 +26,7 @@ impl Sample for u8 {
         }
     }
 
-    fn inverted(self) -> Self {
+    fn complement(self) -> Self {
         !self
     }
 }
@@ -40,7 +40,7 @@ impl Sample for u16 {
         }
     }
 
-    fn inverted(self) -> Self {
+    fn complement(self) -> Self {
         !self
     }
 }

@@ -62,8 +62,9 @@ fn environment(format: &[u8]) -> &'static str {
     }
 }
 
-/// Names of the channels, and the meaning of alpha: the last extra sample that says so, or a fourth channel of which
-/// the file says nothing.
+/// Names of the channels, and the meaning of alpha.
+///
+/// Alpha is the last extra sample that says so, or a fourth channel without a statement.
 fn channels(page: &Page, directory: &Directory<'_>) -> (Vec<String>, Alpha) {
     let count = page.channels();
     let mut names: Vec<String> = (0..count).map(usual_name).collect();

@@ -212,7 +212,7 @@ impl Example {
         [file, values].concat()
     }
 
-    fn expected(&self) -> Samples {
+    fn truth(&self) -> Samples {
         let shape = (self.size.0, self.size.1, self.samples);
         let value = |place| self.value(place);
         let scaled = |place, most: u64| value(place) * most / ((1 << self.bits) - 1);
@@ -283,7 +283,7 @@ fn all_kinds_of_samples_strips_and_tiles_are_read() {
         let tiff = open(example.file(&[]), 1 << 20).expect("a whole file");
         let channels: Vec<usize> = (0..example.samples).collect();
         let whole = tiff.read(0, &channels, 0..example.size.0).expect("whole samples");
-        assert_eq!(whole, example.expected(), "{example:?}");
+        assert_eq!(whole, example.truth(), "{example:?}");
         let last = tiff.read(0, &[example.samples - 1], 2..4).expect("some samples");
         let part = |all: &Array3<f32>| all.slice(s![2..4, .., -1..]).to_owned();
         if let (Samples::Floats(whole), Samples::Floats(last)) = (&whole, &last) {
@@ -332,7 +332,7 @@ fn palettes_and_inverted_grey_become_colours() {
     assert!(reason(Example { photometric: 3, ..example }.file(&[])).contains("it has no palette"));
     for bits in [8, 16] {
         let grey = Example { photometric: 0, bits, ..codes };
-        match (read(grey.file(&[])).expect("grey"), grey.expected()) {
+        match (read(grey.file(&[])).expect("grey"), grey.truth()) {
             (Samples::Bytes(found), Samples::Bytes(codes)) => {
                 assert_eq!(found, codes.mapv(|code| 255 - code))
             }
@@ -388,7 +388,7 @@ fn statements_are_read_and_limited() {
     assert_eq!((tiff.parts()[0].xmp.len(), tiff.parts()[0].orientation), (0, 1));
 }
 
-/// Two pages, of which the first is linked to the second.
+/// Two pages; the first is linked to the second.
 fn two_pages(first: &[(u16, u16, Vec<u64>)], second: &[(u16, u16, Vec<u64>)]) -> Vec<u8> {
     let mut file = EXAMPLE.file(first);
     let gap = file.len() - 8;

@@ -10,7 +10,7 @@ use crate::error::Result;
 use crate::formats::input::{damage, zeros};
 use crate::interrupt;
 
-/// Samples of the first `rows` of a strip or tile, of which `stored` are the bytes in the file.
+/// Bytes of the first `rows` of a strip or tile, from its `stored` bytes in the file.
 ///
 /// # Errors
 ///
@@ -21,7 +21,7 @@ pub fn unpack<'a>(page: &Page, stored: &'a [u8], rows: usize) -> Result<Cow<'a, 
         return Ok(Cow::Borrowed(stored));
     }
     if wanted > stored.len().saturating_mul(MOST_RATIO) {
-        return Err(damaged());
+        return Err(damage_of_strip());
     }
     // One more byte, so that deflate reaches its end and its checksum.
     let mut samples = zeros((page.chunk_height, page.row_bytes(), 1), whole + 1)?;
@@ -31,13 +31,13 @@ pub fn unpack<'a>(page: &Page, stored: &'a [u8], rows: usize) -> Result<Cow<'a, 
         Compression::None | Compression::PackBits => pack_bits(stored, &mut samples),
     };
     if !length.is_some_and(|length| (wanted..=whole).contains(&length)) {
-        return Err(damaged());
+        return Err(damage_of_strip());
     }
     samples.truncate(wanted);
     Ok(Cow::Owned(samples))
 }
 
-fn damaged() -> crate::error::Error {
+fn damage_of_strip() -> crate::error::Error {
     damage("the TIFF file is damaged: a strip or tile does not unpack to its size")
 }
 

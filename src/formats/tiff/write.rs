@@ -80,7 +80,7 @@ fn tags(
         shorts(277, &[channels as u16]),
         long(278, &[STRIP_ROWS]),
         long(279, lengths),
-        shorts(284, &[1]), // channels side by side
+        shorts(284, &[1]), // all channels of a pixel together
         shorts(317, &[3]), // predictor of floats
         shorts(339, &vec![3; channels]),
     ];
