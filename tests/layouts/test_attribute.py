@@ -18,7 +18,7 @@ from envlights.environment.layouts import Layout, recognise
 from envlights.environment.layouts import picture_layout as layouts
 from envlights.environment.layouts.attribute import line_of
 from envlights.environment.layouts.conventions import CONVENTIONS, CROSSES
-from envlights.environment.layouts.cubes import ARRANGEMENTS
+from envlights.environment.layouts.faces import ARRANGEMENTS
 from envlights.environment.layouts.projections import ARGUMENTS
 from envlights.environment.picture_files import read_picture
 from tests.layouts.worlds import smooth

@@ -13,7 +13,7 @@ from envlights.cli import main
 from envlights.cli.refusal_words import with_options
 from envlights.environment.decoders.description import LAYOUT
 from envlights.environment.files.image_output import write_exr, write_hdr, write_png, write_tiff
-from envlights.environment.layouts.cubes import arranged_faces
+from envlights.environment.layouts.faces import arranged_faces
 from envlights.environment.reduced_file import reduce_file
 from tests.layouts.files import dds, jpeg_with
 from tests.layouts.worlds import smooth, upright_directions

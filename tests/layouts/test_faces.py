@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 import envlights as el
 from envlights.environment.layouts import Layout, recognise
 from envlights.environment.layouts.conventions import CONVENTIONS, CROSSES, FACES
-from envlights.environment.layouts.cubes import (
+from envlights.environment.layouts.faces import (
     ARRANGEMENTS,
     arranged_faces,
     cross_of_faces,
@@ -78,13 +78,13 @@ def test_a_face_that_is_turned_by_mistake_is_seen(turned):
 
 def test_each_edge_of_upright_faces_has_two_faces_of_equal_directions():
     """Closed form of the edges that the seams compare."""
-    from envlights.environment.layouts import cubes
+    from envlights.environment.layouts import seams
 
     at = dict(zip(FACES, upright_directions(5, border=True), strict=True))
-    assert len(cubes._EDGES) == 12
-    for one, side, other, other_side, turn in cubes._EDGES:
-        first = cubes._side(at[one], side)
-        np.testing.assert_allclose(first, cubes._side(at[other], other_side)[::turn], atol=1e-15)
+    assert len(seams._EDGES) == 12
+    for one, side, other, other_side, turn in seams._EDGES:
+        first = seams._side(at[one], side)
+        np.testing.assert_allclose(first, seams._side(at[other], other_side)[::turn], atol=1e-15)
 
 
 @pytest.mark.parametrize("order", sorted(CROSSES))

@@ -8,7 +8,7 @@ import pytest
 import envlights as el
 from envlights.environment.layouts import Layout, recognise
 from envlights.environment.layouts.conventions import CONVENTIONS, CROSSES
-from envlights.environment.layouts.cubes import ARRANGEMENTS
+from envlights.environment.layouts.faces import ARRANGEMENTS
 from envlights.environment.layouts.picture import picture_of
 from envlights.environment.layouts.picture_layout import angular_map, cube, equirectangular
 from envlights.environment.picture_files import read_picture

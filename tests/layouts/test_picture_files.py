@@ -8,7 +8,8 @@ import pytest
 import envlights as el
 from envlights.environment.files.image_output import write_exr, write_hdr
 from envlights.environment.layouts import Layout, recognise
-from envlights.environment.layouts.cubes import order_of_names, stored_faces
+from envlights.environment.layouts.face_names import order_of_names
+from envlights.environment.layouts.faces import stored_faces
 from envlights.environment.picture_files import faces_of_mapping, read_picture
 from tests.layouts.worlds import smooth, upright_directions
 

@@ -11,7 +11,7 @@ from envlights.environment.files.hints import Hints
 from envlights.environment.files.image_output import write_exr
 from envlights.environment.files.images import read_image
 from envlights.environment.layouts import Layout, recognise
-from envlights.environment.layouts.cubes import arranged_faces, stored_faces
+from envlights.environment.layouts.faces import arranged_faces, stored_faces
 from envlights.environment.layouts.picture_layout import MIRRORED
 from tests.layouts.files import dds, jpeg_with
 from tests.layouts.worlds import smooth, upright_directions

@@ -9,13 +9,12 @@ import envlights as el
 from envlights.environment.files.images import read_image
 from envlights.environment.layouts import Layout, recognise
 from envlights.environment.layouts.conventions import DISTINCT
-from envlights.environment.layouts.cubes import (
-    arranged_faces,
+from envlights.environment.layouts.faces import arranged_faces, stored_faces
+from envlights.environment.layouts.seams import (
     has_equal_edges,
     lines_of_faces,
     log_luminance,
     seam_score,
-    stored_faces,
 )
 from tests.helpers import paths_of_real_maps
 from tests.layouts.worlds import looked_up, smooth, upright_directions

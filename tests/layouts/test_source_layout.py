@@ -5,7 +5,7 @@ import pytest
 
 import envlights as el
 from envlights.environment.layouts.conventions import CONVENTIONS, CROSSES
-from envlights.environment.layouts.cubes import arranged_faces, upright_faces
+from envlights.environment.layouts.faces import arranged_faces, upright_faces
 from tests.helpers import NORMALS
 
 WORLD = el.EnvMap(

@@ -4,7 +4,8 @@
 |---------------------------------------------------|-------------------|
 | recognise the projection                          | `recognition.py`  |
 | - from the statement of our own files             | `attribute.py`    |
-| names, faces and seams of cubes                   | `cubes.py`        |
+| arrange the faces of a cube                       | `cubes.py`        |
+| - names of files, faces in a picture, seams       | `face_names.py`, `faces.py`, `seams.py` |
 | save a picture                                    | `picture.py`      |
 | layouts that a user can name; orders of cubes     | `projections.py`, `conventions.py` |
 | layout of a picture of one size, for the kernels  | `picture_layout.py` |

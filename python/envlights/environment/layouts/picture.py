@@ -27,7 +27,7 @@ from envlights.environment.files.image_output import (
 )
 from envlights.environment.layouts.attribute import line_of
 from envlights.environment.layouts.conventions import CONVENTIONS, CROSSES
-from envlights.environment.layouts.cubes import (
+from envlights.environment.layouts.faces import (
     ARRANGEMENTS,
     arranged_faces,
     faces_of_cross,

@@ -13,14 +13,9 @@ from numpy.typing import NDArray
 from envlights._native import EnvLightsError
 from envlights.environment.files.hints import NO_HINTS, Hints
 from envlights.environment.layouts.attribute import with_statement
-from envlights.environment.layouts.cubes import (
-    arrange_cube,
-    crosses_of,
-    every_nth,
-    face_of_name,
-    is_unfolded_cube,
-    log_luminance,
-)
+from envlights.environment.layouts.cubes import arrange_cube, is_unfolded_cube
+from envlights.environment.layouts.face_names import face_of_name
+from envlights.environment.layouts.faces import crosses_of
 from envlights.environment.layouts.projections import (
     EYES,
     REGISTRATIONS,
@@ -32,6 +27,7 @@ from envlights.environment.layouts.projections import (
     place,
 )
 from envlights.environment.layouts.records import ArrangedPicture, Origin
+from envlights.environment.layouts.seams import every_nth, log_luminance
 
 #: Our projections by their names in GPano.
 _GPANO = {"equirectangular": "equirectangular", "cylindrical": "cylinder"}
