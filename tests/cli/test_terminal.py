@@ -115,3 +115,9 @@ def test_a_result_is_printable_whatever_its_texts_hold():
     for text in (str(lights), rig.verbose(), str(failed), repr(failed)):
         assert all(line.isprintable() for line in text.split("\n"))
         assert "note: all is well" not in text.split("\n")
+
+
+def test_the_lines_of_details_stay_lines():
+    rig = el.fit(el.synthetic.hall(32).radiance, 2)
+    for text in (rig.verbose(), el.compare(rig, rig).lights.verbose()):
+        assert "\\n" not in text

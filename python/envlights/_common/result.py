@@ -76,7 +76,7 @@ class Result(ABC):
         """HTML below the line: pictures, table, text."""
         table = self._table()
         is_split = self._is_headed or table is not None
-        text = "\n".join(self._lines()) if is_split else str(self)
+        text = "\n".join(map(printable, self._lines())) if is_split else str(self)
         return (*self._pictures(), "" if table is None else table.html(), html.lines(text))
 
     def __eq__(self, other: object) -> bool:

@@ -81,7 +81,7 @@ class LightSetDifference(Result):
 
     def _details(self) -> list[str]:
         """Largest movements of the plan."""
-        return ["", str(self.table())] if self.plan else []
+        return ["", *str(self.table()).split("\n")] if self.plan else []
 
     def table(self) -> Table:
         """Table of the dozen largest movements, and a summary of the others."""
