@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Iterable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 LOG = logging.getLogger("envlights")
 LOG.addHandler(logging.NullHandler())
@@ -28,6 +28,7 @@ class Code(NamedTuple):
 
 #: Codes of notes, in the order in which they are tried.
 CODES = {
+    "black": Code((" is black everywhere",), "There is no light.", True),
     "sun-added": Code(("added as a disc: ", "as a light of its own: "), "A sun was added."),
     "sun-missing": Code(("no sun was added",), "No sun was added, and why.", True),
     "calibrated": Code(("calibrated to cd/m2", "(whiteLuminance)"), "Radiance is in cd/m2."),
@@ -111,6 +112,11 @@ class Note(str):
             if any(phrase in self for phrase in kind.phrases):
                 return code
         return OTHER
+
+
+def black_note(light: Any, what: str = "map") -> tuple[str, ...]:
+    """Note on a map whose `light`, an array, is 0 everywhere; empty for others."""
+    return () if light.any() else (f"the {what} is black everywhere, so there is no light to find",)
 
 
 def log(notes: Iterable[str]) -> None:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from envlights import _native
 from envlights._common.check import LARGEST_COUNT, amount, count
+from envlights._common.notes import black_note
 from envlights.detection import wording
 from envlights.detection.colour_casts import colour_cast_notes
 from envlights.detection.lights import DetectedLights, DetectionReport
@@ -168,7 +169,7 @@ def detect_with_luminance(
 
     world, detection = apply_to_map(arguments.args[0], detection_in)
     casts = colour_cast_notes(world, detection.peak_direction, detection.peak_luminance)
-    notes = (*world.notes, *casts)
+    notes = (*black_note(detection.luminance), *world.notes, *casts)
     lights = _lights(detection, notes, time.perf_counter() - start, world.units)
     return lights, detection.luminance
 

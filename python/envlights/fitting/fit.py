@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from envlights import _native
 from envlights._common.check import check_choice, reals
+from envlights._common.notes import black_note
 from envlights._common.times import Clock
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import AnyMap
@@ -276,6 +277,7 @@ def fit_probe(
         answer,
         request,
         scale=scale,
+        notes=black_note(irradiance, "measured irradiance"),
         # The report shares this dictionary, which gets its last entry below.
         seconds=clock.laps,
         measured_on=f"the {len(normals)} fitted normals",

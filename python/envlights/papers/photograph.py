@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from envlights import _native
 from envlights._common.check import amount, count
 from envlights._common.former import former_settings
+from envlights._common.notes import black_note
 from envlights.detection.lights import DetectionReport
 from envlights.environment import thumbnails
 from envlights.environment.colour.choice import ColourArgument
@@ -149,7 +150,7 @@ def detect_photograph(
         reason=levels.reason,
         working_size=steps.size,
         details=steps.details,
-        notes=(*photograph.notes, *notes),
+        notes=(*black_note(luminance, "photograph"), *photograph.notes, *notes),
         seconds={"detect": time.perf_counter() - start},
     )
     found = _measure(photograph, camera, float(luminance.sum(dtype=np.float64)), steps, report)
