@@ -293,7 +293,7 @@ def test_materials_without_closed_form_are_refused():
         spectra.of_material(Material(base=0.5, specular=0.1, roughness=0.5))
 
 
-def scaled(rig, gain):
+def with_gain(rig, gain):
     """Rig whose light is all multiplied by `gain`."""
     lights = el.Lights(
         rig.lights.direction, gain * rig.lights.irradiance, rig.lights.angular_radius
@@ -307,8 +307,8 @@ def scaled(rig, gain):
 def test_brightness_is_the_scale_of_the_diffuse_sphere_of_the_linear_maps(gain, sides, protocol):
     truth, _ = rooms(32)
     rig = el.fit(truth, lights=4)
-    other = {"map": gain * truth.radiance, "rig": scaled(rig, gain)}
-    other["lights"] = scaled(rig, gain).lights
+    other = {"map": gain * truth.radiance, "rig": with_gain(rig, gain)}
+    other["lights"] = with_gain(rig, gain).lights
     one = {"map": truth, "rig": rig, "lights": rig.lights}
     first, second = sides.split()
     c = el.compare(one[first], other[second], protocol)
@@ -334,7 +334,7 @@ def test_the_text_says_which_lights_were_found_on_which_side():
 
 def test_a_black_guess_has_no_brightness():
     truth, _ = rooms(32)
-    for guess in (0 * truth.radiance, scaled(el.fit(truth, 1), 0)):
+    for guess in (0 * truth.radiance, with_gain(el.fit(truth, 1), 0)):
         c = el.compare(truth, guess)
         assert c.scale is None
         assert "brightness: the guess is black\n" in str(c)

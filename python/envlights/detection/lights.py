@@ -68,6 +68,9 @@ class DetectionReport(Result):
     notes: tuple[str, ...] = ()
     """Remarks on the map and on single lights."""
 
+    remainder: tuple[float, ...] | None = None
+    """Mean radiance of the map without the lights, linear RGB; None for the article."""
+
     details: tuple[str, ...] = ()
     """Numbers for authors of detectors, which ``envlights detect --verbose`` prints."""
 
