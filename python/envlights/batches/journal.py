@@ -39,7 +39,7 @@ _KEYS = {"name", "source", "sha256", "what", "options", "suffix"}
 _SYNC_SECONDS = 5.0
 
 
-#: Beginnings of our lines, of which a killed process may leave a part.
+#: Beginnings of our lines; a killed process may leave a part of one.
 _STARTS = (b'{"name": ', b'{"claims": ')
 
 
