@@ -77,8 +77,13 @@ CODES = {
     "limited": Code(("limited to ",), "Large samples were limited."),
     "removed": Code(("of the flux removed",), "Lights were removed."),
     "removed-part": Code(("so only the seen part was removed",), "A light was cut off.", True),
+    "few-samples": Code(
+        ("the flux of small lights are uncertain",), "Few samples lie on a light.", True
+    ),
     "clipped-flux": Code(
-        ("so the lights there are a lower bound",), "Clipping lost light; see `repaired`.", True
+        ("so the lights there are a lower bound",),
+        "Clipping lost light; see `with_sun` and `repaired`.",
+        True,
     ),
     "repaired": Code(
         (" for the clipped light: ", "nothing was added: no pixel is clipped"),

@@ -141,7 +141,7 @@ class Journal:
         return True
 
     def claim(self, name: str, files: Iterable[str]) -> frozenset[str]:
-        """Those of the `files` of a map that are ours: claimed before, or not there yet."""
+        """Files of a map that are ours: claimed before, or not there yet."""
         if self._folder is None:
             return frozenset()
         if json.dumps(name).encode() in self._torn:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from envlights._common.arguments import named_arguments
 from envlights._common.check import count, describe
 from envlights._common.result import Result
 from envlights._native import EnvLightsError
@@ -79,6 +80,7 @@ class LabelArrays(Result):
         return {name: getattr(self, name) for name in self.__dataclass_fields__}
 
 
+@named_arguments()
 def label_arrays(labels: Batch | Iterable[Rig | Lights], lights: int) -> LabelArrays:
     r"""Lights of many maps as arrays of one size, to train networks on.
 

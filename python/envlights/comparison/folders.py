@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from envlights._common.arguments import named_arguments
 from envlights._common.errors import FileError, MissingFileError
 from envlights._common.fields import plain
 from envlights._common.files import MAPS, as_path
@@ -142,6 +143,7 @@ def _numbers(comparison: Comparison) -> dict[str, float]:
     return {name: float(value) for name, value in numbers.items() if value is not None}
 
 
+@named_arguments()
 def compare_folders(
     truth: str | os.PathLike[str],
     guess: str | os.PathLike[str],

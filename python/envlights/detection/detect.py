@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _native
+from envlights._common.arguments import named_arguments
 from envlights._common.check import LARGEST_COUNT, amount, count
 from envlights._common.notes import black_note
 from envlights.detection import wording
@@ -40,6 +41,7 @@ class TreeOptions(NamedTuple):
     clip_level: float | None
 
 
+@named_arguments()
 def detect(
     env: AnyMap,
     *,

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from envlights._common.arguments import named_arguments
 from envlights._common.check import counts
 from envlights._common.fields import fields_of
 from envlights._common.result import TableResult
@@ -128,6 +129,7 @@ class ErrorCurve(TableResult):
         return Table(names, rows)
 
 
+@named_arguments()
 def error_curve(
     env: AnyMap,
     lights: Iterable[int] = range(9),

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from envlights import _native
+from envlights._common.arguments import named_arguments
 from envlights._common.check import check_choice, reals
 from envlights._common.notes import black_note
 from envlights._common.times import Clock
@@ -31,6 +32,7 @@ from envlights.sun.choice import AnySun
 from envlights.sun.sun_split import with_sun
 
 
+@named_arguments()
 def fit(
     env: AnyMap,
     lights: int | None = None,
@@ -195,6 +197,7 @@ def fit(
     return fit_with_sun(with_sun(env, sun), arguments)
 
 
+@named_arguments()
 def fit_probe(
     normals: ArrayLike,
     irradiance: ArrayLike,
