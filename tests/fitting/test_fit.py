@@ -254,6 +254,11 @@ def test_notes_of_the_map_are_those_of_the_rig():
     ("options", "message"),
     [
         ({"error": -0.1}, "error must be a finite number, from 0 to 1"),
+        *(
+            ({name: value}, f"^{name} must be below 1 .*; got 1")
+            for name in ("error", "shadow_error", "gloss_error")
+            for value in (1, 1.0, np.float32(1))
+        ),
         ({"error": np.nan}, "error must be a finite number"),
         ({"ambient": "x"}, "ambient must be 'none' or 'constant' or 'sh2' or 'auto'"),
         ({"fixed": [[0, 2, 0]]}, "direction 0 has length 2"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import sys
 from collections.abc import Iterator
 from importlib import import_module
 from typing import Any
@@ -79,6 +80,13 @@ class _Main(click.Group):
         context.meta[_GIVEN] = [*args]
         with _printable_usage():
             return super().parse_args(context, args)
+
+    def main(self, *args: Any, **keywords: Any) -> Any:
+        try:
+            return super().main(*args, **keywords)
+        except OSError as error:  # of a help that cannot be printed
+            click.echo(f"envlights: cannot print the answer: {error.strerror}", err=True)
+            sys.exit(1)
 
     def invoke(self, context: click.Context) -> Any:
         try:

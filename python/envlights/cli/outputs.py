@@ -5,8 +5,10 @@ from __future__ import annotations
 import contextlib
 import inspect
 import json
+import os
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -115,6 +117,11 @@ def check_can_draw(output: str) -> None:
     """Refuse an output with pictures if Matplotlib is not installed."""
     if not can_draw():
         raise EnvLightsError(f"cannot write {output}: a picture {NO_MATPLOTLIB}")
+    if os.environ.get("MPLBACKEND"):
+        try:
+            import_module("matplotlib")
+        except ValueError as error:
+            raise EnvLightsError(f"cannot write {output}: MPLBACKEND is wrong: {error}") from None
 
 
 def check_source(output: str, inputs: Mapping[str, str]) -> None:

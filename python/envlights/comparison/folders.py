@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from envlights._common.arguments import named_arguments
 from envlights._common.errors import FileError, MissingFileError
 from envlights._common.fields import plain
 from envlights._common.files import MAPS, as_path
@@ -132,6 +133,7 @@ def _numbers(comparison: Comparison) -> dict[str, float]:
         for what in _OF_SPHERE
     }
     errors = {
+        "scale": comparison.scale,
         "probe_error": comparison.probe_error,
         "shadow_error": comparison.shadow_error,
         "gloss_error": comparison.gloss_error(),
@@ -141,6 +143,7 @@ def _numbers(comparison: Comparison) -> dict[str, float]:
     return {name: float(value) for name, value in numbers.items() if value is not None}
 
 
+@named_arguments()
 def compare_folders(
     truth: str | os.PathLike[str],
     guess: str | os.PathLike[str],
@@ -194,7 +197,7 @@ def compare_folders(
             paths = _only(sides[0], name, "truth"), _only(sides[1], name, "guess")
             comparisons[name] = compare(paths[0], paths[1], rules)
         except (EnvLightsError, OSError) as refusal:
-            failures[name] = str(refusal)
+            failures[name] = printable(str(refusal))
     return FolderComparison(rules, comparisons, failures)
 
 

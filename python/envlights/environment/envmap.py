@@ -266,7 +266,7 @@ class EnvMap:
 
     @property
     def radiance(self) -> NDArray[np.float32]:
-        """Linear RGB, (height, width, 3), read-only."""
+        """Linear RGB, (height, width, 3), read-only; ``radiance.copy()`` can be written."""
         return self._pixels.radiance
 
     @property

@@ -11,8 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _native
+from envlights._common.arguments import named_arguments
 from envlights._common.check import amount, count
 from envlights._common.former import former_settings
+from envlights._common.notes import black_note
+from envlights._common.tables import MOST_ROWS
+from envlights._common.words import quantity
 from envlights.detection.lights import DetectionReport
 from envlights.environment import thumbnails
 from envlights.environment.colour.choice import ColourArgument
@@ -35,6 +39,7 @@ from envlights.papers.loghin_steps import (
 )
 from envlights.papers.photograph_lights import PhotographLights, PhotographSamples
 from envlights.papers.photograph_pixels import AnyPhotograph, PhotographPixels, photograph_pixels
+from envlights.rigs.lights import brightest_first
 
 #: Narrowest and widest field of view in degrees; no photograph of a plane shows 180.
 _VIEWS_DEG = (0.05, 179.0)
@@ -49,6 +54,8 @@ _NO_LIMIT = 1e3
 _PICTURE_PX = 1024
 #: Settings that photographs do not use.
 _OF_MAPS = ("suppression_deg", "merge_cap_deg", "sphere")
+#: Samples on a light from which its irradiance is within a factor of 1.7 in 95 % of all cases.
+_ENOUGH_SAMPLES = 16
 #: Divisor in place of a flux of 0.
 _TINY = np.finfo(float).tiny
 
@@ -70,6 +77,7 @@ class _Levels(NamedTuple):
 
 
 @former_settings(max_lights="lights")
+@named_arguments()
 def detect_photograph(
     image: AnyPhotograph,
     fov: float | None = None,
@@ -112,7 +120,8 @@ def detect_photograph(
         Brightest first, with places in pixels. Each of n samples has ``height * width / n`` pixels
         at its first position, and with a field of view their solid angle. The sum over
         samples is right on average, and inaccurate for lights smaller than the distance between
-        samples. No background is subtracted, because the article has none.
+        samples: a note states their uncertainty. No background is subtracted, because the article
+        has none.
 
     Raises
     ------
@@ -149,7 +158,7 @@ def detect_photograph(
         reason=levels.reason,
         working_size=steps.size,
         details=steps.details,
-        notes=(*photograph.notes, *notes),
+        notes=(*black_note(luminance, "photograph"), *photograph.notes, *notes),
         seconds={"detect": time.perf_counter() - start},
     )
     found = _measure(photograph, camera, float(luminance.sum(dtype=np.float64)), steps, report)
@@ -263,6 +272,7 @@ def _measure(
     flux = each * merged.sums(values)
     # A sample may stand for more pixels than are bright around it.
     total = max(luminance, float((flux @ images.LUMINANCE).sum()))
+    report = replace(report, notes=(*_uncertain(steps, flux, each), *report.notes))
     position = ((merged.means + 0.5) * scale)[:, ::-1]
     peaks, reach = steps.pixels_in(shape), steps.reach_in(shape)
     arrays: dict[str, Any] = {
@@ -289,6 +299,27 @@ def _measure(
         size=(height, width),
         field_of_view=None if camera is None else camera.field_of_view,
         picture=thumbnails.of_photograph(radiance, _PICTURE_PX, photograph.clip_level),
+    )
+
+
+def _uncertain(steps: Steps, flux: NDArray[np.float64], each: float) -> tuple[str, ...]:
+    """Note on lights with few bright samples, each of which stands for `each` pixels.
+
+    The number of samples on a light scatters by its root, so 95 % are within two of those.
+    """
+    is_bright = steps.first_luminance > steps.threshold
+    counts = np.bincount(steps.merged.light[is_bright], minlength=len(flux))
+    texts = []
+    for number, count_ in enumerate(counts[brightest_first(flux)].tolist(), 1):
+        factor = "unknown" if not count_ else f"a factor of {math.exp(2 / math.sqrt(count_)):.2g}"
+        if count_ < _ENOUGH_SAMPLES:
+            texts.append(f"light {number} {factor} ({quantity(count_, 'sample')})")
+    if not texts:
+        return ()
+    more = f"; and {len(texts) - MOST_ROWS} more" if len(texts) > MOST_ROWS else ""
+    return (
+        f"the irradiance and the flux of small lights are uncertain, because one sample stands for"
+        f" {each:.3g} pixels: {'; '.join(texts[:MOST_ROWS])}{more}",
     )
 
 
