@@ -1,7 +1,8 @@
 //! JPEG pictures (ITU-T T.81): sequential and progressive, 8 bits, Huffman codes.
 //!
-//! Samples are to the bit those of libjpeg-turbo, whose integer arithmetic this reader follows. No crate does: the
-//! chroma of `zune-jpeg` and `jpeg-decoder` is up to 5 codes off, and both read damaged files without a word.
+//! Samples are to the bit those of libjpeg-turbo, whose integer arithmetic this reader follows. The crates `zune-jpeg`
+//! and `jpeg-decoder` differ by up to 5 codes, and read a file that ends too early if a marker of the end follows;
+//! the first also reads files that have lost restart markers.
 //!
 //! | step                                      | file          |
 //! |-------------------------------------------|---------------|

@@ -169,7 +169,7 @@ impl WithSimd for Write<'_> {
     }
 }
 
-/// Write the `colour` of each pixel: first in planes of bytes, which become vectors, then in turns.
+/// Write the `colour` of each pixel: first one plane for each channel, by vectors, then pixel after pixel.
 #[inline(always)]
 fn write_pixels(rows: [&[u8]; 4], out: &mut [u8], colour: impl Fn([u8; 4]) -> [u8; 3]) {
     const PIXELS: usize = 64;
