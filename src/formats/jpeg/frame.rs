@@ -1,7 +1,7 @@
 //! Frame of a JPEG picture: size, components and their sampling (ITU-T T.81, A.1 and B.2.2).
 
 use crate::error::Result;
-use crate::formats::input::damage;
+use crate::formats::input::{damage, unread};
 
 /// Codes of the markers with a meaning here (T.81, table B.1).
 pub(super) mod marker {
@@ -58,7 +58,7 @@ impl Frame {
             return Err(damage("the JPEG file is damaged: its frame is too short"));
         };
         if precision != 8 {
-            return Err(damage(format!(
+            return Err(unread(format!(
                 "it is a JPEG of {precision} bits a sample, which are not read; give 8 bits, or a PNG or TIFF of 16"
             )));
         }
@@ -67,7 +67,7 @@ impl Frame {
             return Err(damage("it has no size before its pixels; the file is damaged"));
         }
         if ![1, 3, 4].contains(&count) || rest.len() != 3 * usize::from(count) {
-            return Err(damage(format!("it is a JPEG of {count} components; give 1, 3 or 4")));
+            return Err(unread(format!("it is a JPEG of {count} components; give 1, 3 or 4")));
         }
         let components = rest.as_chunks().0.iter().copied().map(Component::read).collect::<Option<Vec<_>>>();
         let mut components =
@@ -88,7 +88,7 @@ impl Frame {
         }
         let (across, down) = self.unit();
         if self.components.iter().any(|one| across % one.across != 0 || down % one.down != 0) {
-            return Err(damage(
+            return Err(unread(
                 "its chroma has a fraction of a sample for each pixel; give a JPEG of 4:4:4, 4:2:2 or 4:2:0",
             ));
         }
@@ -145,7 +145,7 @@ fn check_process(code: u8) -> Result<()> {
         0xC5 | 0xC6 | 0xCD | 0xCE => "hierarchical coding",
         _ => "arithmetic coding",
     };
-    Err(damage(format!(
+    Err(unread(format!(
         "it is a JPEG of {process}, which is not read; save it as an ordinary JPEG or as PNG"
     )))
 }
