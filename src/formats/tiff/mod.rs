@@ -69,7 +69,9 @@ where
             Err(error) => reasons.push(format!("page {number} was left out: {error}")),
         }
     }
-    headers.iter_mut().for_each(|header| header.notes.clone_from(&reasons));
+    for header in &mut headers {
+        header.notes.clone_from(&reasons);
+    }
     Ok(Tiff { bytes, headers, pages })
 }
 

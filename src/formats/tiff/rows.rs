@@ -85,7 +85,7 @@ impl<'a> Request<'a> {
         let down = rows.start / page.chunk_height;
         let (new, old);
         let bytes: &[u8] = if let Some(cache) = self.cache {
-            old = self.from_cache(cache, (plane, down, across))?;
+            old = self.cached_bytes(cache, (plane, down, across))?;
             &old
         } else {
             new = self.decode((plane, down, across))?;
@@ -119,7 +119,9 @@ impl<'a> Request<'a> {
             out.copy_from_slice(&samples[..out.len()]);
         } else {
             for (pixel, out) in samples.chunks_exact(step).zip(out.chunks_exact_mut(self.channels.len())) {
-                places.iter().for_each(|&(sample, place)| out[place] = pixel[sample]);
+                for &(sample, place) in places {
+                    out[place] = pixel[sample];
+                }
             }
         }
         if self.page.photometric == 0 {
@@ -132,7 +134,7 @@ impl<'a> Request<'a> {
     }
 
     /// Bytes of the samples of a strip or tile from the cache; it is decoded if it is new.
-    fn from_cache(&self, cache: &Cache, place: (usize, usize, usize)) -> Result<Arc<[u8]>> {
+    fn cached_bytes(&self, cache: &Cache, place: (usize, usize, usize)) -> Result<Arc<[u8]>> {
         let lock = || cache.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(bytes) = lock().get(&place) {
             return Ok(bytes.clone());

@@ -19,7 +19,7 @@ impl Sample for u8 {
     fn append(page: &Page, _: bool, row: &[u8], out: &mut Vec<Self>) {
         match &page.form {
             Form::Palette(colours) => {
-                codes(row, page.bits).for_each(|code| out.extend(colours[code as usize]))
+                out.extend(codes(row, page.bits).flat_map(|code| colours[code as usize]));
             }
             _ if page.bits == 8 => out.extend(row),
             _ => out.extend(codes(row, page.bits).map(|code| (code * 0xFF / highest(page.bits)) as u8)),

@@ -7,6 +7,7 @@ use crate::formats::header::Alpha;
 
 /// A file to be made; its samples are a function of their place.
 #[derive(Clone, Copy, Debug)]
+#[allow(clippy::struct_excessive_bools, reason = "one for each choice of a file")]
 struct Example {
     is_little: bool,
     is_big: bool,
@@ -334,10 +335,10 @@ fn palettes_and_inverted_grey_become_colours() {
         let grey = Example { photometric: 0, bits, ..codes };
         match (read(grey.file(&[])).expect("grey"), grey.truth()) {
             (Samples::Bytes(found), Samples::Bytes(codes)) => {
-                assert_eq!(found, codes.mapv(|code| 255 - code))
+                assert_eq!(found, codes.mapv(|code| 255 - code));
             }
             (Samples::Words(found), Samples::Words(codes)) => {
-                assert_eq!(found, codes.mapv(|code| 65535 - code))
+                assert_eq!(found, codes.mapv(|code| 65535 - code));
             }
             other => panic!("{other:?}"),
         }

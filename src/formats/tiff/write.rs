@@ -26,7 +26,9 @@ pub fn encode(samples: ArrayView3<'_, f32>, description: &str) -> Vec<u8> {
     let lengths: Vec<usize> = strips.iter().map(Vec::len).collect();
     let is_big = lengths.iter().sum::<usize>() > LARGE;
     let mut file = tags(samples.dim(), description, &lengths, is_big);
-    strips.iter().for_each(|strip| file.extend(strip));
+    for strip in &strips {
+        file.extend(strip);
+    }
     file
 }
 
@@ -54,7 +56,7 @@ fn never_fails<T>(written: io::Result<T>) -> T {
 
 /// A tag with the bytes of its values, the lowest first.
 struct Tag {
-    tag: u16,
+    code: u16,
     kind: u16,
     count: usize,
     bytes: Vec<u8>,
@@ -84,10 +86,10 @@ fn tags(
         shorts(317, &[3]), // predictor of floats
         shorts(339, &vec![3; channels]),
     ];
-    tags.retain(|tag| tag.tag != 270 || !description.is_empty());
+    tags.retain(|tag| tag.code != 270 || !description.is_empty());
     let mut start = directory(&tags, is_big).len();
     let offsets: Vec<usize> = lengths.iter().map(|length| (start, start += length).0).collect();
-    tags.iter_mut().filter(|tag| tag.tag == 273).for_each(|tag| *tag = long(273, &offsets));
+    tags.iter_mut().filter(|tag| tag.code == 273).for_each(|tag| *tag = long(273, &offsets));
     directory(&tags, is_big)
 }
 
@@ -102,7 +104,7 @@ fn directory(tags: &[Tag], is_big: bool) -> Vec<u8> {
     let mut place = file.len() + tags.len() * entry_size + size;
     let mut values = Vec::new();
     for tag in tags {
-        file.extend([tag.tag.to_le_bytes(), tag.kind.to_le_bytes()].concat());
+        file.extend([tag.code.to_le_bytes(), tag.kind.to_le_bytes()].concat());
         file.extend(integer(tag.count));
         let mut field = tag.bytes.clone();
         if field.len() > size {
@@ -120,9 +122,9 @@ fn directory(tags: &[Tag], is_big: bool) -> Vec<u8> {
     file
 }
 
-fn shorts(tag: u16, values: &[u16]) -> Tag {
+fn shorts(code: u16, values: &[u16]) -> Tag {
     Tag {
-        tag,
+        code,
         kind: 3,
         count: values.len(),
         bytes: values.iter().flat_map(|value| value.to_le_bytes()).collect(),
@@ -130,13 +132,13 @@ fn shorts(tag: u16, values: &[u16]) -> Tag {
 }
 
 /// Integers of 32 bits, or of 64 in a `BigTIFF`.
-fn integers(tag: u16, values: &[usize], is_big: bool) -> Tag {
+fn integers(code: u16, values: &[usize], is_big: bool) -> Tag {
     let (kind, size) = if is_big { (16, 8) } else { (4, 4) };
     let bytes = values.iter().flat_map(|value| value.to_le_bytes().into_iter().take(size)).collect();
-    Tag { tag, kind, count: values.len(), bytes }
+    Tag { code, kind, count: values.len(), bytes }
 }
 
-fn text(tag: u16, text: &str) -> Tag {
+fn text(code: u16, text: &str) -> Tag {
     let bytes = [text.as_bytes(), b"\0"].concat();
-    Tag { tag, kind: 2, count: bytes.len(), bytes }
+    Tag { code, kind: 2, count: bytes.len(), bytes }
 }
