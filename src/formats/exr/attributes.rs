@@ -94,7 +94,7 @@ impl<'a> Attributes<'a> {
     }
 
     /// Value of the type `kind` that a file must have.
-    pub fn required<T>(
+    pub fn demand<T>(
         &self,
         name: &str,
         kind: &str,
@@ -140,8 +140,8 @@ const CUT: &str = "its header is damaged or incomplete";
 
 /// Bytes up to a zero, which is passed over.
 fn name<'a>(bytes: &mut &'a [u8]) -> Result<&'a [u8]> {
-    const MOST: usize = 255;
-    let end = bytes.iter().take(MOST + 1).position(|&byte| byte == 0).ok_or_else(|| damage(CUT))?;
+    let most = usize::from(u8::MAX);
+    let end = bytes.iter().take(most + 1).position(|&byte| byte == 0).ok_or_else(|| damage(CUT))?;
     Ok(&take(bytes, end + 1)?[..end])
 }
 

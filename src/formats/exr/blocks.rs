@@ -74,7 +74,7 @@ impl Blocks<'_> {
         let Vec2(width, height) = self.part.block;
         let row = rows.start / height;
         let columns = 0..self.part.layout.layer_size.0.div_ceil(width);
-        let blocks = columns.into_par_iter().map(|column| self.unpacked(Vec2(column, row)));
+        let blocks = columns.into_par_iter().map(|column| self.unpack(Vec2(column, row)));
         let blocks: Vec<_> = blocks.collect::<Result<_>>()?;
         let lines = rows.start - row * height..rows.end - row * height;
         for (column, (samples, columns)) in blocks.iter().enumerate() {
@@ -84,9 +84,9 @@ impl Blocks<'_> {
     }
 
     /// Samples of a block, and their columns.
-    fn unpacked(&self, place: Vec2<usize>) -> Result<(Cow<'_, [u8]>, usize)> {
+    fn unpack(&self, place: Vec2<usize>) -> Result<(Cow<'_, [u8]>, usize)> {
         interrupt::check();
-        let packed = self.packed(place).ok_or_else(|| damage(DAMAGE))?;
+        let packed = self.find(place).ok_or_else(|| damage(DAMAGE))?;
         let (layout, block) = (&self.part.layout, self.part.block);
         let left_top = Vec2(place.0 * block.0, place.1 * block.1);
         let size = Vec2(
@@ -107,7 +107,7 @@ impl Blocks<'_> {
     }
 
     /// Bytes of a block in the file; None if they are not there.
-    fn packed(&self, Vec2(column, row): Vec2<usize>) -> Option<&[u8]> {
+    fn find(&self, Vec2(column, row): Vec2<usize>) -> Option<&[u8]> {
         let layout = &self.part.layout;
         let columns = layout.layer_size.0.div_ceil(self.part.block.0);
         let entry = self.part.table + size_of::<u64>() * (row * columns + column);
@@ -158,7 +158,7 @@ impl Blocks<'_> {
         }
     }
 
-    /// Start of each channel in a line of so many `columns`, in bytes.
+    /// Start of each channel in a line of the block, in bytes.
     fn starts(&self, columns: usize) -> Vec<usize> {
         let sizes =
             self.part.layout.channels.list.iter().map(|channel| channel.sample_type.bytes_per_sample());
@@ -169,14 +169,13 @@ impl Blocks<'_> {
 
 /// True if the lengths that a block of DWA claims fit its size: the crate (1.74.2) allocates any, and ends the process.
 fn claims_fit(packed: &[u8], size: Vec2<usize>, pixel_bytes: usize) -> bool {
-    /// Places of lengths of unpacked samples: raw, of runs and of their bytes, and AC and DC of cosine transforms.
-    const UNPACKED: [usize; 5] = [1, 6, 7, 8, 9];
-    /// Side of the squares of a cosine transform.
-    const SIDE: usize = 8;
-    let most = 2 * size.0.next_multiple_of(SIDE) * size.1.next_multiple_of(SIDE) * pixel_bytes;
+    // The cosine transform is that of squares with this side.
+    let side = 8;
+    let most = 2 * size.0.next_multiple_of(side) * size.1.next_multiple_of(side) * pixel_bytes;
     let lengths = packed.as_chunks::<8>().0;
     let fits = |length: &[u8; 8]| u64::from_le_bytes(*length) <= most as u64;
-    UNPACKED.iter().all(|&place| lengths.get(place).is_some_and(fits))
+    // Unpacked lengths: raw samples, tokens and bytes of runs, AC and DC of the cosine transform.
+    [1, 6, 7, 8, 9].into_iter().all(|place| lengths.get(place).is_some_and(fits))
 }
 
 /// Refusal of a block, the same for all damages: threads find them in any order.

@@ -18,7 +18,7 @@ const OF_POSITIONS: [&str; 20] = [
 ];
 
 /// Channels by layer and then by their usual order, as OpenImageIO has it, with their numbers in the `list` of the file.
-pub fn ordered(list: &[ChannelDescription]) -> (Vec<Channel>, Vec<usize>) {
+pub fn order(list: &[ChannelDescription]) -> (Vec<Channel>, Vec<usize>) {
     let names: Vec<String> =
         list.iter().map(|one| String::from_utf8_lossy(one.name.as_slice()).into_owned()).collect();
     let layers_with = |suffixes: &[&str]| -> BTreeSet<&str> {

@@ -1,4 +1,4 @@
-//! OpenEXR pictures: channels of half floats and floats in blocks, of which any can be decoded by itself.
+//! OpenEXR pictures: channels of half floats and floats in blocks, each of them packed by itself.
 //!
 //! | step                                            | file            |
 //! |-------------------------------------------------|-----------------|

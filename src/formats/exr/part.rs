@@ -12,7 +12,7 @@ use exr::meta::attribute::{
 use exr::meta::header::Header as Layout;
 
 use super::attributes::{Attributes, int};
-use super::channels::{is_alpha, ordered};
+use super::channels::{is_alpha, order};
 use crate::error::{Error, Result};
 use crate::formats::header::{Alpha, Colour, Header, Window};
 use crate::formats::input::{check_size, damage, unread_kind};
@@ -41,7 +41,7 @@ impl Part {
         table: usize,
     ) -> Result<(Header, Self)> {
         let layout = layout(attributes, number.is_some(), is_tiled)?;
-        let (channels, order) = ordered(&layout.channels.list);
+        let (channels, order) = order(&layout.channels.list);
         let Vec2(width, height) = layout.layer_size;
         let tile = layout.max_block_pixel_size();
         let block = Vec2(tile.0.min(width), tile.1.min(height));
@@ -117,7 +117,7 @@ impl Part {
 fn layout(attributes: &Attributes<'_>, is_multipart: bool, is_tiled: bool) -> Result<Layout> {
     let display = window(attributes, "displayWindow")?;
     let data = window(attributes, "dataWindow")?;
-    let compression = attributes.required("compression", "compression", Compression::read)?;
+    let compression = attributes.demand("compression", "compression", Compression::read)?;
     let channels = channels(attributes)?;
     let kind = attributes.text("type", 64);
     let (is_tiled, is_deep) = match kind.as_str() {
@@ -145,14 +145,14 @@ fn layout(attributes: &Attributes<'_>, is_multipart: bool, is_tiled: bool) -> Re
 /// Rectangle of pixels, at least one.
 fn window(attributes: &Attributes<'_>, name: &str) -> Result<IntegerBounds> {
     let wrong = || damage(format!("its header is damaged: its attribute {name} has a wrong value"));
-    let mut corners = attributes.required(name, "box2i", |bytes| Ok(*bytes))?;
+    let mut corners = attributes.demand(name, "box2i", |bytes| Ok(*bytes))?;
     let mut corner = || Ok::<_, Error>((int(&mut corners)?, int(&mut corners)?));
     let ((left, top), (right, bottom)) = (corner()?, corner()?);
     if left > right || top > bottom {
         return Err(wrong());
     }
     // The crate swaps corners in the wrong order.
-    attributes.required(name, "box2i", |bytes| {
+    attributes.demand(name, "box2i", |bytes| {
         let window = IntegerBounds::read(bytes)?;
         window.validate(None).map(|()| window)
     })
@@ -162,10 +162,9 @@ fn window(attributes: &Attributes<'_>, name: &str) -> Result<IntegerBounds> {
 fn channels(attributes: &Attributes<'_>) -> Result<ChannelList> {
     /// Most channels of a part, as OpenImageIO has it.
     const MOST: usize = 4096;
-    /// Most bytes of their descriptions, with names of up to 255 bytes.
-    const MOST_BYTES: usize = MOST * 272;
-    let channels = attributes.required("channels", "chlist", |bytes| {
-        ChannelList::read(&mut PeekRead::new(&bytes[..bytes.len().min(MOST_BYTES)]))
+    let most_bytes = MOST * 272; // with names of 255
+    let channels = attributes.demand("channels", "chlist", |bytes| {
+        ChannelList::read(&mut PeekRead::new(&bytes[..bytes.len().min(most_bytes)]))
     })?;
     let names: Vec<_> = channels.list.iter().map(|channel| channel.name.as_slice()).collect();
     if !(1..=MOST).contains(&names.len())
@@ -180,7 +179,7 @@ fn channels(attributes: &Attributes<'_>) -> Result<ChannelList> {
 }
 
 fn tiles(attributes: &Attributes<'_>) -> Result<BlockDescription> {
-    let tiles = attributes.required("tiles", "tiledesc", |bytes| {
+    let tiles = attributes.demand("tiles", "tiledesc", |bytes| {
         let tiles = TileDescription::read(bytes)?;
         tiles.validate().map(|()| tiles)
     })?;

@@ -1,5 +1,7 @@
 //! Files that the crate writes come back; damaged and cut ones give an error; others are refused with a way out.
 
+#![allow(clippy::unwrap_used, clippy::float_cmp, reason = "a test may panic, and exact values are expected")]
+
 use exr::block::UncompressedBlock;
 use exr::block::writer::ChunksWriter;
 use exr::math::{RoundingMode, Vec2};
@@ -35,7 +37,10 @@ const TILES: BlockDescription = BlockDescription::Tiles(TileDescription {
     level_mode: LevelMode::Singular,
     rounding_mode: RoundingMode::Down,
 });
-const LIMIT: usize = 1 << 16;
+/// Most pixels of a file.
+fn limit() -> usize {
+    1 << 16
+}
 
 /// Value of a channel at a pixel, smooth and exact in all types.
 fn value(x: usize, y: usize, channel: usize) -> f32 {
@@ -98,7 +103,7 @@ fn every_type_and_compression_comes_back_in_strips_and_tiles() {
                 (TILES, LineOrder::Unspecified),
             ] {
                 let layout = layout("", 37, 21, &rgb(kind)).with_encoding(compression, blocks, order);
-                let picture = open(file(vec![layout.with_position(Vec2(-3, 5))]), LIMIT).unwrap();
+                let picture = open(file(vec![layout.with_position(Vec2(-3, 5))]), limit()).unwrap();
                 let samples = picture.read(0, &[0, 1, 2], 0..21).unwrap();
                 assert_eq!(matches!(samples, Samples::Halves(_)), kind == FileType::F16);
                 let samples = floats(samples);
@@ -133,7 +138,7 @@ fn statements_are_those_of_each_part() {
     first.own_attributes.view_name = Some(Text::from("left"));
     first.own_attributes.exposure = Some(0.25);
     first.own_attributes.white_luminance = Some(100.0);
-    let picture = open(file(vec![first, second]), LIMIT).unwrap();
+    let picture = open(file(vec![first, second]), limit()).unwrap();
     let [first, second] = picture.parts() else { panic!() };
     assert_eq!(
         (first.name.as_str(), first.view.as_str(), first.description.as_str()),
@@ -155,7 +160,7 @@ fn statements_are_those_of_each_part() {
 #[test]
 fn channels_of_positions_keep_their_order() {
     let channels = ["N.X", "N.Y", "N.Z", "Z", "a", "green", "y"].map(|name| (name, FileType::F32));
-    let picture = open(file(vec![layout("", 4, 4, &channels)]), LIMIT).unwrap();
+    let picture = open(file(vec![layout("", 4, 4, &channels)]), limit()).unwrap();
     let names: Vec<_> = picture.parts()[0].channels.iter().map(|channel| channel.name.clone()).collect();
     assert_eq!(names, ["green", "y", "a", "Z", "N.X", "N.Y", "N.Z"]);
 }
@@ -166,7 +171,7 @@ fn other_kinds_and_wrong_claims_are_refused_with_the_reason() {
     assert!(matches!(open(whole.clone(), 63), Err(Error::HugeImage { height: 8, width: 8, limit: 63 })));
     let large =
         layout("", 8, 8, &rgb(FileType::F16)).with_display_window(IntegerBounds::new((0, 0), (300, 300)));
-    assert!(matches!(open(file(vec![large]), LIMIT), Err(Error::HugeImage { height: 300, .. })));
+    assert!(matches!(open(file(vec![large]), limit()), Err(Error::HugeImage { height: 300, .. })));
     for (attribute, offset, value, words) in [
         ("chlist\0", 14, &[2][..], "of half resolution (Y, RY, BY), which are not converted"),
         ("compression\0compression\0", 4, &[11], "compressed by HTJ2K"),
@@ -180,7 +185,7 @@ fn other_kinds_and_wrong_claims_are_refused_with_the_reason() {
         let end = name + attribute.len();
         let start = end.saturating_add_signed(offset);
         bytes.splice(start..end.max(start + value.len()), value.iter().copied());
-        let refusal = open(bytes, LIMIT).err().unwrap().to_string();
+        let refusal = open(bytes, limit()).err().unwrap().to_string();
         assert!(refusal.contains(words), "{refusal}");
     }
 }
@@ -202,7 +207,7 @@ fn a_written_file_comes_back_and_is_the_same_for_any_number_of_threads() {
             let bytes = write(samples.view(), &options).unwrap();
             let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
             assert!(one.install(|| write(samples.view(), &options)) == Ok(bytes.clone()), "{name}");
-            let picture = open(bytes, LIMIT).unwrap();
+            let picture = open(bytes, limit()).unwrap();
             let header = &picture.parts()[0];
             assert_eq!((header.environment, header.border_sampled), ("cube", true));
             assert_eq!((header.description.as_str(), header.white_luminance), (options.comments, Some(1.0)));
@@ -230,7 +235,7 @@ const EMPTY: Options<'_> = Options {
 
 /// All samples of the first part, and of the others if they are of the same kind; the number of rows on success.
 fn read_all(bytes: Vec<u8>) -> Result<usize, Error> {
-    let picture = open(bytes, LIMIT)?;
+    let picture = open(bytes, limit())?;
     let rows = |(part, header): (usize, &Header)| {
         let channels: Vec<usize> = (0..header.channels.len()).collect();
         picture.read(part, &channels, 0..header.height).map(|_| header.height)

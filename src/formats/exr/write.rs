@@ -72,7 +72,7 @@ pub fn write(samples: ArrayView3<'_, f32>, options: &Options<'_>) -> Result<Vec<
         let blocks: Vec<_> = meta.enumerate_ordered_header_block_indices().collect();
         for blocks in blocks.chunks(BLOCKS_AT_ONCE) {
             let packed = blocks.par_iter().map(|&(number, block)| {
-                let packed = packed(&samples, block, &order, options.is_half, &meta.headers);
+                let packed = pack(&samples, block, &order, options.is_half, &meta.headers);
                 packed.map(|chunk| (number, chunk))
             });
             for (number, chunk) in packed.collect::<ExrResult<Vec<_>>>()? {
@@ -114,7 +114,7 @@ fn header(height: usize, width: usize, order: &[usize], options: &Options<'_>) -
 }
 
 /// Compressed block: in each row, the samples of each channel one after another.
-fn packed(
+fn pack(
     samples: &ArrayView3<'_, f32>,
     index: BlockIndex,
     order: &[usize],
