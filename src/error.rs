@@ -275,11 +275,4 @@ pub enum Error {
         /// Sentence about the damage and the expected bytes.
         reason: String,
     },
-
-    /// An image file that is sound, but of a kind that is not converted.
-    #[error("{reason}")]
-    UnreadKind {
-        /// Sentence about the kind and the way out.
-        reason: String,
-    },
 }

@@ -27,11 +27,6 @@ pub fn damage(reason: impl Into<String>) -> Error {
     Error::DamagedFile { reason: reason.into() }
 }
 
-/// Refusal of a sound file whose kind is not converted, for a `reason` with the way out.
-pub fn unread_kind(reason: impl Into<String>) -> Error {
-    Error::UnreadKind { reason: reason.into() }
-}
-
 /// Zeros in an array of the `shape` (height, width, channels), on pages that the system clears when they are used.
 ///
 /// # Errors

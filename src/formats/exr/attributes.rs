@@ -3,7 +3,7 @@
 use exr::error::Result as ExrResult;
 
 use crate::error::Result;
-use crate::formats::input::{damage, unread_kind};
+use crate::formats::input::{damage, unread};
 
 /// Bytes of a file in front of the table of its blocks.
 pub struct Preamble<'a> {
@@ -28,7 +28,7 @@ impl<'a> Preamble<'a> {
         }
         let flags = int(&mut rest)?;
         if flags & !(tiled | long_names | deep | multipart) != VERSION {
-            return Err(unread_kind("its version of OpenEXR is unknown; write it with version 2"));
+            return Err(unread("its version of OpenEXR is unknown; write it with version 2"));
         }
         let is_multipart = flags & multipart != 0;
         let parts = if is_multipart { headers(&mut rest)? } else { vec![Attributes::read(&mut rest)?] };

@@ -15,7 +15,7 @@ use super::attributes::{Attributes, int};
 use super::channels::{is_alpha, order};
 use crate::error::{Error, Result};
 use crate::formats::header::{Alpha, Colour, Header, Window};
-use crate::formats::input::{check_size, damage, unread_kind};
+use crate::formats::input::{check_size, damage, unread};
 
 /// Image of a file.
 #[derive(Debug)]
@@ -73,7 +73,7 @@ impl Part {
             )));
         }
         if self.block.area().saturating_mul(sample_bytes) > MOST_BYTES {
-            return Err(unread_kind("it holds blocks of more than 1 GiB; write it with smaller tiles"));
+            return Err(unread("it holds blocks of more than 1 GiB; write it with smaller tiles"));
         }
         Ok(())
     }
@@ -81,18 +81,16 @@ impl Part {
     /// Refuse kinds of images that are not converted.
     pub fn check_kind(&self) -> Result<()> {
         if self.layout.deep {
-            return Err(unread_kind("it is a deep image; give a flattened one"));
+            return Err(unread("it is a deep image; give a flattened one"));
         }
         if self.layout.channels.list.iter().any(|channel| channel.sampling != Vec2(1, 1)) {
-            return Err(unread_kind(
+            return Err(unread(
                 "it holds luminance and chroma of half resolution (Y, RY, BY), which are not converted; \
                  give R, G and B",
             ));
         }
         if matches!(self.layout.compression, Compression::HTJ2K32 | Compression::HTJ2K256) {
-            return Err(unread_kind(
-                "its samples are compressed by HTJ2K, which is not read; write it with ZIP",
-            ));
+            return Err(unread("its samples are compressed by HTJ2K, which is not read; write it with ZIP"));
         }
         Ok(())
     }
@@ -102,7 +100,7 @@ impl Part {
         let is_integer =
             |&channel: &usize| self.layout.channels.list[self.order[channel]].sample_type == FileType::U32;
         if channels.iter().any(is_integer) {
-            return Err(unread_kind("its samples are uint; give floating point, uint8 or uint16"));
+            return Err(unread("its samples are uint; give floating point, uint8 or uint16"));
         }
         Ok(())
     }

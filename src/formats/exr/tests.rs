@@ -154,7 +154,7 @@ fn statements_are_those_of_each_part() {
     let mixed = floats(picture.read(1, &[0, 1], 3..18).unwrap());
     assert_eq!((mixed[[14, 7, 0]], mixed[[14, 7, 1]]), (value(7, 17, 1), value(7, 17, 0)));
     let refusal = picture.read(1, &[0, 2], 0..1).unwrap_err();
-    assert!(matches!(&refusal, Error::UnreadKind { reason } if reason.contains("its samples are uint")));
+    assert!(matches!(&refusal, Error::UnreadFile { reason } if reason.contains("its samples are uint")));
 }
 
 #[test]
