@@ -97,7 +97,7 @@ def run(code, **environment):
 
 
 def test_work_without_a_standard_error_output():
-    """As in windowed programs, where it is None."""
+    """Windowed programs have None in its place."""
     code = """
 import sys
 sys.stderr = None

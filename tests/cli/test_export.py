@@ -134,7 +134,7 @@ def test_the_help_lists_what_each_target_shows():
     ("source", "target", "sentence"),
     [
         ("none.json", "a.usda", "cannot read"),
-        ("hall.exr", "a.usda", "it is not text"),
+        ("hall.exr", "a.usda", "`envlights fit` or `el.fit` makes a rig of it"),
         ("rig.json", "a.yaml", "the suffix must be one of .json, .csv"),
         ("rig.json", ".usda", "the suffix must be one of .json, .csv"),
         ("rig.json", "none/a.usda", "does not exist"),

@@ -132,7 +132,7 @@ def in_window(
     waiters = ThreadPoolExecutor(width, "envlights-wait")
     try:
         for task in tasks:
-            job = _submitted(executor, work, task)
+            job = _submit(executor, work, task)
             if not callable(getattr(job, "result", None)):
                 raise EnvLightsError(
                     "submit of the executor must return an object with the method result(); got"
@@ -151,7 +151,7 @@ def in_window(
         waiters.shutdown(wait=False, cancel_futures=True)
 
 
-def _submitted(executor: Any, work: Callable[[_Task], Any], task: _Task) -> Any:
+def _submit(executor: Any, work: Callable[[_Task], Any], task: _Task) -> Any:
     """Job of a task, or a refusal if the executor does not take it."""
     try:
         return executor.submit(work, task)

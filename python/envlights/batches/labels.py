@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._common.arguments import named_arguments
-from envlights._common.check import count, describe
+from envlights._common.check import count, describe, named_arguments
 from envlights._common.result import Result
 from envlights._native import EnvLightsError
 from envlights.batches.result import Batch

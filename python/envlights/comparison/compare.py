@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._common.arguments import named_arguments
-from envlights._common.check import amount
+from envlights._common.check import amount, named_arguments
 from envlights._common.notes import black_note
 from envlights._common.result import Result
 from envlights._common.tables import Table

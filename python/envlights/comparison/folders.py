@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._common.arguments import named_arguments
+from envlights._common.check import named_arguments
 from envlights._common.errors import FileError, MissingFileError
 from envlights._common.fields import plain
 from envlights._common.files import MAPS, as_path

@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _native
-from envlights._common.arguments import named_arguments
-from envlights._common.check import LARGEST_COUNT, amount, count
+from envlights._common.check import LARGEST_COUNT, amount, count, named_arguments
 from envlights._common.notes import black_note
 from envlights.detection import wording
 from envlights.detection.colour_casts import colour_cast_notes

@@ -12,8 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._common.arguments import named_arguments
-from envlights._common.check import counts
+from envlights._common.check import counts, named_arguments
 from envlights._common.fields import fields_of
 from envlights._common.result import TableResult
 from envlights._common.tables import Table, csv_of, json_text, save_table

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from envlights import _native
-from envlights._common.arguments import named_arguments
-from envlights._common.check import check_choice, reals
+from envlights._common.check import check_choice, named_arguments, reals
 from envlights._common.notes import black_note
 from envlights._common.times import Clock
 from envlights._native import EnvLightsError

@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _native
-from envlights._common.arguments import named_arguments
-from envlights._common.check import amount, count
+from envlights._common.check import amount, count, named_arguments
 from envlights._common.former import former_settings
 from envlights._common.notes import black_note
 from envlights._common.tables import MOST_ROWS
@@ -54,8 +53,6 @@ _NO_LIMIT = 1e3
 _PICTURE_PX = 1024
 #: Settings that photographs do not use.
 _OF_MAPS = ("suppression_deg", "merge_cap_deg", "sphere")
-#: Samples on a light from which its irradiance is within a factor of 1.7 in 95 % of all cases.
-_ENOUGH_SAMPLES = 16
 #: Divisor in place of a flux of 0.
 _TINY = np.finfo(float).tiny
 
@@ -303,23 +300,23 @@ def _measure(
 
 
 def _uncertain(steps: Steps, flux: NDArray[np.float64], each: float) -> tuple[str, ...]:
-    """Note on lights with few bright samples, each of which stands for `each` pixels.
+    """Note on lights whose flux may be wrong by a factor of 2; a sample has `each` pixels.
 
     The number of samples on a light scatters by its root, so 95 % are within two of those.
     """
     is_bright = steps.first_luminance > steps.threshold
-    counts = np.bincount(steps.merged.light[is_bright], minlength=len(flux))
+    samples = np.bincount(steps.merged.light[is_bright], minlength=len(flux))
     texts = []
-    for number, count_ in enumerate(counts[brightest_first(flux)].tolist(), 1):
-        factor = "unknown" if not count_ else f"a factor of {math.exp(2 / math.sqrt(count_)):.2g}"
-        if count_ < _ENOUGH_SAMPLES:
-            texts.append(f"light {number} {factor} ({quantity(count_, 'sample')})")
+    for number, hits in enumerate(samples[brightest_first(flux)].tolist(), 1):
+        factor = math.exp(2 / math.sqrt(hits)) if hits else math.inf
+        by = f"a factor of {factor:.2g}" if hits else "unknown"
+        texts += [f"light {number} {by} ({quantity(hits, 'sample')})"] if factor > 2 else []
     if not texts:
         return ()
     more = f"; and {len(texts) - MOST_ROWS} more" if len(texts) > MOST_ROWS else ""
     return (
-        f"the irradiance and the flux of small lights are uncertain, because one sample stands for"
-        f" {each:.3g} pixels: {'; '.join(texts[:MOST_ROWS])}{more}",
+        f"the irradiance and the flux of small lights are uncertain, with {each:.3g} pixels for one"
+        f" sample: {'; '.join(texts[:MOST_ROWS])}{more}",
     )
 
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterable, Iterator
 
-from envlights._common.arguments import named_arguments
-from envlights._common.check import check_choice, check_progress, count
+from envlights._common.check import check_choice, check_progress, count, named_arguments
 from envlights._common.progress import progress_bar
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import AnyMap

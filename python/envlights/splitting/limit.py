@@ -7,8 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._common.arguments import named_arguments
-from envlights._common.check import amount
+from envlights._common.check import amount, named_arguments
 from envlights._common.former import former_attributes
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import AnyMap, EnvMap, as_envmap

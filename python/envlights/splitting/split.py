@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _native
-from envlights._common.arguments import named_arguments
-from envlights._common.check import amount, count, describe, flag
+from envlights._common.check import amount, count, describe, flag, named_arguments
 from envlights._common.former import former_attributes
 from envlights._native import EnvLightsError
 from envlights.cards.card_split import CardSplit

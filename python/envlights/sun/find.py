@@ -7,8 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights._common.arguments import named_arguments
-from envlights._common.check import amount, reals
+from envlights._common.check import amount, named_arguments, reals
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
 from envlights.sun.brightness import INTERVAL, WIDE_INTERVAL, sun_irradiance

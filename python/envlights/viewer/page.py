@@ -15,8 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from envlights._common.arguments import named_arguments
-from envlights._common.check import describe, flag
+from envlights._common.check import describe, flag, named_arguments
 from envlights._common.files import as_path
 from envlights._common.words import fill_template
 from envlights._native import EnvLightsError
