@@ -47,8 +47,9 @@ impl PictureFile {
         self.file.parts().iter().map(|header| dictionary(py, header)).collect()
     }
 
-    /// Raise linear `values` of some rows from `top` on, (rows, width, 1 or 3), by the gain map of the first part, in
-    /// place; nothing happens without one.
+    /// Raise linear values in place by the gain map of the first part, if it has one.
+    ///
+    /// `values` are those of some rows from `top` on, (rows, width, 1 or 3).
     fn apply_gain_map(
         &self,
         py: Python<'_>,

@@ -14,10 +14,10 @@ use crate::error::Error;
 use crate::kernels::image::{self, Cleaning, Sample, Unusable};
 
 /// Numbers of NaN, infinite and negative samples, the level of infinite ones, and true for a NaN in the brightest light.
-pub type Cleaned = (usize, usize, usize, Option<f64>, bool);
+pub type CleaningCounts = (usize, usize, usize, Option<f64>, bool);
 
 /// `cleaning` for Python.
-pub fn cleaned(cleaning: &Cleaning) -> Cleaned {
+pub fn counts_of(cleaning: &Cleaning) -> CleaningCounts {
     let Unusable { nan, infinite, negative, .. } = cleaning.unusable;
     (nan, infinite, negative, cleaning.level, cleaning.is_nan_bright)
 }
@@ -28,7 +28,7 @@ pub fn clean<'py>(
     py: Python<'py>,
     radiance: PyReadonlyArray3<'py, f32>,
     wraps: bool,
-) -> PyResult<Option<(Bound<'py, PyArray3<f32>>, Cleaned)>> {
+) -> PyResult<Option<(Bound<'py, PyArray3<f32>>, CleaningCounts)>> {
     let radiance = radiance.as_array();
     let unusable = interruptible(py, || image::unusable(radiance))?;
     if unusable.nan + unusable.infinite + unusable.negative == 0 {
@@ -39,7 +39,7 @@ pub fn clean<'py>(
         cleaning.apply(radiance, wraps, samples)?;
         Ok(cleaning)
     })?;
-    Ok(Some((samples, cleaned(&cleaning))))
+    Ok(Some((samples, counts_of(&cleaning))))
 }
 
 /// See `envlights.environment.open`: true for two discs in black squares, by a map reduced to `columns`.

@@ -4,10 +4,10 @@ use half::f16;
 use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray3};
 use pyo3::prelude::*;
 
-use super::image::{Cleaned, cleaned};
+use super::image::{CleaningCounts, counts_of};
 use super::pool::interruptible;
 use super::sphere::registration;
-use crate::kernels::image::{self, Reduction, ReductionOptions, RowReducer, Sample, WorkingMap};
+use crate::kernels::image::{self, ReductionOptions, RowReducer, RowReduction, Sample, WorkingMap};
 
 /// A map in fewer cells, for fits.
 #[pyclass(frozen)]
@@ -131,10 +131,10 @@ impl PyRowReducer {
     }
 
     /// The reduced map, what was replaced in it, and the fraction of the flux in infinite samples.
-    fn finish(&self, py: Python<'_>) -> PyResult<(ReducedMap, Cleaned, f64)> {
-        let Reduction { map, cleaning, clipped_flux } =
+    fn finish(&self, py: Python<'_>) -> PyResult<(ReducedMap, CleaningCounts, f64)> {
+        let RowReduction { map, cleaning, clipped_flux } =
             interruptible(py, || each!(&self.reducer, reducer => reducer.finish()))?;
-        Ok((ReducedMap { map, floor: self.floor }, cleaned(&cleaning), clipped_flux))
+        Ok((ReducedMap { map, floor: self.floor }, counts_of(&cleaning), clipped_flux))
     }
 }
 

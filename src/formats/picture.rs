@@ -53,13 +53,14 @@ macro_rules! each {
 
 impl Samples {
     /// Some rows of whole samples, of the channels with these numbers.
+    #[must_use]
     pub fn part(&self, channels: &[usize], rows: Range<usize>) -> Self {
-        each!(self, samples => chosen(samples.slice(s![rows, .., ..]), channels))
+        each!(self, samples => select_channels(samples.slice(s![rows, .., ..]), channels))
     }
 }
 
 /// Samples of the channels with these numbers, in this order.
-pub fn chosen<T: Copy>(samples: ArrayView3<'_, T>, channels: &[usize]) -> Array3<T> {
+pub fn select_channels<T: Copy>(samples: ArrayView3<'_, T>, channels: &[usize]) -> Array3<T> {
     if channels.iter().copied().eq(0..samples.dim().2) {
         return samples.to_owned();
     }

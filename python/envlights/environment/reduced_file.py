@@ -112,7 +112,7 @@ def _of_rows(file: OpenImage, cells: _Cells, table: NDArray[np.float32]) -> Redu
     reducer = RowReducer(size, cells, header.dtype.name, table)
     for rows in _whole_blocks(_rows(file), reducer.block):
         reducer.add(rows)
-    reduced, cleaned, fraction = _finished(file, reducer)
+    reduced, cleaned, fraction = _finish(file, reducer)
     notes = notes_of_cleaning(cleaned)
     if table.size:
         fraction, said = _clipped(reducer, header.height, table)
@@ -120,7 +120,7 @@ def _of_rows(file: OpenImage, cells: _Cells, table: NDArray[np.float32]) -> Redu
     return ReducedFile(reduced, header.width, (*file.notes, *notes), fraction, file.units)
 
 
-def _finished(file: OpenImage, reducer: RowReducer) -> tuple[ReducedMap, Cleaned, float]:
+def _finish(file: OpenImage, reducer: RowReducer) -> tuple[ReducedMap, Cleaned, float]:
     """Reduced map, what was replaced in it, and the fraction of the flux in infinite samples."""
     try:
         return reducer.finish()

@@ -26,7 +26,7 @@ use self::rows::Planes;
 use crate::error::{Error, Result};
 use crate::formats::header::Header;
 use crate::formats::input::{check_size, damage, zeros};
-use crate::formats::picture::{PictureFile, Samples, chosen};
+use crate::formats::picture::{PictureFile, Samples, select_channels};
 use crate::interrupt;
 
 /// A picture whose header was read and whose lines were found; any of its rows can be decoded.
@@ -71,6 +71,10 @@ impl<Bytes: AsRef<[u8]> + Send + Sync> PictureFile for Radiance<Bytes> {
         )?;
         let no_memory = |_| Error::NoMemory { shape: vec![shape.0, shape.1, shape.2] };
         let samples = Array3::from_shape_vec(shape, samples).map_err(no_memory)?;
-        Ok(Samples::Floats(if channels == [0, 1, 2] { samples } else { chosen(samples.view(), channels) }))
+        Ok(Samples::Floats(if channels == [0, 1, 2] {
+            samples
+        } else {
+            select_channels(samples.view(), channels)
+        }))
     }
 }

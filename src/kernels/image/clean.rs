@@ -17,7 +17,7 @@ const MOST: f64 = 1e38;
 /// NaN is in the brightest light if its neighbours reach this fraction of the largest sample.
 const BRIGHT: f64 = 0.5;
 
-/// What was replaced in a map.
+/// Samples that were replaced in a map.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Cleaning {
     /// Samples of each kind.
@@ -218,6 +218,7 @@ mod tests {
     }
 
     #[test]
+    #[allow(clippy::float_cmp, reason = "exact values are expected")]
     fn infinite_samples_lie_above_all_finite_ones() {
         let of = |largest| Cleaning::of(Unusable { infinite: 1, largest, ..Unusable::default() });
         let level = |largest| of(Some(largest)).unwrap().level.unwrap();

@@ -55,7 +55,7 @@ pub use luminance::{LUMINANCE, LUMINANCE_F32, luminance, luminance_f32};
 pub use parts::{MOST_PARTS, Part};
 pub use reduce::{WorkingMap, reduce};
 pub use resample::{SourcePicture, resample};
-pub use row_reducer::{ReducedRows, Reduction, ReductionOptions, RowReducer};
+pub use row_reducer::{ReducedRows, ReductionOptions, RowReducer, RowReduction};
 pub use sample_types::Sample;
 pub use samples::{Unusable, unusable};
 pub(crate) use samples::{check_rgb, check_samples};

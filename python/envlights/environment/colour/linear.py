@@ -78,7 +78,7 @@ class Linear:
         curve = self._conversion.curve
         if samples.dtype == np.float16:
             if curve is None:
-                return _widened(samples, out)
+                return _widen(samples, out)
             bits = np.ascontiguousarray(samples).view(np.uint16)
             return self._look_up(bits, self._table_of_halves, out)
         if curve is None:
@@ -103,7 +103,7 @@ class Linear:
         return self._conversion.values(halves.astype(np.float64))
 
 
-def _widened(halves: NDArray[np.float16], out: NDArray[np.float32] | None) -> NDArray[np.float32]:
+def _widen(halves: NDArray[np.float16], out: NDArray[np.float32] | None) -> NDArray[np.float32]:
     """Half floats in single precision, in `out` if it is given."""
     values = np.empty(halves.shape, np.float32) if out is None else out
     _native.widen(np.ascontiguousarray(halves), values)

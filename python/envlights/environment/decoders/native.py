@@ -71,7 +71,7 @@ class NativeFile:
 def open_native(source: Source, kind: str, max_pixels: int) -> NativeFile:
     """Open file of one of `KINDS`, with its headers read."""
     data = source.content()
-    return NativeFile(source.name, _named(source.name, lambda: PictureFile(data, kind, max_pixels)))
+    return NativeFile(source.name, _with_name(source.name, lambda: PictureFile(data, kind, max_pixels)))
 
 
 def _header(said: dict[str, Any], channels: tuple[str, ...], dtype: np.dtype[Any]) -> Header:
@@ -112,7 +112,7 @@ def _note_of_luminance(nits: float | None) -> tuple[str, ...]:
     return (f"a value of 1 is {nits:g} cd/m2 (whiteLuminance); radiance was multiplied by it",)
 
 
-def _named(name: str, work: Callable[[], Any]) -> Any:
+def _with_name(name: str, work: Callable[[], Any]) -> Any:
     """Result of `work`, whose refusals get the name of the file."""
     try:
         return work()

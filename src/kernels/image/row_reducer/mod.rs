@@ -296,11 +296,11 @@ impl<T: Sample> RowReducer<T> {
     /// # Errors
     ///
     /// [`Error::WrongShape`] if rows are missing; [`Error::NoFiniteSample`].
-    pub fn finish(&self) -> Result<Reduction> {
+    pub fn finish(&self) -> Result<RowReduction> {
         if self.rows < self.flux.rows.len() {
             return Err(self.wrong_rows(0));
         }
-        let (cleaning, lines) = self.odd.cleaned(self.samples, self.options.width)?;
+        let (cleaning, lines) = self.odd.clean(self.samples, self.options.width)?;
         let mut flux = CellFlux { cells: self.flux.cells.clone(), rows: self.flux.rows.clone() };
         let mut rows = BTreeMap::new();
         for &row in &self.odd.rows {
@@ -312,7 +312,7 @@ impl<T: Sample> RowReducer<T> {
         }
         let whole = luminance(flux.whole());
         let clipped_flux = cleaning.level.map_or(0.0, |level| self.clipped_flux(&rows, level) / whole);
-        Ok(Reduction { map: self.working_map(flux, &rows), cleaning, clipped_flux })
+        Ok(RowReduction { map: self.working_map(flux, &rows), cleaning, clipped_flux })
     }
 
     /// Edges of the lines of a row of blocks.
@@ -352,8 +352,8 @@ impl<T: Sample> RowReducer<T> {
     }
 }
 
-/// A reduced map, and what was replaced in it.
-pub struct Reduction {
+/// A reduced map, and the samples that were replaced in it.
+pub struct RowReduction {
     /// The working map.
     pub map: WorkingMap,
     /// Samples that were replaced.

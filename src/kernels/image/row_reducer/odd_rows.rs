@@ -60,7 +60,7 @@ impl OddRows {
     /// # Errors
     ///
     /// [`Error::NoFiniteSample`].
-    pub fn cleaned(&self, unusable: Unusable, width: usize) -> Result<(Cleaning, BTreeMap<usize, Vec<f32>>)> {
+    pub fn clean(&self, unusable: Unusable, width: usize) -> Result<(Cleaning, BTreeMap<usize, Vec<f32>>)> {
         let mut cleaning = Cleaning::of(unusable)?;
         let mut cleaned = BTreeMap::new();
         let lines: Vec<usize> = self.lines.keys().copied().collect();
