@@ -153,7 +153,7 @@ _OPTIONS: dict[str, dict[str, Any]] = {
     "max_pixels": {"type": int, "metavar": "COUNT", "help": "Largest number of pixels to read."},
     "any_format": {
         "is_flag": True,
-        "help": "Try all formats of OpenImageIO; not for files of strangers.",
+        "help": "Try all formats of OpenImageIO (extra `formats`); not for files of strangers.",
     },
     "lux": {
         "type": float,

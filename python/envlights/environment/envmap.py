@@ -184,8 +184,8 @@ class EnvMap:
             Files with more pixels are refused before memory is allocated. The default is
             32768x16384.
         any_format : bool
-            True: try all formats of OpenImageIO on other files, DDS among them. Not for files of
-            strangers, because these readers had memory faults.
+            True: try all formats of OpenImageIO (extra ``formats``) on other files, DDS among them.
+            Not for files of strangers, because these readers had memory faults.
 
         Returns
         -------
