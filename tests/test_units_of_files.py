@@ -36,7 +36,10 @@ def test_an_exr_keeps_its_units(tmp_path):
     np.testing.assert_array_equal(found.radiance, env.radiance)
     assert el.fit(tmp_path / "map.exr", 0).units == "cd/m2"
     env.to("cube").save(tmp_path / "cube.exr")
-    assert el.EnvMap.open(tmp_path / "cube.exr", faces="opengl").units == "cd/m2"
+    assert (
+        el.EnvMap.open(tmp_path / "cube.exr", layout=el.io.Layout.cube(faces="opengl")).units
+        == "cd/m2"
+    )
     el.EnvMap(env.radiance).save(tmp_path / "plain.exr")
     assert el.EnvMap.open(tmp_path / "plain.exr").units == OWN
     assert el.fit(tmp_path / "plain.exr", 0).units == OWN

@@ -191,7 +191,7 @@ pub fn radiance_rows<'py>(
 /// Chromaticities, luminance of white, environment attribute and comments of an OpenEXR file.
 type Statements = ([f32; 8], Option<f32>, String, String);
 
-/// See `envlights.environment.files.image_output`: an OpenEXR file of RGB, or of RGB and alpha.
+/// See `envlights.environment.files.image_output`: an OpenEXR file of RGB or grey, perhaps with alpha.
 #[pyfunction]
 pub fn exr_file<'py>(
     py: Python<'py>,
@@ -201,7 +201,12 @@ pub fn exr_file<'py>(
     statements: Statements,
 ) -> PyResult<Bound<'py, PyBytes>> {
     let radiance = radiance.as_array();
-    let names = &["R", "G", "B", "A"][..radiance.dim().2.min(4)];
+    let names: &[&str] = match radiance.dim().2 {
+        1 => &["Y"],
+        2 => &["Y", "A"],
+        3 => &["R", "G", "B"],
+        _ => &["R", "G", "B", "A"],
+    };
     let known = exr::write::COMPRESSIONS.iter().find(|(name, _)| *name == compression);
     let (chromaticities, white_luminance, environment, comments) = statements;
     let options = exr::write::Options {

@@ -93,7 +93,8 @@ def test_the_ambient_label_of_lights_is_the_map_without_them(what, registration)
     """Together with the lights it has the flux of the map."""
     lamp = el.synthetic.Disc((1, 1, 0), 4.0, (90, 60, 30))
     shapes = {"background": [0.2, 0.3, 0.4], "shapes": [lamp]}
-    env = el.EnvMap(el.synthetic.scene(128, **shapes).radiance, registration=registration)
+    layout = el.io.Layout(registration=registration)
+    env = el.EnvMap(el.synthetic.scene(128, **shapes).radiance, layout=layout)
     work = {"detect": el.detect, "split": el.split, "limit": lambda env: el.limit(env, 0.5)}[what]
     (row,) = el.batch([env], what=work, jobs=1).rows()
     np.testing.assert_allclose(

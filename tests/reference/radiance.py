@@ -11,15 +11,36 @@ _SPACES = b" \t\n\v\f\r"
 def tokens(path):
     """Kind and text of each token: comments, and words, whose quotes are removed.
 
-    An exclamation mark at the start of a word would run a command.
+    Where an object may begin, a mark of number begins a comment, and an exclamation mark would run
+    a command.
     """
     text = path.read_bytes().lstrip(_SPACES)
     while text:
         assert text[:1] != b"!", f"a command: {text[:40]}"
-        read = _line if text[:1] == b"#" else _word
-        kind, token, text = read(text)
-        yield kind, os.fsdecode(token)
+        if text[:1] == b"#":
+            kind, token, text = _line(text)
+            yield kind, os.fsdecode(token)
+        else:
+            words, text = _object(text)
+            yield from (("word", os.fsdecode(word)) for word in words)
         text = text.lstrip(_SPACES)
+
+
+def _object(text):
+    """Words of a primitive: modifier, type, name, and three lists behind their lengths."""
+    words = []
+
+    def take(number):
+        nonlocal text
+        for _ in range(number):
+            _, word, text = _word(text.lstrip(_SPACES))
+            words.append(word)
+
+    take(3)
+    for _ in range(3):
+        take(1)
+        take(int(words[-1]))
+    return words, text
 
 
 def _line(text):

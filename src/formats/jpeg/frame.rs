@@ -28,6 +28,9 @@ pub(super) fn is_frame(code: u8) -> bool {
         && ![marker::HUFFMAN_TABLES, 0xC8, marker::ARITHMETIC_TABLES].contains(&code)
 }
 
+/// Coefficients of a block, row after row.
+pub(super) type Block = [i16; 64];
+
 /// Size and components of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Frame {

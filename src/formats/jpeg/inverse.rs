@@ -7,7 +7,7 @@
 
 use std::num::Wrapping;
 
-use super::scan::Block;
+use super::frame::Block;
 
 /// Integer that wraps around: damaged coefficients may have any size.
 type Number = Wrapping<i32>;

@@ -14,11 +14,13 @@
 //! | scans to coefficients                     | `scan.rs`     |
 //! | coefficients to samples                   | `inverse.rs`  |
 //! | samples of components to rows of colours  | `planes.rs`   |
+//! | all steps for one picture                 | `picture.rs`  |
 
 mod frame;
 mod huffman;
 mod inverse;
 mod metadata;
+mod picture;
 mod planes;
 mod scan;
 mod second;
@@ -27,17 +29,16 @@ mod segments;
 mod tests;
 
 use std::ops::Range;
-use std::sync::OnceLock;
 
-use ndarray::{Array3, Axis};
+use ndarray::Axis;
 
-use self::frame::Frame;
 use self::metadata::Metadata;
-use self::planes::{Model, Planes};
-use crate::error::{Error, Result};
+use self::picture::Picture;
+use self::planes::Model;
+use crate::error::Result;
 use crate::formats::exif;
 use crate::formats::header::{Header, SampleType, channels};
-use crate::formats::input::{check_size, damage, zeros};
+use crate::formats::input::check_size;
 use crate::formats::picture::{PictureFile, Samples};
 
 /// A JPEG file whose segments were read; its samples are decoded when they are first read, and kept.
@@ -46,16 +47,6 @@ pub struct Jpeg<Bytes> {
     bytes: Bytes,
     header: Header,
     picture: Picture,
-}
-
-/// One of the pictures in a file.
-#[derive(Debug)]
-struct Picture {
-    /// Position in the file.
-    start: usize,
-    frame: Frame,
-    model: Model,
-    planes: OnceLock<Planes>,
 }
 
 /// Picture in `bytes` of at most `max_pixels`.
@@ -95,35 +86,6 @@ fn header(metadata: &mut Metadata<'_>, picture: &Picture) -> Header {
     }
     header.further_xmp = packets;
     header
-}
-
-impl Picture {
-    fn new(start: usize, frame: Frame, metadata: &Metadata<'_>) -> Self {
-        let model = metadata.model(&frame);
-        Self { start, frame, model, planes: OnceLock::new() }
-    }
-
-    /// Samples of the components; decoded once.
-    fn planes(&self, bytes: &[u8]) -> Result<&Planes> {
-        if let Some(planes) = self.planes.get() {
-            return Ok(planes);
-        }
-        let planes = scan::decode(bytes, self.start, &self.frame)?;
-        Ok(self.planes.get_or_init(|| planes))
-    }
-
-    /// Samples of some `rows`.
-    fn samples(&self, bytes: &[u8], rows: Range<usize>) -> Result<Array3<u8>> {
-        if rows.end > self.frame.height || rows.start > rows.end {
-            return Err(damage(format!("the picture has {} rows; got {rows:?}", self.frame.height)));
-        }
-        let planes = self.planes(bytes)?;
-        let shape = (rows.len(), self.frame.width, self.model.channels());
-        let mut samples = zeros(shape, shape.0 * shape.1 * shape.2)?;
-        planes.write_rows(self.model, rows.start, &mut samples);
-        Array3::from_shape_vec(shape, samples)
-            .map_err(|_| Error::NoMemory { shape: vec![shape.0, shape.1, shape.2] })
-    }
 }
 
 impl<Bytes: AsRef<[u8]> + Send + Sync> PictureFile for Jpeg<Bytes> {

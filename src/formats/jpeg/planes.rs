@@ -7,9 +7,8 @@
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
-use super::frame::Frame;
+use super::frame::{Block, Frame};
 use super::inverse::{GROUP, Workspace};
-use super::scan::Block;
 use crate::error::Result;
 use crate::formats::input::{damage, zeros};
 

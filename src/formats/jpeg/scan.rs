@@ -4,16 +4,13 @@
 
 use std::ops::Range;
 
-use super::frame::{Frame, marker};
+use super::frame::{Block, Frame, marker};
 use super::huffman::{Bits, Table};
 use super::planes::Planes;
 use super::segments::{Segment, Segments};
 use crate::error::{Error, Result};
 use crate::formats::input::damage;
 use crate::interrupt;
-
-/// Coefficients of a block, row after row.
-pub(super) type Block = [i16; 64];
 
 /// Most scans of a picture. Programs write 1 to 20; each scan of a hostile file takes time.
 const MOST_SCANS: usize = 256;

@@ -1,8 +1,9 @@
 //! Gain map of a JPEG file: in its second picture, whose numbers are in a segment of ISO 21496-1 or in XMP (hdrgm).
 
+use super::frame::marker;
 use super::metadata::Metadata;
+use super::picture::Picture;
 use super::segments::Segments;
-use super::{Picture, frame::marker};
 use crate::error::Result;
 use crate::formats::gain_map::{GainMap, Parameters};
 use crate::formats::input::{check_size, damage};

@@ -6,6 +6,7 @@ use proptest::prelude::*;
 
 use super::frame::marker;
 use super::*;
+use crate::error::Error;
 
 /// Picture of smooth colours.
 fn colours(height: usize, width: usize, channels: usize) -> Vec<u8> {

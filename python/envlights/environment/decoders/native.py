@@ -24,7 +24,7 @@ KINDS = ("radiance", "openexr", "png", "jpeg", "tiff")
 #: Remark on a picture of high dynamic range.
 _NOTE_OF_GAIN_MAP = "high dynamic range is that of the file's gain map, which ends at its maximum"
 #: Rows of one read, or more if rows are decoded together.
-_ROWS_AT_ONCE = 128
+_ROWS_AT_ONCE = 64
 
 
 class NativeFile:
@@ -71,7 +71,8 @@ class NativeFile:
 def open_native(source: Source, kind: str, max_pixels: int) -> NativeFile:
     """Open file of one of `KINDS`, with its headers read."""
     data = source.content()
-    return NativeFile(source.name, _with_name(source.name, lambda: PictureFile(data, kind, max_pixels)))
+    file = _with_name(source.name, lambda: PictureFile(data, kind, max_pixels))
+    return NativeFile(source.name, file)
 
 
 def _header(said: dict[str, Any], channels: tuple[str, ...], dtype: np.dtype[Any]) -> Header:
