@@ -190,14 +190,17 @@ def test_sizes_are_limited():
         png(SIGNATURE + header() + PIXELS + END, 7)
 
 
-@pytest.mark.parametrize("kind", ["hdr", "png"])
+KINDS = {"hdr": "radiance", "png": "png", "exr": "openexr", "jpg": "jpeg", "tif": "tiff"}
+
+
+@pytest.mark.parametrize("kind", KINDS)
 def test_500_damaged_files_give_samples_or_a_sentence(tmp_path, kind):
     rng = np.random.default_rng(40)
     pixels = np.repeat(rng.uniform(0, 1, (12, 8, 3)), 3, axis=1)
     path = tmp_path / f"map.{kind}"
     oiio.ImageBuf(np.float32(pixels)).write(str(path))
     data = path.read_bytes()
-    name = "radiance" if kind == "hdr" else kind
+    name = KINDS[kind]
     refused = read = 0
     for turn in range(500):
         make = mutations.mutated_png if kind == "png" and turn % 2 else mutations.mutate

@@ -36,6 +36,6 @@ def estimates_of_description(description: str) -> tuple[str, ...]:
 
 
 def projection_of_layout(statement: str) -> str:
-    """Value of `projection=` in a statement on the layout; empty if it names none."""
+    """Name of the projection in a statement on the layout; empty if it names none."""
     found = re.search(r'"projection": *"([a-z-]{1,40})"', statement)
     return found[1] if found else ""
