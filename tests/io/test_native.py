@@ -9,6 +9,7 @@ import numpy as np
 import OpenImageIO as oiio  # noqa: N813, its own name for itself
 import pytest
 
+import envlights as el
 from envlights._native import EnvLightsError, PictureFile
 from tests import mutations
 
@@ -214,3 +215,15 @@ def test_500_damaged_files_give_samples_or_a_sentence(tmp_path, kind):
             read += 1
     assert refused > 100
     assert refused + read == 500
+
+
+def test_samples_that_are_not_converted_are_no_damage(tmp_path):
+    path = tmp_path / "counts.exr"
+    spec = oiio.ImageSpec(8, 4, 3, oiio.UINT32)
+    file = oiio.ImageOutput.create(str(path))
+    assert file.open(str(path), spec)
+    assert file.write_image(np.ones((4, 8, 3), np.uint32))
+    file.close()
+    with pytest.raises(el.FileError, match=r"counts\.exr: its samples are uint; give") as refusal:
+        el.EnvMap.open(path)
+    assert not isinstance(refusal.value, el.io.DamagedFileError)

@@ -55,10 +55,12 @@ class NativeFile:
         def rows(top: int, bottom: int) -> NDArray[Any]:
             try:
                 return self._file.rows(part, places, top, bottom)
-            except EnvLightsError as refusal:
+            except DamagedBytesError as refusal:
                 raise DamagedFileError(
                     f"cannot read all pixels of {self._name}: {refusal}; give an undamaged file"
                 ) from None
+            except EnvLightsError as refusal:
+                raise FileError(f"cannot read {self._name}: {refusal}") from None
 
         block = said["block"]
         gain = self._file.apply_gain_map if said["has_gain_map"] else None
