@@ -317,3 +317,21 @@ def test_odd_files_are_read_whole(path):
     assert image.pixels.ndim == 3
     assert image.pixels.shape[2] == 3
     assert image.pixels.dtype == np.float32
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("VIEW= -vtv -vp 0 0 0 -vd 0 1 0 -vh 90 -vv 45", "a perspective (VIEW -vtv)"),
+        ("VIEW= -vp 0 0 0 -vth -vh 180", "a hemispherical fisheye (VIEW -vth)"),
+        ("VIEW=-vta -vh 180 -vv 180", "an angular fisheye (VIEW -vta)"),
+        ("\tVIEW= -vtv -vh 90", ""),
+        ("VIEW= -vh 90", ""),
+    ],
+)
+def test_the_view_of_a_radiance_header_is_noted(tmp_path, line, said):
+    path = tmp_path / "view.hdr"
+    head = f"#?RADIANCE\n{line}\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 8\n"
+    path.write_bytes(head.encode() + bytes([9, 9, 9, 129]) * 32)
+    notes = " ".join(el.EnvMap.open(path).notes)
+    assert said in notes if said else "VIEW" not in notes

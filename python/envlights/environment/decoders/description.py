@@ -39,3 +39,25 @@ def projection_of_layout(statement: str) -> str:
     """Name of the projection in a statement on the layout; empty if it names none."""
     found = re.search(r'"projection": *"([a-z-]{1,40})"', statement)
     return found[1] if found else ""
+
+
+#: Views of Radiance by the letter behind ``-vt``; none of them is equirectangular.
+_VIEWS = {
+    "v": "a perspective",
+    "l": "a parallel projection",
+    "c": "a cylinder",
+    "h": "a hemispherical fisheye",
+    "a": "an angular fisheye",
+    "s": "a planisphere",
+}
+
+
+def note_of_view(description: str) -> tuple[str, ...]:
+    """Note on the view that a Radiance header states; an indented line is that of an older file."""
+    found = re.findall(r"^VIEW= *(?:.* )?-vt([a-z])", description, re.MULTILINE)
+    if not found or found[-1] not in _VIEWS:
+        return ()
+    return (
+        f"the header says that the picture is {_VIEWS[found[-1]]} (VIEW -vt{found[-1]}), which was"
+        " not applied; name its projection if it is no panorama",
+    )

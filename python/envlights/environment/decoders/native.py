@@ -13,6 +13,7 @@ from envlights._native import DamagedBytesError, EnvLightsError, PictureFile
 from envlights.environment.decoders.description import (
     estimates_of_description,
     layout_of_description,
+    note_of_view,
 )
 from envlights.environment.decoders.exif_exposure import ev100_of, exposure_of
 from envlights.environment.decoders.raw_image import FileColour, Header, Part, RawImage
@@ -103,6 +104,7 @@ def _header(said: dict[str, Any], channels: tuple[str, ...], dtype: np.dtype[Any
             *said["notes"],
             *([_NOTE_OF_GAIN_MAP] if said["has_gain_map"] else []),
             *_note_of_luminance(nits),
+            *(note_of_view(description) if said["kind"] == "radiance" else ()),
             *estimates_of_description(description),
         ),
     )
