@@ -198,7 +198,9 @@ def _order_of_argument(name: str, by_names: str, evidence: Evidence) -> _Order:
         )
     if contradicts(evidence, fits):
         return _Order(name, "argument", (_misfit(name, evidence),))
-    return _Order(name, "argument")
+    is_doubtful = evidence.scores[fits] >= FITS
+    note = f"faces in {title_of(name)}, as stated{_doubt(evidence)}"
+    return _Order(name, "argument", (note,) if is_doubtful else ())
 
 
 def _order_of_statement(name: str, by: str, evidence: Evidence) -> _Order:
