@@ -27,10 +27,11 @@ impl<'a> Preamble<'a> {
             return Err(damage("it is not an OpenEXR file"));
         }
         let flags = int(&mut rest)?;
-        if flags & 0xff == 0 {
+        let version = flags & !(tiled | long_names | deep | multipart);
+        if version == 0 {
             return Err(damage("its header is damaged: it claims the version 0"));
         }
-        if flags & !(tiled | long_names | deep | multipart) != VERSION {
+        if version != VERSION {
             return Err(unread("its version of OpenEXR is unknown; write it with version 2"));
         }
         let is_multipart = flags & multipart != 0;
