@@ -3,15 +3,17 @@
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use numpy::{IntoPyArray, PyReadonlyArray3, PyReadwriteArray3};
+use half::f16;
+use numpy::{Element, PyArrayMethods, PyReadonlyArray3, PyReadwriteArray3};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
 use pyo3::types::{PyBytes, PyDict, PyTuple};
 
 use super::error::EnvLightsError;
+use super::output::{write_into, zeros};
 use super::pool::{in_pool, interruptible};
 use crate::formats::header::{Alpha, Header, SampleType};
-use crate::formats::picture::Samples;
+use crate::formats::picture::SamplesMut;
 use crate::formats::radiance::write;
 use crate::formats::{self, exr, gain_map, picture, png, tiff};
 
@@ -78,12 +80,37 @@ impl PictureFile {
         bottom: usize,
     ) -> PyResult<Bound<'py, PyAny>> {
         let rows = self.checked_rows(part, &channels, top, bottom)?;
-        Ok(match interruptible(py, || self.file.read(part, &channels, rows.clone()))? {
-            Samples::Bytes(samples) => samples.into_pyarray(py).into_any(),
-            Samples::Words(samples) => samples.into_pyarray(py).into_any(),
-            Samples::Halves(samples) => samples.into_pyarray(py).into_any(),
-            Samples::Floats(samples) => samples.into_pyarray(py).into_any(),
-        })
+        let request = Request { file: &*self.file, part, channels: &channels, rows };
+        match self.file.parts()[part].sample_type(&channels) {
+            SampleType::U8 => request.read::<u8>(py),
+            SampleType::U16 => request.read::<u16>(py),
+            SampleType::F16 => request.read::<f16>(py),
+            SampleType::F32 => request.read::<f32>(py),
+        }
+    }
+}
+
+/// Samples of a file that are to be read.
+struct Request<'a> {
+    file: &'a dyn picture::PictureFile,
+    part: usize,
+    channels: &'a [usize],
+    rows: Range<usize>,
+}
+
+impl Request<'_> {
+    /// Array of `NumPy` with the samples.
+    fn read<'py, T: Element + Send>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>>
+    where
+        for<'a> SamplesMut<'a>: From<&'a mut [T]>,
+    {
+        let width = self.file.parts()[self.part].width;
+        let array = zeros::<T>(py, [self.rows.len(), width, self.channels.len()])?;
+        write_into(py, array.readwrite(), |mut samples| {
+            let out = samples.as_slice_mut().unwrap_or_default();
+            self.file.read(self.part, self.channels, self.rows.clone(), out.into())
+        })?;
+        Ok(array.into_any())
     }
 }
 
@@ -134,8 +161,7 @@ fn dictionary<'py>(py: Python<'py>, header: &Header) -> PyResult<Bound<'py, PyDi
     said.set_item("environment", header.environment)?;
     said.set_item("border_sampled", header.border_sampled)?;
     said.set_item("exif", &header.exif)?;
-    let packets = std::iter::once(&header.xmp).chain(&header.further_xmp);
-    let packets: Vec<_> = packets.map(|packet| PyBytes::new(py, packet)).collect();
+    let packets: Vec<_> = header.xmp.iter().map(|packet| PyBytes::new(py, packet)).collect();
     said.set_item("xmp", PyTuple::new(py, packets)?)?;
     said.set_item("has_gain_map", header.gain_map.is_some())?;
     said.set_item("description", &header.description)?;

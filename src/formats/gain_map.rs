@@ -5,7 +5,7 @@ use ndarray::{Array3, ArrayView3, ArrayViewMut2, ArrayViewMut3, Axis};
 
 /// A gain map, which is applied at full weight.
 ///
-/// With a code `c` from 0 to 1 of the map, interpolated to the place of a pixel of linear radiance `base`:
+/// The code `c`, from 0 to 1, is the map's, interpolated to the place of a pixel; `base` is the pixel's linear radiance:
 ///
 /// ```text
 /// gain = minimum + (maximum - minimum) c^(1 / gamma)
@@ -17,8 +17,6 @@ pub struct GainMap {
     pub codes: Array3<u8>,
     /// Numbers of the formula.
     pub parameters: Parameters,
-    /// ICC profile with the primaries in which the map is applied; empty for those of the base.
-    pub icc: Vec<u8>,
 }
 
 /// Numbers of a gain map, for red, green and blue.
@@ -169,7 +167,7 @@ mod tests {
     fn gain_of_one_code_is_the_closed_form() {
         for code in [0, 100, 255] {
             let codes = Array3::from_elem((2, 3, 3), code);
-            let map = GainMap { codes, parameters: PARAMETERS, icc: Vec::new() };
+            let map = GainMap { codes, parameters: PARAMETERS };
             let mut rows = Array3::from_elem((5, 7, 3), 1.0_f32);
             apply(&map, rows.view_mut(), 2, 9);
             for channel in 0..3 {
@@ -199,7 +197,7 @@ mod tests {
             alternate_offset: [0.0; 3],
         };
         let codes = Array3::from_shape_fn((2, 4, 1), |(y, x, _)| (40 * y + 20 * x) as u8);
-        let map = GainMap { codes, parameters: ramp, icc: Vec::new() };
+        let map = GainMap { codes, parameters: ramp };
         let mut whole = Array3::from_elem((8, 16, 1), 1.0_f32);
         apply(&map, whole.view_mut(), 0, 8);
         let stops = whole[[3, 6, 0]].log2();

@@ -41,10 +41,8 @@ pub struct Header {
     pub border_sampled: bool,
     /// Numbers of the EXIF by the names of `exif::TAGS`, such as "`ExposureTime`".
     pub exif: BTreeMap<&'static str, f64>,
-    /// XMP packet; empty without one.
-    pub xmp: Vec<u8>,
-    /// XMP packets after the first one, such as an extended packet of JPEG.
-    pub further_xmp: Vec<Vec<u8>>,
+    /// XMP packets; JPEG may have several.
+    pub xmp: Vec<Vec<u8>>,
     /// Description or comments; empty without one.
     pub description: String,
     /// Gain map that raises the samples to high dynamic range, once they are linear.
@@ -75,11 +73,19 @@ impl Header {
             border_sampled: false,
             exif: BTreeMap::new(),
             xmp: Vec::new(),
-            further_xmp: Vec::new(),
             description: String::new(),
             gain_map: None,
             notes: Vec::new(),
         }
+    }
+}
+
+impl Header {
+    /// Type into which these channels are read: their own, or floats if their types differ.
+    pub fn sample_type(&self, channels: &[usize]) -> SampleType {
+        let mut types = channels.iter().map(|&channel| self.channels[channel].sample);
+        let first = types.next().unwrap_or(SampleType::F32);
+        if types.all(|other| other == first) { first } else { SampleType::F32 }
     }
 }
 

@@ -1,29 +1,42 @@
 //! Picture files: one way to the samples of all formats.
 
 use std::ops::Range;
-
 use std::sync::{Mutex, PoisonError};
 
 use half::f16;
 use ndarray::{Array3, ArrayView3, Axis, s};
 
-use super::header::Header;
-use crate::error::Result;
+use super::header::{Header, SampleType};
+use super::input::zeros;
+use crate::error::{Error, Result};
 
 /// A picture file in memory whose headers were read.
 pub trait PictureFile: Send + Sync {
     /// Statements about each of its images, in the order of the file; at least one.
     fn parts(&self) -> &[Header];
 
-    /// Samples of some rows of an image, (rows, width, channels), of the channels with these numbers in this order.
+    /// Write samples of some rows of an image into `out`, of the channels with these numbers in this order.
     ///
-    /// The samples have the type of the channels, or are floats if their types differ. Blocks are decoded on all
+    /// `out` is (rows, width, channels), in the type that [`Header::sample_type`] gives. Blocks are decoded on all
     /// threads, with the same bits for any number of them.
     ///
     /// # Errors
     ///
-    /// If the bytes of these rows are damaged or incomplete, or there is no memory.
-    fn read(&self, part: usize, channels: &[usize], rows: Range<usize>) -> Result<Samples>;
+    /// If the bytes of these rows are damaged or incomplete, there is no memory, or `out` is of another type.
+    fn read(&self, part: usize, channels: &[usize], rows: Range<usize>, out: SamplesMut<'_>) -> Result<()>;
+
+    /// Samples of some rows in new memory; see [`Self::read`].
+    ///
+    /// # Errors
+    ///
+    /// As of [`Self::read`].
+    fn samples(&self, part: usize, channels: &[usize], rows: Range<usize>) -> Result<Samples> {
+        let header = &self.parts()[part];
+        let shape = (rows.len(), header.width, channels.len());
+        let mut samples = Samples::zeros(header.sample_type(channels), shape)?;
+        self.read(part, channels, rows, samples.as_mut())?;
+        Ok(samples)
+    }
 }
 
 /// Samples in the type of the file, (rows, width, channels).
@@ -39,32 +52,80 @@ pub enum Samples {
     Floats(Array3<f32>),
 }
 
-/// Apply one expression to the samples of any type, and wrap its result.
-macro_rules! each {
-    ($samples:expr, $name:ident => $value:expr) => {
-        match $samples {
-            Samples::Bytes($name) => Samples::Bytes($value),
-            Samples::Words($name) => Samples::Words($value),
-            Samples::Halves($name) => Samples::Halves($value),
-            Samples::Floats($name) => Samples::Floats($value),
+/// Place for [`Samples`], row after row.
+pub enum SamplesMut<'a> {
+    /// Samples of up to 8 bits, scaled to 8.
+    Bytes(&'a mut [u8]),
+    /// Samples of 16 bits.
+    Words(&'a mut [u16]),
+    /// Half floats.
+    Halves(&'a mut [f16]),
+    /// Floats, and doubles that were rounded to floats.
+    Floats(&'a mut [f32]),
+}
+
+/// A place for samples of one type.
+macro_rules! place {
+    ($kind:ident, $sample:ty) => {
+        impl<'a> From<&'a mut [$sample]> for SamplesMut<'a> {
+            fn from(samples: &'a mut [$sample]) -> Self {
+                Self::$kind(samples)
+            }
         }
     };
 }
 
+place!(Bytes, u8);
+place!(Words, u16);
+place!(Halves, f16);
+place!(Floats, f32);
+
 impl Samples {
-    /// Some rows of whole samples, of the channels with these numbers.
-    #[must_use]
-    pub fn part(&self, channels: &[usize], rows: Range<usize>) -> Self {
-        each!(self, samples => select_channels(samples.slice(s![rows, .., ..]), channels))
+    /// Zeros of a type.
+    fn zeros(sample: SampleType, shape: (usize, usize, usize)) -> Result<Self> {
+        Ok(match sample {
+            SampleType::U8 => Self::Bytes(array(shape)?),
+            SampleType::U16 => Self::Words(array(shape)?),
+            SampleType::F16 => Self::Halves(array(shape)?),
+            SampleType::F32 => Self::Floats(array(shape)?),
+        })
+    }
+
+    fn as_mut(&mut self) -> SamplesMut<'_> {
+        match self {
+            Self::Bytes(samples) => samples.as_slice_mut().unwrap_or_default().into(),
+            Self::Words(samples) => samples.as_slice_mut().unwrap_or_default().into(),
+            Self::Halves(samples) => samples.as_slice_mut().unwrap_or_default().into(),
+            Self::Floats(samples) => samples.as_slice_mut().unwrap_or_default().into(),
+        }
     }
 }
 
-/// Samples of the channels with these numbers, in this order.
-pub fn select_channels<T: Copy>(samples: ArrayView3<'_, T>, channels: &[usize]) -> Array3<T> {
-    if channels.iter().copied().eq(0..samples.dim().2) {
-        return samples.to_owned();
+/// Zeros, or a refusal without memory.
+pub(super) fn array<T: Clone + Default>(shape: (usize, usize, usize)) -> Result<Array3<T>> {
+    let samples = zeros(shape, shape.0 * shape.1 * shape.2)?;
+    Array3::from_shape_vec(shape, samples)
+        .map_err(|_| Error::NoMemory { shape: vec![shape.0, shape.1, shape.2] })
+}
+
+/// Copy the channels with these numbers, in this order.
+pub(super) fn copy_channels<T: Copy>(samples: ArrayView3<'_, T>, channels: &[usize], out: &mut [T]) {
+    if let Some(samples) = samples.as_slice().filter(|_| channels.iter().copied().eq(0..samples.dim().2)) {
+        out.copy_from_slice(samples);
+        return;
     }
-    samples.select(Axis(2), channels)
+    for (pixel, out) in samples.lanes(Axis(2)).into_iter().zip(out.chunks_exact_mut(channels.len().max(1))) {
+        out.iter_mut().zip(channels).for_each(|(out, &channel)| *out = pixel[channel]);
+    }
+}
+
+/// Refusal of a place of another type than the samples.
+pub(super) fn wrong_type() -> Error {
+    Error::WrongShape {
+        what: "out",
+        wanted: "(rows, width, channels) in the type of the file",
+        shape: vec![],
+    }
 }
 
 /// Samples of a format that is decoded as a whole: at the first request, and kept.
@@ -72,23 +133,32 @@ pub fn select_channels<T: Copy>(samples: ArrayView3<'_, T>, channels: &[usize]) 
 pub struct WholeSamples(Mutex<Option<Samples>>);
 
 impl WholeSamples {
-    /// Some rows and channels of the samples that `decode` gives.
+    /// Copy some rows and channels of the samples into `out`; `decode` gives them until it succeeds once.
     ///
     /// # Errors
     ///
-    /// Those of `decode`, which runs again at the next request.
-    pub fn part(
+    /// If `decode` fails, or `out` is of another type.
+    pub fn copy(
         &self,
         channels: &[usize],
         rows: Range<usize>,
+        out: SamplesMut<'_>,
         decode: impl FnOnce() -> Result<Samples>,
-    ) -> Result<Samples> {
-        let mut samples = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if samples.is_none() {
-            *samples = Some(decode()?);
+    ) -> Result<()> {
+        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let samples = match &mut *kept {
+            Some(samples) => samples,
+            empty => empty.insert(decode()?),
+        };
+        match (samples, out) {
+            (Samples::Bytes(samples), SamplesMut::Bytes(out)) => {
+                copy_channels(samples.slice(s![rows, .., ..]), channels, out);
+            }
+            (Samples::Words(samples), SamplesMut::Words(out)) => {
+                copy_channels(samples.slice(s![rows, .., ..]), channels, out);
+            }
+            _ => return Err(wrong_type()),
         }
-        Ok(samples
-            .as_ref()
-            .map_or_else(|| Samples::Bytes(Array3::default((0, 0, 0))), |all| all.part(channels, rows)))
+        Ok(())
     }
 }

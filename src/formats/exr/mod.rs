@@ -20,16 +20,13 @@ pub mod write;
 
 use std::ops::Range;
 
-use half::f16;
-use ndarray::Array3;
-
 use self::attributes::Preamble;
-use self::blocks::{Blocks, Sample};
+use self::blocks::Blocks;
 use self::part::Part;
-use crate::error::{Error, Result};
-use crate::formats::header::{Header, SampleType};
-use crate::formats::input::{damage, zeros};
-use crate::formats::picture::{PictureFile, Samples};
+use crate::error::Result;
+use crate::formats::header::Header;
+use crate::formats::input::damage;
+use crate::formats::picture::{PictureFile, SamplesMut, wrong_type};
 
 /// Picture in `bytes`, of whose parts none has more than `max_pixels`.
 ///
@@ -70,29 +67,21 @@ struct OpenExr<Bytes> {
     headers: Vec<Header>,
 }
 
-impl<Bytes: AsRef<[u8]> + Send + Sync> OpenExr<Bytes> {
-    fn samples<T: Sample>(&self, part: &Part, channels: &[usize], rows: Range<usize>) -> Result<Array3<T>> {
-        let shape = (rows.len(), part.layout.layer_size.0, channels.len());
-        let mut samples = zeros(shape, shape.0 * shape.1 * shape.2)?;
-        let channels = channels.iter().map(|&channel| part.order[channel]).collect();
-        Blocks { bytes: self.bytes.as_ref(), part, channels }.read(rows, &mut samples)?;
-        Array3::from_shape_vec(shape, samples)
-            .map_err(|_| Error::NoMemory { shape: vec![shape.0, shape.1, shape.2] })
-    }
-}
-
 impl<Bytes: AsRef<[u8]> + Send + Sync> PictureFile for OpenExr<Bytes> {
     fn parts(&self) -> &[Header] {
         &self.headers
     }
 
-    fn read(&self, part: usize, channels: &[usize], rows: Range<usize>) -> Result<Samples> {
-        let (header, part) = (&self.headers[part], &self.parts[part]);
+    fn read(&self, part: usize, channels: &[usize], rows: Range<usize>, out: SamplesMut<'_>) -> Result<()> {
+        let part = &self.parts[part];
         part.check_kind()?;
         part.check_samples(channels)?;
-        if channels.iter().all(|&channel| header.channels[channel].sample == SampleType::F16) {
-            return self.samples::<f16>(part, channels, rows).map(Samples::Halves);
+        let channels = channels.iter().map(|&channel| part.order[channel]).collect();
+        let blocks = Blocks { bytes: self.bytes.as_ref(), part, channels };
+        match out {
+            SamplesMut::Halves(out) => blocks.read(rows, out),
+            SamplesMut::Floats(out) => blocks.read(rows, out),
+            _ => Err(wrong_type()),
         }
-        self.samples::<f32>(part, channels, rows).map(Samples::Floats)
     }
 }

@@ -203,7 +203,7 @@ fn describe(header: &mut Header, attributes: &Attributes<'_>) -> Result<()> {
     header.name = part_name(attributes.text("name", MOST));
     header.view = attributes.text("view", MOST);
     header.description = attributes.text("comments", MOST);
-    header.xmp = attributes.text("xmp", MOST_XMP).into_bytes();
+    header.xmp = vec![attributes.text("xmp", MOST_XMP).into_bytes()];
     header.colour = colour(attributes)?;
     header.white_luminance = attributes.number("whiteLuminance").filter(|&luminance| luminance > 0.0);
     let orientation = attributes.number("Orientation").filter(|said| (1.0..=8.0).contains(said));

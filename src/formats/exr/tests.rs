@@ -104,7 +104,7 @@ fn every_type_and_compression_comes_back_in_strips_and_tiles() {
             ] {
                 let layout = layout("", 37, 21, &rgb(kind)).with_encoding(compression, blocks, order);
                 let picture = open(file(vec![layout.with_position(Vec2(-3, 5))]), limit()).unwrap();
-                let samples = picture.read(0, &[0, 1, 2], 0..21).unwrap();
+                let samples = picture.samples(0, &[0, 1, 2], 0..21).unwrap();
                 assert_eq!(matches!(samples, Samples::Halves(_)), kind == FileType::F16);
                 let samples = floats(samples);
                 let tolerance = if compression.may_loose_data() { 0.03 } else { 0.0 };
@@ -112,7 +112,7 @@ fn every_type_and_compression_comes_back_in_strips_and_tiles() {
                     let expected = value(x, y, 2 - channel);
                     assert!((sample - expected).abs() <= tolerance, "{compression:?} {kind:?} {blocks:?}");
                 }
-                let some = floats(picture.read(0, &[2, 0], 7..19).unwrap());
+                let some = floats(picture.samples(0, &[2, 0], 7..19).unwrap());
                 assert_eq!(some.slice(s![.., .., 0]), samples.slice(s![7..19, .., 2]));
                 assert_eq!(some.slice(s![.., .., 1]), samples.slice(s![7..19, .., 0]));
             }
@@ -150,10 +150,10 @@ fn statements_are_those_of_each_part() {
     assert_eq!((second.data_window, second.display_window), (Some((0, 0, 10, 20)), Some((0, 0, 20, 10))));
     let names: Vec<_> = second.channels.iter().map(|channel| channel.name.as_str()).collect();
     assert_eq!(names, ["B", "A", "id", "n.Y"]);
-    assert!(matches!(picture.read(1, &[0], 3..5).unwrap(), Samples::Halves(_)));
-    let mixed = floats(picture.read(1, &[0, 1], 3..18).unwrap());
+    assert!(matches!(picture.samples(1, &[0], 3..5).unwrap(), Samples::Halves(_)));
+    let mixed = floats(picture.samples(1, &[0, 1], 3..18).unwrap());
     assert_eq!((mixed[[14, 7, 0]], mixed[[14, 7, 1]]), (value(7, 17, 1), value(7, 17, 0)));
-    let refusal = picture.read(1, &[0, 2], 0..1).unwrap_err();
+    let refusal = picture.samples(1, &[0, 2], 0..1).unwrap_err();
     assert!(matches!(&refusal, Error::UnreadFile { reason } if reason.contains("its samples are uint")));
 }
 
@@ -213,7 +213,7 @@ fn a_written_file_comes_back_and_is_the_same_for_any_number_of_threads() {
             assert_eq!((header.description.as_str(), header.white_luminance), (options.comments, Some(1.0)));
             assert_eq!(header.colour.chromaticities.unwrap()[7], f64::from(0.329_f32));
             assert_eq!(header.alpha, Alpha::Premultiplied);
-            assert_eq!(floats(picture.read(0, &[0, 1, 2, 3], 0..37).unwrap()), samples);
+            assert_eq!(floats(picture.samples(0, &[0, 1, 2, 3], 0..37).unwrap()), samples);
         }
     }
     let wrong = Options { channels: &["R"], ..EMPTY };
@@ -238,7 +238,7 @@ fn read_all(bytes: Vec<u8>) -> Result<usize, Error> {
     let picture = open(bytes, limit())?;
     let rows = |(part, header): (usize, &Header)| {
         let channels: Vec<usize> = (0..header.channels.len()).collect();
-        picture.read(part, &channels, 0..header.height).map(|_| header.height)
+        picture.samples(part, &channels, 0..header.height).map(|_| header.height)
     };
     picture.parts().iter().enumerate().map(rows).sum()
 }

@@ -124,12 +124,12 @@ impl<'a> Metadata<'a> {
     }
 
     /// ICC profile of all chunks in their order; empty without one, None if chunks are missing or too large.
-    pub fn profile(&mut self) -> Option<Vec<u8>> {
-        let chunks = &mut self.profile;
+    pub fn profile(&self) -> Option<Vec<u8>> {
+        let mut chunks: Vec<_> = self.profile.iter().collect();
         chunks.sort_by_key(|chunk| chunk.number);
         let count = chunks.len();
         let is_sound = (1..)
-            .zip(&*chunks)
+            .zip(&chunks)
             .all(|(number, chunk)| usize::from(chunk.number) == number && usize::from(chunk.count) == count);
         let length: usize = chunks.iter().map(|chunk| chunk.bytes.len()).sum();
         (is_sound && length <= MOST_PROFILE)

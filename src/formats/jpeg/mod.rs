@@ -30,8 +30,6 @@ mod tests;
 
 use std::ops::Range;
 
-use ndarray::Axis;
-
 use self::metadata::Metadata;
 use self::picture::Picture;
 use self::planes::Model;
@@ -39,7 +37,7 @@ use crate::error::Result;
 use crate::formats::exif;
 use crate::formats::header::{Header, SampleType, channels};
 use crate::formats::input::check_size;
-use crate::formats::picture::{PictureFile, Samples};
+use crate::formats::picture::{PictureFile, SamplesMut, copy_channels, wrong_type};
 
 /// A JPEG file whose segments were read; its samples are decoded when they are first read, and kept.
 #[derive(Debug)]
@@ -58,21 +56,20 @@ pub fn open<Bytes: AsRef<[u8]> + Send + Sync + 'static>(
     bytes: Bytes,
     max_pixels: usize,
 ) -> Result<Jpeg<Bytes>> {
-    let (mut metadata, frame) = Metadata::read(bytes.as_ref(), 0)?;
+    let (metadata, frame) = Metadata::read(bytes.as_ref(), 0)?;
     check_size(frame.height, frame.width, max_pixels)?;
     frame.check_length(bytes.as_ref().len())?;
     let picture = Picture::new(0, frame, &metadata);
-    let mut header = header(&mut metadata, &picture);
+    let mut header = header(&metadata, &picture);
     let (gain_map, note) = second::gain_map(bytes.as_ref(), &metadata, max_pixels);
     header.gain_map = gain_map;
     header.notes.extend(note);
     Ok(Jpeg { bytes, header, picture })
 }
 
-fn header(metadata: &mut Metadata<'_>, picture: &Picture) -> Header {
+fn header(metadata: &Metadata<'_>, picture: &Picture) -> Header {
     let (frame, names) = (&picture.frame, if picture.model == Model::Grey { "Y" } else { "RGB" });
     let mut header = Header::plain("jpeg", frame.height, frame.width, channels(names, SampleType::U8));
-    let mut packets = metadata.packets();
     header.exif = exif::numbers(metadata.exif);
     header.orientation = exif::orientation(&header.exif);
     header.colour.is_srgb = header.exif.get("ColorSpace") == Some(&1.0);
@@ -81,10 +78,7 @@ fn header(metadata: &mut Metadata<'_>, picture: &Picture) -> Header {
         Vec::new()
     });
     header.description = String::from_utf8_lossy(metadata.comment).trim_end_matches('\0').into();
-    if !packets.is_empty() {
-        header.xmp = packets.remove(0);
-    }
-    header.further_xmp = packets;
+    header.xmp = metadata.packets();
     header
 }
 
@@ -93,9 +87,13 @@ impl<Bytes: AsRef<[u8]> + Send + Sync> PictureFile for Jpeg<Bytes> {
         std::slice::from_ref(&self.header)
     }
 
-    fn read(&self, _part: usize, channels: &[usize], rows: Range<usize>) -> Result<Samples> {
+    fn read(&self, _: usize, channels: &[usize], rows: Range<usize>, out: SamplesMut<'_>) -> Result<()> {
+        let SamplesMut::Bytes(out) = out else { return Err(wrong_type()) };
+        if channels.iter().copied().eq(0..self.header.channels.len()) {
+            return self.picture.write(self.bytes.as_ref(), rows.start, out);
+        }
         let samples = self.picture.samples(self.bytes.as_ref(), rows)?;
-        let is_whole = channels.iter().copied().eq(0..self.header.channels.len());
-        Ok(Samples::Bytes(if is_whole { samples } else { samples.select(Axis(2), channels) }))
+        copy_channels(samples.view(), channels, out);
+        Ok(())
     }
 }

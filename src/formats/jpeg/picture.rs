@@ -9,8 +9,8 @@ use super::frame::Frame;
 use super::metadata::Metadata;
 use super::planes::{Model, Planes};
 use super::scan;
-use crate::error::{Error, Result};
-use crate::formats::input::{damage, zeros};
+use crate::error::Result;
+use crate::formats::picture::array;
 
 /// One of the pictures in a file; its samples are decoded when they are first read, and kept.
 #[derive(Debug)]
@@ -39,14 +39,14 @@ impl Picture {
 
     /// Samples of some `rows`.
     pub fn samples(&self, bytes: &[u8], rows: Range<usize>) -> Result<Array3<u8>> {
-        if rows.end > self.frame.height || rows.start > rows.end {
-            return Err(damage(format!("the picture has {} rows; got {rows:?}", self.frame.height)));
-        }
-        let planes = self.planes(bytes)?;
-        let shape = (rows.len(), self.frame.width, self.model.channels());
-        let mut samples = zeros(shape, shape.0 * shape.1 * shape.2)?;
-        planes.write_rows(self.model, rows.start, &mut samples);
-        Array3::from_shape_vec(shape, samples)
-            .map_err(|_| Error::NoMemory { shape: vec![shape.0, shape.1, shape.2] })
+        let mut samples = array((rows.len(), self.frame.width, self.model.channels()))?;
+        self.write(bytes, rows.start, samples.as_slice_mut().unwrap_or_default())?;
+        Ok(samples)
+    }
+
+    /// Write the samples of rows from `first` on into `out`.
+    pub fn write(&self, bytes: &[u8], first: usize, out: &mut [u8]) -> Result<()> {
+        self.planes(bytes)?.write_rows(self.model, first, out);
+        Ok(())
     }
 }

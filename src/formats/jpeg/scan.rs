@@ -183,7 +183,7 @@ impl<'a> Decoder<'a> {
             }
             for row in 0..BAND.min(units.rows.saturating_sub(first)) {
                 interrupt::check();
-                reader.sequential_row(scan, units, row, blocks)?;
+                reader.decode_row(scan, units, row, blocks)?;
             }
             Ok(())
         };
@@ -206,11 +206,7 @@ impl<'a> Decoder<'a> {
         }
         for row in 0..units.rows {
             interrupt::check();
-            if scan.is_progressive {
-                reader.progressive_row(scan, units, row, &mut self.stored)?;
-            } else {
-                reader.sequential_row(scan, units, row, &mut self.stored)?;
-            }
+            reader.decode_row(scan, units, row, &mut self.stored)?;
         }
         reader.finish()
     }
@@ -377,8 +373,8 @@ impl<'a> Reader<'a> {
         self.bits.finish()
     }
 
-    /// Decode a `row` of the units of a sequential scan into the `blocks` of the components.
-    fn sequential_row(
+    /// Decode a `row` of the units of a scan into the `blocks` of the components.
+    fn decode_row(
         &mut self,
         scan: &Scan<'_>,
         units: &Units,
@@ -388,11 +384,14 @@ impl<'a> Reader<'a> {
         for column in 0..units.columns {
             self.next_unit()?;
             for (part, &[across, down, stride]) in scan.parts.iter().zip(&units.blocks) {
-                let (Some(dc), Some(ac)) = (part.dc, part.ac) else { continue };
                 for y in 0..down {
                     let first = (row * down + y) * stride + column * across;
                     for block in &mut blocks[part.component][first..first + across] {
-                        self.sequential_block(dc, ac, part.component, block);
+                        if scan.is_progressive {
+                            self.progressive_block(scan, part, block);
+                        } else {
+                            self.sequential_block(part, block);
+                        }
                     }
                 }
             }
@@ -400,8 +399,9 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    fn sequential_block(&mut self, dc: &Table, ac: &Table, component: usize, block: &mut Block) {
-        block[0] = self.first_coefficient(dc, component);
+    fn sequential_block(&mut self, part: &Part<'_>, block: &mut Block) {
+        let (Some(dc), Some(ac)) = (part.dc, part.ac) else { return };
+        block[0] = self.first_coefficient(dc, part.component);
         let mut k = 1;
         while k < 64 {
             let (symbol, value) = self.bits.symbol_and_integer(ac);
@@ -423,28 +423,6 @@ impl<'a> Reader<'a> {
         let prediction = &mut self.predictions[component];
         *prediction = prediction.wrapping_add(difference);
         *prediction as i16
-    }
-
-    /// Decode a `row` of the units of a progressive scan into the `blocks` of the components.
-    fn progressive_row(
-        &mut self,
-        scan: &Scan<'_>,
-        units: &Units,
-        row: usize,
-        blocks: &mut [Vec<Block>],
-    ) -> Result<()> {
-        for column in 0..units.columns {
-            self.next_unit()?;
-            for (part, &[across, down, stride]) in scan.parts.iter().zip(&units.blocks) {
-                for y in 0..down {
-                    let first = (row * down + y) * stride + column * across;
-                    for block in &mut blocks[part.component][first..first + across] {
-                        self.progressive_block(scan, part, block);
-                    }
-                }
-            }
-        }
-        Ok(())
     }
 
     fn progressive_block(&mut self, scan: &Scan<'_>, part: &Part<'_>, block: &mut Block) {

@@ -12,6 +12,10 @@ use crate::formats::input::{check_size, damage};
 const ADOBE: &str = "http://ns.adobe.com/hdr-gain-map/1.0/";
 const APPLE: &str = "http://ns.apple.com/HDRGainMap/1.0/";
 
+/// Remark on a gain map that is meant for the primaries of the brighter rendition.
+const OTHER_PRIMARIES: &str =
+    "the gain map is for other primaries than those of the picture; it was applied in the latter";
+
 /// Gain map of the file whose first picture has the statements `first`, and the remark if one cannot be applied.
 pub(super) fn gain_map(
     bytes: &[u8],
@@ -20,13 +24,13 @@ pub(super) fn gain_map(
 ) -> (Option<GainMap>, Option<String>) {
     let mut is_named = first.gain_map.is_some() || names_gain_map(first);
     for start in pictures(bytes, first, is_named) {
-        let Ok((mut second, frame)) = Metadata::read(bytes, start) else { continue };
+        let Ok((second, frame)) = Metadata::read(bytes, start) else { continue };
         is_named |= second.gain_map.is_some() || names_gain_map(&second);
         let Some((parameters, is_of_base)) = parameters(&second) else { continue };
-        let icc = if is_of_base { Some(Vec::new()) } else { second.profile() };
+        let has_other = !is_of_base && second.profile() != first.profile();
         let picture = Picture::new(start, frame, &second);
-        if let (Some(icc), Ok(codes)) = (icc, codes(bytes, &picture, max_pixels)) {
-            return (Some(GainMap { codes, parameters, icc }), None);
+        if let Ok(codes) = codes(bytes, &picture, max_pixels) {
+            return (Some(GainMap { codes, parameters }), has_other.then(|| OTHER_PRIMARIES.into()));
         }
     }
     let note = "the file's gain map was not applied, so its high dynamic range was left out";

@@ -7,6 +7,7 @@ use proptest::prelude::*;
 use super::frame::marker;
 use super::*;
 use crate::error::Error;
+use crate::formats::picture::Samples;
 
 /// Picture of smooth colours.
 fn colours(height: usize, width: usize, channels: usize) -> Vec<u8> {
@@ -40,7 +41,7 @@ fn rgb_file(set: impl Fn(&mut Encoder<&mut Vec<u8>>)) -> Vec<u8> {
 fn read(bytes: Vec<u8>) -> Result<Array3<u8>> {
     let jpeg = open(bytes, 1 << 20)?;
     let header = &jpeg.parts()[0];
-    match jpeg.read(0, &[0, 1, 2][..header.channels.len()], 0..header.height)? {
+    match jpeg.samples(0, &[0, 1, 2][..header.channels.len()], 0..header.height)? {
         Samples::Bytes(samples) => Ok(samples),
         other => panic!("{other:?}"),
     }
@@ -110,8 +111,8 @@ fn grey_and_cmyk_are_read() {
 #[test]
 fn rows_and_channels_are_those_of_the_whole() {
     let jpeg = open(rgb_file(SETTINGS[1]), 1 << 20).unwrap();
-    let Samples::Bytes(whole) = jpeg.read(0, &[0, 1, 2], 0..21).unwrap() else { panic!() };
-    let Samples::Bytes(part) = jpeg.read(0, &[2], 5..18).unwrap() else { panic!() };
+    let Samples::Bytes(whole) = jpeg.samples(0, &[0, 1, 2], 0..21).unwrap() else { panic!() };
+    let Samples::Bytes(part) = jpeg.samples(0, &[2], 5..18).unwrap() else { panic!() };
     assert_eq!(part, whole.slice(ndarray::s![5..18, .., 2..]));
 }
 
@@ -226,10 +227,10 @@ fn statements_are_read() {
     let jpeg = open(bytes.clone(), 1 << 20).unwrap();
     let header = &jpeg.parts()[0];
     assert_eq!(
-        (header.orientation, &header.colour.icc[..], &header.xmp[..]),
+        (header.orientation, &header.colour.icc[..], &header.xmp[0][..]),
         (6, &b"profile"[..], &b"first"[..])
     );
-    assert_eq!(header.further_xmp, [[&b"second "[..], digest].concat(), b"abcdef".to_vec()]);
+    assert_eq!(header.xmp[1..], [[&b"second "[..], digest].concat(), b"abcdef".to_vec()]);
     assert_eq!(header.description, "a comment");
     assert!(header.notes.is_empty() && header.gain_map.is_none());
 

@@ -16,7 +16,7 @@ use crate::error::{Error, Result};
 use crate::formats::exif;
 use crate::formats::header::{Alpha, Colour, Header, SampleType, channels};
 use crate::formats::input::{check_size, damage, zeros};
-use crate::formats::picture::{PictureFile, Samples, WholeSamples};
+use crate::formats::picture::{PictureFile, Samples, SamplesMut, WholeSamples};
 
 /// A PNG file whose header was read.
 #[derive(Debug)]
@@ -44,8 +44,8 @@ impl<Bytes: AsRef<[u8]> + Send + Sync> PictureFile for Png<Bytes> {
         from_ref(&self.header)
     }
 
-    fn read(&self, _: usize, channels: &[usize], rows: Range<usize>) -> Result<Samples> {
-        self.samples.part(channels, rows, || samples(self.bytes.as_ref(), self.max_pixels))
+    fn read(&self, _: usize, channels: &[usize], rows: Range<usize>, out: SamplesMut<'_>) -> Result<()> {
+        self.samples.copy(channels, rows, out, || samples(self.bytes.as_ref(), self.max_pixels))
     }
 }
 
@@ -63,7 +63,7 @@ fn header(bytes: &[u8], max_pixels: usize) -> Result<Header> {
     header.orientation = exif::orientation(&exif);
     header.exif = exif;
     header.colour = statements(info);
-    header.xmp = texts::xmp(info);
+    header.xmp = vec![texts::xmp(info)];
     header.description = texts::description(info);
     if info.animation_control.is_some() {
         header.notes.push("only the first image of the animation was read".into());

@@ -17,16 +17,15 @@ pub mod write;
 use std::ops::Range;
 use std::slice::from_ref;
 
-use ndarray::Array3;
 use rayon::prelude::*;
 
 use self::header::Reader;
 use self::lines::{Line, find_lines};
 use self::rows::Planes;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::formats::header::Header;
-use crate::formats::input::{check_size, damage, zeros};
-use crate::formats::picture::{PictureFile, Samples, select_channels};
+use crate::formats::input::{check_size, damage};
+use crate::formats::picture::{PictureFile, SamplesMut, array, copy_channels, wrong_type};
 use crate::interrupt;
 
 /// A picture whose header was read and whose lines were found; any of its rows can be decoded.
@@ -56,25 +55,31 @@ impl<Bytes: AsRef<[u8]> + Send + Sync> PictureFile for Radiance<Bytes> {
         from_ref(&self.header)
     }
 
-    fn read(&self, _: usize, channels: &[usize], rows: Range<usize>) -> Result<Samples> {
+    fn read(&self, _: usize, channels: &[usize], rows: Range<usize>, out: SamplesMut<'_>) -> Result<()> {
+        let SamplesMut::Floats(out) = out else { return Err(wrong_type()) };
+        if channels == [0, 1, 2] {
+            return self.decode(rows, out);
+        }
+        let mut samples = array((rows.len(), self.header.width, 3))?;
+        self.decode(rows, samples.as_slice_mut().unwrap_or_default())?;
+        copy_channels(samples.view(), channels, out);
+        Ok(())
+    }
+}
+
+impl<Bytes: AsRef<[u8]> + Sync> Radiance<Bytes> {
+    /// Write the samples of some rows, three for each pixel.
+    fn decode(&self, rows: Range<usize>, out: &mut [f32]) -> Result<()> {
         /// Fewest lines of a task, which allocates memory for the bytes of a line.
         const LINES_AT_ONCE: usize = 8;
-        let shape = (rows.len(), self.header.width, 3);
-        let mut samples = zeros(shape, shape.0 * shape.1 * 3)?;
-        let lines = samples.par_chunks_mut(3 * shape.1).zip(&self.lines[rows]);
+        let width = self.header.width;
+        let lines = out.par_chunks_mut(3 * width).zip(&self.lines[rows]);
         lines.with_min_len(LINES_AT_ONCE).try_for_each_init(
-            || Planes::new(shape.1),
+            || Planes::new(width),
             |planes, (out, line)| {
                 interrupt::check();
                 planes.decode(self.bytes.as_ref(), line, out).ok_or_else(|| damage("a line has wrong runs"))
             },
-        )?;
-        let no_memory = |_| Error::NoMemory { shape: vec![shape.0, shape.1, shape.2] };
-        let samples = Array3::from_shape_vec(shape, samples).map_err(no_memory)?;
-        Ok(Samples::Floats(if channels == [0, 1, 2] {
-            samples
-        } else {
-            select_channels(samples.view(), channels)
-        }))
+        )
     }
 }

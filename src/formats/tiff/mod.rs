@@ -23,14 +23,12 @@ pub mod write;
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-use half::f16;
-
 use self::page::Page;
 use self::rows::{Cache, Request};
 use super::directory::{Directory, File};
 use super::header::{Header, SampleType};
 use super::input::damage;
-use super::picture::{PictureFile, Samples};
+use super::picture::{PictureFile, SamplesMut, wrong_type};
 use crate::error::{Error, Result};
 
 /// A TIFF file whose pages were found; any of their rows can be decoded.
@@ -80,16 +78,17 @@ impl<Bytes: AsRef<[u8]> + Send + Sync> PictureFile for Tiff<Bytes> {
         &self.headers
     }
 
-    fn read(&self, part: usize, channels: &[usize], rows: Range<usize>) -> Result<Samples> {
+    fn read(&self, part: usize, channels: &[usize], rows: Range<usize>, out: SamplesMut<'_>) -> Result<()> {
         let file = File::new(self.bytes.as_ref()).ok_or_else(damage_of_tags)?;
         let (page, cache) = &self.pages[part];
         let is_in_pieces = page.block() >= page.height && rows.len() < page.height;
         let request = Request { file, page, channels, cache: is_in_pieces.then_some(cache) };
-        match page.sample_type() {
-            SampleType::U8 => request.samples::<u8>(rows).map(Samples::Bytes),
-            SampleType::U16 => request.samples::<u16>(rows).map(Samples::Words),
-            SampleType::F16 => request.samples::<f16>(rows).map(Samples::Halves),
-            SampleType::F32 => request.samples::<f32>(rows).map(Samples::Floats),
+        match (page.sample_type(), out) {
+            (SampleType::U8, SamplesMut::Bytes(out)) => request.write(rows, out),
+            (SampleType::U16, SamplesMut::Words(out)) => request.write(rows, out),
+            (SampleType::F16, SamplesMut::Halves(out)) => request.write(rows, out),
+            (SampleType::F32, SamplesMut::Floats(out)) => request.write(rows, out),
+            _ => Err(wrong_type()),
         }
     }
 }

@@ -5,16 +5,14 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use ndarray::Array3;
 use rayon::prelude::*;
 
 use super::page::{Compression, Page, Predictor};
 use super::predictor::undo;
 use super::samples::Sample;
 use super::unpack::unpack;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::formats::directory::File;
-use crate::formats::input::zeros;
 use crate::interrupt;
 
 /// Strips or tiles by their plane, row and column.
@@ -36,19 +34,14 @@ pub struct Request<'a> {
 const ROWS_AT_ONCE: usize = 16;
 
 impl<'a> Request<'a> {
-    /// Samples of the `rows`, (rows, width, channels).
+    /// Write the samples of the `rows` into `out`, (rows, width, channels).
     ///
     /// # Errors
     ///
     /// If a strip or tile is damaged, or there is no memory.
-    pub fn samples<T: Sample>(&self, rows: Range<usize>) -> Result<Array3<T>> {
-        let shape = (rows.len(), self.page.width, self.channels.len());
-        let row_length = shape.1 * shape.2;
-        let mut out = zeros(shape, shape.0 * row_length)?;
-        let tasks = tasks(self.page, rows, &mut out, row_length);
-        tasks.into_par_iter().try_for_each(|(rows, out)| self.read(rows, out))?;
-        Array3::from_shape_vec(shape, out)
-            .map_err(|_| Error::NoMemory { shape: vec![shape.0, shape.1, shape.2] })
+    pub fn write<T: Sample>(&self, rows: Range<usize>, out: &mut [T]) -> Result<()> {
+        let tasks = tasks(self.page, rows, out, self.page.width * self.channels.len());
+        tasks.into_par_iter().try_for_each(|(rows, out)| self.read(rows, out))
     }
 
     /// Samples of some rows of the strips or tiles of one height.

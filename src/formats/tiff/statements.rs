@@ -41,7 +41,7 @@ pub fn header(page: &Page, directory: &Directory<'_>, texts: &mut usize) -> Resu
         },
         orientation: exif::orientation(&exif),
         environment: environment(bytes(TEXTURE_FORMAT, MOST.0)),
-        xmp: xmp.to_vec(),
+        xmp: vec![xmp.to_vec()],
         exif,
         description: text(description),
         ..Header::plain("tiff", page.height, page.width, channels)

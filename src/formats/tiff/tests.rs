@@ -2,8 +2,11 @@ use std::io::Write as _;
 
 use ndarray::{Array3, s};
 
+use half::f16;
+
 use super::*;
 use crate::formats::header::Alpha;
+use crate::formats::picture::Samples;
 
 /// A file to be made; its samples are a function of their place.
 #[derive(Clone, Copy, Debug)]
@@ -231,7 +234,7 @@ impl Example {
 fn read(file: Vec<u8>) -> Result<Samples> {
     let tiff = open(file, 1 << 20)?;
     let header = &tiff.parts()[0];
-    tiff.read(0, &(0..header.channels.len()).collect::<Vec<_>>(), 0..header.height)
+    tiff.samples(0, &(0..header.channels.len()).collect::<Vec<_>>(), 0..header.height)
 }
 
 fn reason(file: Vec<u8>) -> String {
@@ -283,9 +286,9 @@ fn all_kinds_of_samples_strips_and_tiles_are_read() {
     for example in examples() {
         let tiff = open(example.file(&[]), 1 << 20).expect("a whole file");
         let channels: Vec<usize> = (0..example.samples).collect();
-        let whole = tiff.read(0, &channels, 0..example.size.0).expect("whole samples");
+        let whole = tiff.samples(0, &channels, 0..example.size.0).expect("whole samples");
         assert_eq!(whole, example.truth(), "{example:?}");
-        let last = tiff.read(0, &[example.samples - 1], 2..4).expect("some samples");
+        let last = tiff.samples(0, &[example.samples - 1], 2..4).expect("some samples");
         let part = |all: &Array3<f32>| all.slice(s![2..4, .., -1..]).to_owned();
         if let (Samples::Floats(whole), Samples::Floats(last)) = (&whole, &last) {
             assert_eq!(last, part(whole), "{example:?}");
@@ -384,9 +387,9 @@ fn statements_are_read_and_limited() {
     let tiff = open(EXAMPLE.file(&said), 1 << 20).expect("whole");
     let header = &tiff.parts()[0];
     assert_eq!((header.description.as_str(), header.orientation, header.environment), ("a map", 6, "cube"));
-    assert_eq!((header.xmp.len(), header.colour.icc.len(), header.exif["Orientation"]), (9, 5, 6.0));
+    assert_eq!((header.xmp[0].len(), header.colour.icc.len(), header.exif["Orientation"]), (9, 5, 6.0));
     let tiff = open(EXAMPLE.file(&[bytes(700, (4 << 20) + 1), (274, 3, vec![9])]), 1 << 20).expect("whole");
-    assert_eq!((tiff.parts()[0].xmp.len(), tiff.parts()[0].orientation), (0, 1));
+    assert_eq!((tiff.parts()[0].xmp[0].len(), tiff.parts()[0].orientation), (0, 1));
 }
 
 /// Two pages; the first is linked to the second.
