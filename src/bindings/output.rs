@@ -23,7 +23,7 @@ pub fn fill<T: Send>(
 }
 
 /// Zeros of `NumPy`, or its `MemoryError`.
-pub fn zeros<'py, S: Element>(py: Python<'py>, shape: [usize; 3]) -> PyResult<Bound<'py, PyArray3<S>>> {
+pub fn zeros<S: Element>(py: Python<'_>, shape: [usize; 3]) -> PyResult<Bound<'_, PyArray3<S>>> {
     // `PyArray3::zeros` would panic without memory.
     let array = py.import("numpy")?.call_method1("zeros", (shape, dtype::<S>(py)))?;
     Ok(array.cast_into()?)
