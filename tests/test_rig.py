@@ -134,6 +134,7 @@ def test_lights_are_sorted_and_sliced():
         "irradiance": [[1, 1, 1]],
         "angular_radius": [0],
         "scale": "the map's own scale",
+        "origin": [1],
     }
     with pytest.raises(ValueError, match="read-only"):
         lights.direction[0] = 0

@@ -259,6 +259,7 @@ class MapSplit:
     solid_angle: _Reals
     reach: _Reals
     vectors: _Reals
+    light_of_block: NDArray[np.uint32]
 
 def apply_matrix(image: _Image, matrix: list[list[float]]) -> tuple[_Image, int]: ...
 def are_clipped(

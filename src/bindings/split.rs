@@ -21,6 +21,7 @@ pub struct MapSplit {
     solid_angle: Py<PyArray1<f64>>,
     reach: Py<PyArray1<f64>>,
     vectors: Py<PyArray3<f64>>,
+    light_of_block: Py<PyArray1<u32>>,
 }
 
 /// Pixels of detected lights: the named tuple of the same name in `envlights.splitting.split`.
@@ -76,6 +77,7 @@ pub fn split_map(
         reach: numbers(|light| light.reach),
         vectors: Array3::from(columns).into_pyarray(py).unbind(),
         map_flux: parts.map_flux,
+        light_of_block: parts.light_of_block.into_pyarray(py).unbind(),
         remainder: rest.unbind(),
     })
 }

@@ -22,6 +22,7 @@ FUNCTIONS = {
     "batch": (el.batch,),
     "convert": (el.EnvMap.to, el.EnvMap.resized, el.EnvMap.limited, el.EnvMap.save, *OPEN),
     "merge": (el.EnvMap.from_exposures,),
+    "relight": OPEN,
     "repair": (el.EnvMap.repaired, *OPEN),
     "compare": (el.compare, el.compare_folders),
     "show": (el.error_curve, *OPEN),
@@ -76,6 +77,7 @@ OTHER_NAMES = {
 LEFT_OUT = {
     ("convert", "fill"): "a map in another layout keeps what is not seen",
     ("detect", "fill"): "lights are detected where the map is seen",
+    ("relight", "fill"): "lights are drawn where the map is seen",
     ("split", "fill"): "lights are detected where the map is seen",
     ("transfer fit", "virtual"): "an array of images",
     ("transfer fit", "notebook"): "for the display of Jupyter",

@@ -32,6 +32,7 @@ _COMMANDS = {
     "follow": "Fit a rig to each map of a sequence.",
     "merge": "Merge exposures into one map.",
     "photograph": "Find the lights of a photograph.",
+    "relight": "Move, dim, colour, remove or add lights of a map.",
     "repair": "Estimate the clipped light of a picture.",
     "show": "Write one page on a map: its lights, errors and notes.",
     "split": "Remove the lights from a map.",

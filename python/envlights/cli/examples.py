@@ -25,6 +25,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "follow": ("frames -o rigs.jsonl -o rigs.usda --fps 24", "video.mp4 --error 0.01 -o rigs.csv"),
     "merge": ("dark.jpg light.jpg -o merged.exr",),
     "photograph": ("room.jpg --fov 60",),
+    "relight": ("hall.exr --move 1=,15 --gain 2=0.5 --remove 3 -o new.exr",),
     "repair": ("sky.jpg -o repaired.exr",),
     "show": ("hall.exr -o report.html", "sky.hdr -n 6 --floor"),
     "split": ("hall.exr -n 2 -o rest.exr -o lights.json",),

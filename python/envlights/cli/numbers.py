@@ -16,8 +16,8 @@ def numbers(option: str, text: str, example: str) -> list[float]:
         values = [float(value) for value in text.split(",")]
         if len(values) == len(example.split(",")):
             return values
-    count = {2: "two", 3: "three"}[len(example.split(","))]
-    raise EnvLightsError(f"{option} must be {count} numbers, such as {example}; got {text}")
+    count = {1: "a number", 2: "two numbers", 3: "three numbers"}[len(example.split(","))]
+    raise EnvLightsError(f"{option} must be {count}, such as {example}; got {text}")
 
 
 def whole_numbers(option: str, text: str) -> list[int]:

@@ -26,7 +26,15 @@ from envlights.export.formats.own_json import read_json
 from envlights.kernels.sphere import FRAME
 from envlights.rigs.light import DetectedLight, remarks_of
 from envlights.rigs.light_arrays import light_arrays, rotate, row_of, rows_of
-from envlights.rigs.lights import Lights, Rows, brightest_first, place_cells, rgb_cell, rgb_heading
+from envlights.rigs.lights import (
+    Lights,
+    Rows,
+    brightest_first,
+    origins,
+    place_cells,
+    rgb_cell,
+    rgb_heading,
+)
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -110,6 +118,10 @@ class DetectionReport(Result):
             *self.details,
             *time_lines(self.seconds),
         ]
+
+
+#: Fields that hold no value for each light.
+_NO_ARRAYS = ("members", "report", "units", "notes", "origin")
 
 
 @former_attributes(share="fraction", flux_share="flux_fraction")
@@ -208,6 +220,8 @@ class DetectedLights(Lights):
         object.__setattr__(self, "angular_radius", seal(radius))
         rank = np.argsort(order)
         object.__setattr__(self, "members", self.members.renumbered(rank))
+        if self.origin is not None:
+            object.__setattr__(self, "origin", origins(self.origin, order))
 
     def _order(self, flux: NDArray[np.float64]) -> NDArray[np.intp]:
         """Rows by flux, the largest first; those of a clipped map by weight."""
@@ -238,7 +252,9 @@ class DetectedLights(Lights):
             return self._light(row_of(which, len(self)))
         arrays: dict[str, Any] = {name: getattr(self, name)[kept] for name in self._array_names()}
         members = self.members.of(kept, len(self))
-        return type(self)(**arrays, members=members, report=self.report, units=self.units)
+        origin = self._arrays()["origin"][kept]
+        report, units = self.report, self.units
+        return type(self)(**arrays, members=members, report=report, units=units, origin=origin)
 
     def _light(self, row: int) -> DetectedLight:
         arrays = {each.name: getattr(self, each.name) for each in fields(DetectedLight)}
@@ -268,8 +284,7 @@ class DetectedLights(Lights):
 
         A light of more than half the sphere becomes a disc of half the sphere.
         """
-        radius = np.minimum(self.angular_radius, np.pi / 2)
-        return Lights(self.direction, self.irradiance, radius, units=self.units)
+        return self._edited()
 
     @property
     def is_broad(self) -> NDArray[np.bool_]:
@@ -341,7 +356,7 @@ class DetectedLights(Lights):
     def _array_names(self) -> tuple[str, ...]:
         """Names of the constructor's arrays with a row for each light."""
         names = (each.name for each in fields(self) if each.init)
-        arrays = (name for name in names if name not in ("members", "report", "units", "notes"))
+        arrays = (name for name in names if name not in _NO_ARRAYS)
         return tuple(name for name in arrays if getattr(self, name) is not None)
 
 

@@ -38,3 +38,10 @@ def elevations(direction: NDArray[np.float64]) -> NDArray[np.float64]:
     """Radians above the horizon, from -pi / 2 to pi / 2, (n,)."""
     radians: NDArray[np.float64] = np.pi * (0.5 - sphere.direction_to_uv(direction)[:, 1])
     return radians
+
+
+def direction_at(azimuth: float, elevation: float) -> NDArray[np.float64]:
+    """Unit vector at an azimuth and an elevation in radians, (3,)."""
+    place = [azimuth / (2 * np.pi) % 1, 0.5 - elevation / np.pi]
+    direction: NDArray[np.float64] = sphere.uv_to_direction([place])[0]
+    return direction

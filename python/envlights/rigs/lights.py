@@ -31,6 +31,7 @@ from envlights.export.formats.own_json import read_json
 from envlights.kernels.angles import angle_cells, azimuths, elevations
 from envlights.kernels.image import LUMINANCE
 from envlights.kernels.probe import disc_map
+from envlights.rigs.editing import Editable
 from envlights.rigs.light import Light
 from envlights.rigs.light_arrays import LARGEST_LIGHT, light_arrays, radii, rotate, row_of, rows_of
 from envlights.rigs.lobes import SphericalGaussians, lobes
@@ -59,7 +60,7 @@ Rows = slice | list[int] | NDArray[Any]
 
 @former_attributes(share="fraction")
 @dataclass(frozen=True, eq=False, repr=False)
-class Lights(TableResult):
+class Lights(Editable["Lights"], TableResult):
     r"""Directional lights, brightest first.
 
     Parameters
@@ -76,6 +77,9 @@ class Lights(TableResult):
         Unit of the radiance of the map; with "cd/m2", the luminance of `irradiance` is in lux.
     notes : str or iterable of str
         Remarks on estimates, which texts and files repeat. A detection has a `report` instead.
+    origin : tuple of int, optional
+        Of chosen and changed lights (``lights[:2]``, `moved`, `dimmed`, ...): the number that each
+        had before; -1 for an added light.
 
     Examples
     --------
@@ -94,6 +98,7 @@ class Lights(TableResult):
     angular_radius: NDArray[np.float64] = None  # type: ignore[assignment]
     units: str = field(default=OWN_SCALE, kw_only=True)
     notes: tuple[str, ...] = field(default=(), kw_only=True)
+    origin: tuple[int, ...] | None = field(default=None, kw_only=True, compare=False)
 
     def __post_init__(self) -> None:
         checked_units(self.units)
@@ -104,6 +109,8 @@ class Lights(TableResult):
         object.__setattr__(self, "direction", seal(direction[order]))
         object.__setattr__(self, "irradiance", seal(irradiance[order]))
         object.__setattr__(self, "angular_radius", seal(radius[order]))
+        if self.origin is not None:
+            object.__setattr__(self, "origin", origins(self.origin, order))
 
     @classmethod
     def unchecked(
@@ -120,6 +127,7 @@ class Lights(TableResult):
         object.__setattr__(lights, "angular_radius", seal(angular_radius))
         object.__setattr__(lights, "units", units)
         object.__setattr__(lights, "notes", ())
+        object.__setattr__(lights, "origin", None)
         return lights
 
     def __len__(self) -> int:
@@ -136,8 +144,18 @@ class Lights(TableResult):
         rows = rows_of(which, len(self))
         if rows is None:
             return self._light(row_of(which, len(self)))
-        arrays = self.direction, self.irradiance, self.angular_radius
-        return Lights(*(array[rows] for array in arrays), units=self.units, notes=self.notes)
+        return self._edited(**{name: array[rows] for name, array in self._arrays().items()})
+
+    def _arrays(self) -> dict[str, Any]:
+        return {
+            "direction": self.direction,
+            "irradiance": self.irradiance,
+            "angular_radius": np.minimum(self.angular_radius, np.pi / 2),
+            "origin": np.arange(len(self)) if self.origin is None else np.array(self.origin, int),
+        }
+
+    def _edited(self, **changed: Any) -> Lights:
+        return Lights(**self._arrays() | changed, units=self.units, notes=self.notes)
 
     def _light(self, row: int) -> Light:
         radius, fraction = float(self.angular_radius[row]), float(self.fraction[row])
@@ -230,6 +248,7 @@ class Lights(TableResult):
             "angular_radius": self.angular_radius.tolist(),
             "scale": self.units,
             **({"notes": list(self.notes)} if self.notes else {}),
+            **({"origin": list(self.origin)} if self.origin is not None else {}),
         }
 
     def save(
@@ -347,6 +366,16 @@ class Lights(TableResult):
 Sequence.register(Lights)
 
 
+def origins(origin: Sequence[int] | NDArray[Any], order: NDArray[np.intp]) -> tuple[int, ...]:
+    """Numbers of the lights before they were changed, in their order now."""
+    numbers = np.asarray(origin)
+    if numbers.shape != order.shape or (numbers.size and numbers.dtype.kind not in "iu"):
+        raise EnvLightsError(
+            f"origin must hold a number for each of {len(order)} lights; got {origin}"
+        )
+    return tuple(numbers[order].tolist())
+
+
 def hidden_lights(fraction: NDArray[np.float64]) -> str:
     """Summary of the lights below a table, from their `fraction`, or that there are none."""
     if not len(fraction):
@@ -380,7 +409,8 @@ def lights_of(data: dict[str, Any]) -> Lights:
     radius: Any = data.get("angular_radius")
     # Version 1 had no scale.
     scale, notes = data.get("scale", OWN_SCALE), data.get("notes", ())
-    return Lights(direction, irradiance, radius, units=scale, notes=notes)
+    origin = data.get("origin")
+    return Lights(direction, irradiance, radius, units=scale, notes=notes, origin=origin)
 
 
 def lights_of_table(table: CsvTable) -> Lights:

@@ -66,8 +66,8 @@ class RemovedLights(DetectedLights):
 
     def to_dict(self) -> dict[str, Any]:
         """All fields except the times as plain numbers, lists and strings."""
-        # Files of removed lights are files of `Lights`.
-        return {**super().to_dict(), **LIGHTS_HEADER}
+        # Files of removed lights are files of `Lights`; the origin is for `Split.with_lights`.
+        return {**super().to_dict(), **LIGHTS_HEADER, "origin": list(self.origin or ())}
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Lights:  # type: ignore[override]

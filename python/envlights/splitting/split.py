@@ -20,6 +20,8 @@ from envlights.detection.lights import DetectedLights, DetectionReport
 from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
 from envlights.export.links import LinkedParts
 from envlights.kernels.image import LUMINANCE
+from envlights.rigs.lights import Lights
+from envlights.splitting.relight import RemovedRadiance, relight
 from envlights.splitting.removed_lights import RemovedLights
 
 #: Options of `detect` here. Without the removed lights, the threshold is lower (by less than a
@@ -66,10 +68,49 @@ class _SplitFields(NamedTuple):
 class Split(_SplitFields, LinkedParts):
     """Lights, and the map without them."""
 
-    __slots__ = ()
+    _removed: RemovedRadiance | None = None
 
     def __str__(self) -> str:
         return f"{self.lights}\n\nthe map without these lights: {self.remainder}"
+
+    def with_lights(self, lights: Lights) -> EnvMap:
+        """Draw changed lights into the map: moved, dimmed, coloured, left out or added.
+
+        Parameters
+        ----------
+        lights : Lights
+            Lights of this split after `Lights.moved`, `dimmed`, `coloured`, `resized`, `without`
+            or `with_light`, or a choice of them.
+
+        Returns
+        -------
+        EnvMap
+            Map of the same size. A light of its old size is drawn with its own pixels, turned along
+            its meridian and about the pole, so that it stays upright; another one as a disc of
+            uniform radiance, a point as in `Lights.to_map`. A surface that faces all of a light
+            receives its irradiance. Unchanged lights give back the map. Where a light was, the fill
+            of the split remains.
+
+        Raises
+        ------
+        EnvLightsError
+            If a light comes from another split; if one is moved, resized or added in a map that is
+            border-sampled or shows a part of the sphere; or this split was not made by `split`.
+
+        Examples
+        --------
+        >>> import envlights as el
+        >>> env = el.EnvMap(el.synthetic.plain(0, 128).radiance)
+        >>> parts = el.split(env, 1)
+        >>> np.allclose(parts.with_lights(parts.lights).radiance, env.radiance, rtol=1e-6)
+        True
+        >>> lower = parts.with_lights(parts.lights.moved(0, elevation=0.2).dimmed(0, 0.5))
+        >>> np.allclose(el.split(lower, 1).lights.elevation, 0.2, atol=0.01)
+        True
+        """
+        if self._removed is None:
+            raise EnvLightsError("only a split by `el.split` can have other lights")
+        return relight(self.remainder, self._removed, self.lights, lights)
 
 
 @overload
@@ -201,7 +242,10 @@ def split(
     if shapes:
         return _cards_and_rest(env, removed, parts.remainder, pixels)
     notes = (*env.notes, *_notes(removed))
-    return Split(removed, env.with_radiance(parts.remainder, notes))
+    result = Split(removed, env.with_radiance(parts.remainder, notes))
+    blocks = parts.light_of_block.reshape(found.report.working_size)
+    result._removed = RemovedRadiance(env, blocks, pixels.block)
+    return result
 
 
 def _cards_and_rest(
@@ -301,7 +345,7 @@ def _light_pixels(
 def _removed_lights(
     chosen: DetectedLights, parts: _native.MapSplit, report: DetectionReport
 ) -> RemovedLights:
-    """Removed lights, with the remaining measurements of the detected lights."""
+    """RemovedRadiance lights, with the remaining measurements of the detected lights."""
     detected = {each.name: getattr(chosen, each.name) for each in fields(chosen) if each.init}
     measured = {
         "direction": parts.direction,
@@ -312,6 +356,8 @@ def _removed_lights(
         "vector_irradiance": parts.vectors,
         "reach": parts.reach,
         "report": report,
+        # Numbers of the pixels' lights: the constructor sorts them.
+        "origin": range(len(chosen)),
     }
     return RemovedLights(**(detected | measured))
 

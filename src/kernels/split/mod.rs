@@ -49,6 +49,8 @@ pub struct MapSplit {
     pub map_flux: f64,
     /// One light for each direction.
     pub lights: Vec<RemovedLight>,
+    /// Light of each block of pixels, counted from 1, row after row; 0 where nothing was removed.
+    pub light_of_block: Vec<u32>,
 }
 
 /// Remove lights from an equirectangular map of radiance, (height, width, 3), finite and not negative.
@@ -85,7 +87,7 @@ pub fn split(
     };
     let ((), (region, fill)) = rayon::join(|| copy(pixels, rest_pixels, width), fill);
     let lights = removal::remove(&map, &region, &fill, &directions, rest_pixels);
-    Ok(MapSplit { map_flux: map.flux(), lights })
+    Ok(MapSplit { map_flux: map.flux(), lights, light_of_block: region.light_of })
 }
 
 /// Copy the pixels of a map of this `width` row by row, so that the copy can be interrupted.

@@ -1,0 +1,201 @@
+"""Changes of single lights: each returns other lights, and these stay as they are."""
+
+from __future__ import annotations
+
+from typing import Any, Generic, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from envlights._common.check import amount, colour, reals
+from envlights._native import EnvLightsError
+from envlights.kernels.angles import azimuths, direction_at, elevations
+from envlights.kernels.image import LUMINANCE
+from envlights.rigs.light_arrays import row_of
+
+#: Lights without measurements.
+Plain = TypeVar("Plain")
+
+
+_POLE = np.pi / 2
+
+
+class Editable(Generic[Plain]):
+    """Changes of `Lights`.
+
+    Numbers of lights are those in the lights that are changed, from 0; a change of brightness may
+    give them another order. `Lights.origin` tells which light is which.
+    """
+
+    direction: NDArray[np.float64]
+    irradiance: NDArray[np.float64]
+    angular_radius: NDArray[np.float64]
+
+    def moved(
+        self,
+        which: int,
+        direction: ArrayLike | None = None,
+        *,
+        azimuth: float | None = None,
+        elevation: float | None = None,
+    ) -> Plain:
+        """Lights with one of them in another direction.
+
+        Parameters
+        ----------
+        which : int
+            Number of the light.
+        direction : array_like, shape (3,), optional
+            New direction, of any length above 0.
+        azimuth, elevation : float, optional
+            New angles in radians, as `Lights.azimuth` and `Lights.elevation` have them, in place of
+            `direction`; the one that is not given stays.
+
+        Raises
+        ------
+        EnvLightsError
+            If there is no such light, or neither or both a direction and an angle are given.
+
+        Examples
+        --------
+        >>> from envlights import Lights
+        >>> sun = Lights([[1, 0, 0]], [[3, 2, 1]])
+        >>> sun.moved(0, [0, 2, 0]).direction
+        array([[0., 1., 0.]])
+        >>> sun.moved(0, elevation=0.25).elevation
+        array([0.25])
+        """
+        row = row_of(which, len(self.direction))
+        if (direction is None) == (azimuth is None and elevation is None):
+            raise EnvLightsError("give a direction, or an azimuth or an elevation in radians")
+        if direction is not None:
+            return self._with_row("direction", row, _unit(direction))
+        old = self.direction[[row]]
+        angles = (
+            azimuths(old)[0] if azimuth is None else amount("azimuth", azimuth, -np.inf),
+            elevations(old)[0]
+            if elevation is None
+            else amount("elevation", elevation, -_POLE, _POLE),
+        )
+        return self._with_row("direction", row, direction_at(*angles))
+
+    def dimmed(self, which: int, factor: float) -> Plain:
+        """Lights with the irradiance of one of them multiplied by a factor, not negative.
+
+        Examples
+        --------
+        >>> from envlights import Lights
+        >>> Lights([[0, 1, 0]], [[4, 2, 1]]).dimmed(0, 0.5).irradiance
+        array([[2. , 1. , 0.5]])
+        """
+        row = row_of(which, len(self.direction))
+        return self._with_row("irradiance", row, self.irradiance[row] * amount("factor", factor))
+
+    def coloured(self, which: int, rgb: ArrayLike) -> Plain:
+        """Lights with one of them in another colour, and of the same luminance.
+
+        Parameters
+        ----------
+        which : int
+            Number of the light.
+        rgb : array_like, shape (3,)
+            Linear RGB of any luminance above 0.
+
+        Examples
+        --------
+        >>> from envlights import Lights
+        >>> lights = Lights([[0, 1, 0]], [[1, 1, 1]])
+        >>> lights.coloured(0, [2, 1, 0]).irradiance.round(3)
+        array([[1.755, 0.877, 0.   ]])
+        """
+        row = row_of(which, len(self.direction))
+        channels = np.array(colour("rgb", rgb))
+        if not channels.any():
+            raise EnvLightsError("rgb must not be black; dim the light, or leave it out")
+        luminance = self.irradiance[row] @ LUMINANCE
+        return self._with_row("irradiance", row, channels * (luminance / (channels @ LUMINANCE)))
+
+    def resized(self, which: int, angular_radius: float) -> Plain:
+        """Lights with another radius of one of them, in radians, and the same irradiance.
+
+        Examples
+        --------
+        >>> from envlights import Lights
+        >>> Lights([[0, 1, 0]], [[1, 1, 1]]).resized(0, 0.1).angular_radius
+        array([0.1])
+        """
+        row = row_of(which, len(self.direction))
+        return self._with_row("angular_radius", row, angular_radius)
+
+    def without(self, which: int) -> Plain:
+        """Lights without one of them.
+
+        Examples
+        --------
+        >>> from envlights import Lights
+        >>> len(Lights([[0, 1, 0], [1, 0, 0]], [[2, 2, 2], [1, 1, 1]]).without(0))
+        1
+        """
+        row = row_of(which, len(self.direction))
+        arrays = self._arrays()
+        return self._edited(
+            **{name: np.delete(array, row, axis=0) for name, array in arrays.items()}
+        )
+
+    def with_light(
+        self, direction: ArrayLike, irradiance: ArrayLike, angular_radius: float = 0.0
+    ) -> Plain:
+        """Lights and one more.
+
+        Parameters
+        ----------
+        direction : array_like, shape (3,)
+            Direction towards the light, of any length above 0.
+        irradiance : array_like, shape (3,)
+            Linear RGB at normal incidence.
+        angular_radius : float
+            Radius of the disc in radians; 0 is a point.
+
+        Examples
+        --------
+        >>> from envlights import Lights
+        >>> lights = Lights([[0, 1, 0]], [[1, 1, 1]]).with_light([0, 0, 5], [3, 3, 3])
+        >>> lights.direction, lights.origin
+        (array([[0., 0., 1.],
+               [0., 1., 0.]]), (-1, 0))
+        """
+        row = {
+            "direction": _unit(direction),
+            "irradiance": colour("irradiance", irradiance),
+            "angular_radius": angular_radius,
+            "origin": -1,
+        }
+        arrays = self._arrays()
+        return self._edited(
+            **{name: np.concatenate([array, [row[name]]]) for name, array in arrays.items()}
+        )
+
+    def _with_row(self, name: str, row: int, value: Any) -> Plain:
+        """Lights with another value in a row of an array."""
+        array = self._arrays()[name].copy()
+        array[row] = value
+        return self._edited(**{name: array})
+
+    def _arrays(self) -> dict[str, NDArray[Any]]:
+        """Arrays of `Lights`, without the measurements of a detection."""
+        raise NotImplementedError
+
+    def _edited(self, **changed: NDArray[Any]) -> Plain:
+        """Lights with these arrays in place of their own."""
+        raise NotImplementedError
+
+
+def _unit(direction: ArrayLike) -> NDArray[np.float64]:
+    vector = reals("direction", direction, 1)
+    length = np.linalg.norm(vector)
+    if vector.shape != (3,) or not 0 < length < np.inf:
+        raise EnvLightsError(
+            f"direction must be three finite numbers, and not all 0; got {vector.tolist()}"
+        )
+    unit: NDArray[np.float64] = vector / length
+    return unit

@@ -1,0 +1,140 @@
+"""Changed lights drawn into the map from which they were removed."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights._common.words import quantity
+from envlights._native import EnvLightsError
+from envlights.environment.envmap import EnvMap
+from envlights.kernels.angles import azimuths
+from envlights.kernels.probe import disc_map
+from envlights.rigs.light import Light
+from envlights.rigs.lights import Lights
+from envlights.splitting.removed_lights import RemovedLights
+
+
+class RemovedRadiance(NamedTuple):
+    """The radiance that was removed from a map."""
+
+    env: EnvMap
+    """The map before."""
+
+    light_of_block: NDArray[np.uint32]
+    """Light of each block of pixels, counted from 1; 0 without one, (rows, columns)."""
+
+    block: int
+    """Pixels along each side of a block."""
+
+    def of(self, number: int, remainder: EnvMap) -> NDArray[np.float32]:
+        """Radiance of one removed light, on the whole map."""
+        is_here = (self.light_of_block == number + 1).repeat(self.block, axis=0)
+        is_here = is_here.repeat(self.block, axis=1)[: self.env.height, : self.env.width]
+        rest: NDArray[np.float32] = self.env.radiance - remainder.radiance
+        rest[~is_here] = 0
+        return rest
+
+
+class Change(NamedTuple):
+    """One light before and after."""
+
+    number: int
+    """Number of the removed light in the map."""
+
+    old: Light
+    """The removed light."""
+
+    new: Light
+    """The light to draw."""
+
+    @property
+    def keeps_pixels(self) -> bool:
+        """True if the light has its size, and no channel that was black."""
+        old_size = min(self.old.angular_radius, np.pi / 2)
+        is_lit = (self.old.irradiance > 0) | (self.new.irradiance == 0)
+        return self.new.angular_radius == old_size and bool(is_lit.all())
+
+    @property
+    def keeps_place(self) -> bool:
+        """True if the light is neither moved nor drawn as a disc."""
+        return self.keeps_pixels and np.array_equal(self.old.direction, self.new.direction)
+
+
+def relight(
+    remainder: EnvMap, removed: RemovedRadiance, before: RemovedLights, lights: Lights
+) -> EnvMap:
+    """The `remainder` of a map with other `lights`; see `Split.with_lights`."""
+    changes, discs = _changes(before, lights)
+    if len(discs) or not all(change.keeps_place for change in changes):
+        _check_whole(remainder)
+    radiance = remainder.radiance.copy()
+    for change in changes:
+        radiance += _pixels(change, removed, remainder)
+    if len(discs):
+        radiance += disc_map(
+            remainder.height, discs.direction, discs.irradiance, discs.angular_radius
+        )
+    note = f"{quantity(len(lights), 'light')} drawn in place of {len(before)} removed"
+    return remainder.with_radiance(radiance, (*removed.env.notes, note))
+
+
+def _changes(before: RemovedLights, lights: Lights) -> tuple[list[Change], Lights]:
+    """Lights that keep their pixels, and those to draw as discs."""
+    rows = {number: row for row, number in enumerate(before.origin or ())}
+    lights = lights.discs()
+    changes, discs = [], []
+    for row, number in enumerate(lights.origin or (-1,) * len(lights)):
+        if number != -1 and number not in rows:
+            raise EnvLightsError(
+                f"the lights must be those of this split, changed; light {row} was number {number},"
+                f" and the split has {quantity(len(before), 'light')}"
+            )
+        change = Change(number, before[rows[number]], lights[row]) if number != -1 else None
+        if change is not None and change.keeps_pixels:
+            changes.append(change)
+        else:
+            discs.append(row)
+    return changes, lights[discs]
+
+
+def _check_whole(env: EnvMap) -> None:
+    """Refuse maps in which no pixels can be drawn elsewhere."""
+    if env.coverage is not None:
+        raise EnvLightsError(
+            "the map shows a part of the sphere, where lights can be dimmed, coloured and left out,"
+            " but not moved, resized or added; fill the map first"
+        )
+    if env.registration == "border-sampled":
+        raise EnvLightsError(
+            "the map is border-sampled, where lights can be dimmed, coloured and left out, but not"
+            f" moved, resized or added; split env.resized({env.width}) instead"
+        )
+
+
+def _pixels(change: Change, removed: RemovedRadiance, remainder: EnvMap) -> NDArray[np.float32]:
+    """Pixels of a light in their colour and place now."""
+    old, new = change.old, change.new
+    gain = new.irradiance / np.where(old.irradiance > 0, old.irradiance, 1)
+    pixels = removed.of(change.number, remainder) * gain.astype(np.float32)
+    if change.keeps_place:
+        return pixels
+    turned = EnvMap(pixels).rotated(_upright_turn(old.direction, new.direction))
+    found = turned.probe(new.direction)
+    scale = new.irradiance / np.where(found > 0, found, 1)
+    return turned.radiance * scale.astype(np.float32)
+
+
+def _upright_turn(old: NDArray[np.float64], new: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Rotation from `old` to `new`: along the meridian, and then about the pole."""
+    turned: NDArray[np.float64] = _frame(new) @ _frame(old).T
+    return turned
+
+
+def _frame(direction: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Columns: to the east, along the meridian, and the direction."""
+    azimuth = azimuths(direction[None])[0]
+    east = np.array([np.cos(azimuth), 0, np.sin(azimuth)])
+    return np.column_stack([east, np.cross(direction, east), direction])
