@@ -22,7 +22,7 @@ fuzz-native:
 	$(PYTHON) fuzz/seeds.py
 	for target in decode rows; do \
 	  mkdir -p fuzz/corpus/$$target; \
-	  cargo fuzz run --sanitizer none $$target fuzz/corpus/$$target fuzz/seeds/$$target -- \
+	  cargo fuzz run --release --sanitizer none $$target fuzz/corpus/$$target fuzz/seeds/$$target -- \
 	    -max_total_time=$(SECONDS) -max_len=4096 -timeout=8 -rss_limit_mb=1024 || exit 1; \
 	done
 
