@@ -1,6 +1,7 @@
 //! Reduced maps for Python: from an array, or from rows that arrive in order.
 
 use std::ops::Range;
+use std::sync::{Arc, OnceLock};
 
 use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray3};
 use pyo3::prelude::*;
@@ -10,6 +11,7 @@ use super::pool::interruptible;
 use super::sphere::registration;
 use crate::error::{Error, Result};
 use crate::formats::Rows;
+use crate::kernels::fit::Picture;
 use crate::kernels::image::{self, PixelRows, ReductionOptions, RowReducer, Sample, WorkingMap};
 use crate::kernels::sphere::Registration;
 
@@ -20,6 +22,24 @@ pub struct ReducedMap {
     /// True if light from below the horizon is left out.
     #[pyo3(get)]
     pub floor: bool,
+    picture: OnceLock<Arc<Picture>>,
+}
+
+impl ReducedMap {
+    fn new(map: WorkingMap, floor: bool) -> Self {
+        Self { map, floor, picture: OnceLock::new() }
+    }
+
+    /// The map in harmonics, computed once for all fits to it.
+    pub fn picture(&self) -> Arc<Picture> {
+        // Two threads may both compute it: one that waits for the other could wait for itself.
+        let new = || {
+            let picture = Arc::new(Picture::new(&self.map));
+            self.picture.set(picture.clone()).unwrap_or_default(); // the same numbers, if another was faster
+            picture
+        };
+        self.picture.get().cloned().unwrap_or_else(new)
+    }
 }
 
 #[pymethods]
@@ -44,7 +64,7 @@ pub fn reduce_map(
     let radiance = radiance.as_array();
     interruptible(py, || {
         let map = image::reduce(radiance, registration(border_sampled), columns, source_fraction, floor)?;
-        Ok(ReducedMap { map, floor })
+        Ok(ReducedMap::new(map, floor))
     })
 }
 
@@ -82,7 +102,7 @@ pub fn reduce_radiance(
     interruptible(py, || {
         let rows = FileRows(&file.picture);
         let map = image::reduce_rows(&rows, Registration::CellCentred, columns, source_fraction, floor)?;
-        Ok(ReducedMap { map, floor })
+        Ok(ReducedMap::new(map, floor))
     })
 }
 
@@ -177,7 +197,7 @@ impl PyRowReducer {
     /// The reduced map; None if rows are missing, or a sample is no radiance.
     fn finish(&self, py: Python<'_>) -> PyResult<Option<ReducedMap>> {
         let map = interruptible(py, || Ok(each!(&self.reducer, reducer => reducer.finish())))?;
-        Ok(map.map(|map| ReducedMap { map, floor: self.floor }))
+        Ok(map.map(|map| ReducedMap::new(map, self.floor)))
     }
 }
 

@@ -69,8 +69,9 @@ impl Samples {
     /// Errors of `rig`.
     pub fn evaluate(&self, rig: &Rig) -> ProbeError {
         let (residual, all) = (self.blocks.residual(rig), self.blocks.residual(&Rig::default()));
+        let largest = residual.largest;
         let [difference, whole] = [residual, all].map(|residual| DVec3::from_array(residual.squares));
-        ProbeError::of(difference, whole, residual.largest, self.weights.iter().sum())
+        ProbeError::of(difference, whole).with_largest(largest, whole, self.weights.iter().sum())
     }
 
     /// Relative RMS error of `rig`; absolute if all irradiance is 0.
@@ -86,19 +87,24 @@ pub struct ProbeError {
     pub error: f64,
     /// Relative RMS error of each channel.
     pub channels: [f64; 3],
-    /// Greatest difference at any normal and in any channel, relative to the RMS irradiance.
-    pub largest: f64,
+    /// Greatest difference at any normal and in any channel, relative to the RMS irradiance; unknown in closed form.
+    pub largest: Option<f64>,
 }
 
 impl ProbeError {
-    /// Errors from weighted sums of the squared difference and of the squared irradiance by channel, the largest
-    /// difference, and the sum of the weights.
-    pub fn of(difference: DVec3, whole: DVec3, largest: f64, weights: f64) -> Self {
-        let rms = (whole.element_sum() / weights / 3.0).sqrt();
+    /// Errors from sums of the squared difference and of the squared irradiance by channel.
+    pub fn of(difference: DVec3, whole: DVec3) -> Self {
         Self {
             error: relative_error(difference.element_sum(), whole.element_sum()),
             channels: [0, 1, 2].map(|c| relative_error(difference[c], whole[c])),
-            largest: largest / if rms > 0.0 { rms } else { 1.0 },
+            largest: None,
         }
+    }
+
+    /// Errors with the largest difference, from the squared irradiance and the sum of the weights of normals.
+    #[must_use]
+    pub fn with_largest(self, largest: f64, whole: DVec3, weights: f64) -> Self {
+        let rms = (whole.element_sum() / weights / 3.0).sqrt();
+        Self { largest: Some(largest / if rms > 0.0 { rms } else { 1.0 }), ..self }
     }
 }

@@ -31,7 +31,8 @@ use super::kernel::clamped_cosine;
 use crate::error::{Error, Result};
 use crate::kernels::cache::Cache;
 use crate::kernels::disc::irradiance_share;
-use crate::kernels::expansion::{AssociatedLegendre, DEGREES, Expansion, Harmonics};
+use crate::kernels::expansion::{AssociatedLegendre, DEGREES, Harmonics};
+use crate::kernels::fit::picture::Picture;
 use crate::kernels::fit::samples::Samples;
 use crate::kernels::image::{Part, WorkingMap};
 use crate::kernels::sampling::gauss_legendre;
@@ -54,16 +55,16 @@ static TURNS: LazyLock<DMatrix<f64>> = LazyLock::new(|| {
 /// # Errors
 ///
 /// [`Error::TooBright`].
-pub fn evaluation_probe(map: &WorkingMap, expansion: &Expansion, fewest: usize) -> Result<Samples> {
+pub fn evaluation_probe(map: &WorkingMap, picture: &Picture, fewest: usize) -> Result<Samples> {
     static RINGS: Cache<usize, Rings> = Cache::new();
     let count = fewest.div_ceil(2 * AZIMUTHS);
     let rings = RINGS.get(&count, || Rings::new(count));
     let bright: Vec<BrightPart> = map.parts.iter().flat_map(BrightPart::of).collect();
     // Sum the part that is equal at opposite normals.
-    let mut even = &*TURNS * rings.coefficients(&expansion.rest);
+    let mut even = &*TURNS * rings.coefficients(&picture.cells);
     Arch::new().dispatch(BrightHalves { halves: &rings.halves, bright: &bright, even: even.as_mut_slice() });
     // Add the part that changes its sign there.
-    let mut whole = [0, 1, 2].map(|channel| expansion.rest.moments(channel).1);
+    let mut whole = [0, 1, 2].map(|channel| picture.cells.moments(channel).1);
     for (c, whole) in whole.iter_mut().enumerate() {
         *whole += bright.iter().map(|part| part.direction * part.irradiance[c]).sum::<DVec3>();
     }
@@ -253,7 +254,7 @@ mod tests {
     }
 
     fn evaluate(map: &WorkingMap) -> Samples {
-        evaluation_probe(map, &Expansion::new(map), 5120).unwrap()
+        evaluation_probe(map, &Picture::new(map), 5120).unwrap()
     }
 
     /// Relative RMS error against exact irradiance, summed over all cells.
