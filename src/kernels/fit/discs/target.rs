@@ -70,13 +70,16 @@ impl Target {
     fn set_ambient_products(&mut self, picture: &Picture) {
         let ambient = self.ambient.coefficients();
         let mut out = DMatrix::zeros(ambient, ambient + 3);
+        let beside_pole = [1e-9, -1e-9].map(|x| Disc::new(DVec3::new(x, 1.0, 0.0), FRAC_PI_2));
+        let beside_pole = if self.half_sky.is_some() { self.values(&beside_pole) } else { Vec::new() };
         for channel in 0..3 {
             let [rest, bright] = [&picture.rest, &picture.bright].map(|part| part.moments(channel));
             let (whole, first, second) = (rest.0 + bright.0, rest.1 + bright.1, rest.2 + bright.2);
             let harmonics = irradiance_of_moments(whole, first, second);
             for i in 0..ambient {
                 out[(i, ambient + channel)] = match (&self.half_sky, self.ambient) {
-                    (Some(sky), _) => 2.0 * PI * self.values(&[*sky])[0].value[channel],
+                    // Two discs beside the pole: a disc at it is drawn 1e-5 away.
+                    (Some(_), _) => PI * beside_pole.iter().map(|sky| sky.value[channel]).sum::<f64>(),
                     (_, Ambient::Sh2) => self.kernel.whole[degree(i)] * harmonics[i] / cosine_lobe(i),
                     _ => self.kernel.whole[0] * whole,
                 };
