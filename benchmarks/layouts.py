@@ -24,7 +24,7 @@ from stopwatch import all_seconds, processor_seconds
 
 import envlights as el
 from envlights import _native
-from envlights.environment.layouts.layout import cube, equirectangular
+from envlights.environment.layouts.picture_layout import cube, equirectangular
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from tests.layouts import suns
@@ -34,14 +34,15 @@ FACE, WIDTH = 64, 256
 #: Radiance of a sun over a world of 1.
 SUN = 5e4
 TURN = [[0.36, 0.48, -0.8], [-0.8, 0.6, 0], [0.48, 0.64, 0.6]]
+#: Cube of the programs that are compared.
+CUBE = el.io.Layout.cube(faces="py360convert", registration="cell-centred")
 
 
 def ours_in(stack, width):
     """Map of a stack of six upright faces."""
     env = el.EnvMap(
         stack.reshape(6, -1, stack.shape[1], 3),
-        faces="py360convert",
-        registration="cell-centred",
+        layout=CUBE,
         width=width,
     )
     return env.radiance
@@ -49,8 +50,7 @@ def ours_in(stack, width):
 
 def ours_out(radiance, n):
     """Stack of six upright faces of a map."""
-    options = {"faces": "py360convert", "registration": "cell-centred"}
-    return el.EnvMap(radiance).to("cube", width=n, **options).array
+    return el.EnvMap(radiance).to(CUBE, width=n).array
 
 
 def py360convert_in(stack, width):
@@ -242,9 +242,8 @@ def table_of_times(width, rounds):
     stack = rng.gamma(0.5, 1, (6 * n, n, 3)).astype(np.float32)
     env = el.EnvMap(radiance)
     work = {"EnvMap.rotated": lambda: env.rotated(TURN)}
-    options = {"faces": "py360convert", "registration": "cell-centred"}
     work["envlights, cube to map"] = lambda: ours_in(stack, width)
-    work["envlights, map to cube"] = lambda: env.to("cube", width=n, **options)
+    work["envlights, map to cube"] = lambda: env.to(CUBE, width=n)
     for name in ("py360convert", "skylibs", "cv2.remap"):
         into, out, module = WAYS[name]
         if find_spec(module) is not None:
@@ -271,7 +270,7 @@ def table_of_memory(width):
     n = width // 4
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "cube.exr"
-        picture = el.EnvMap(np.ones((64, 128, 3))).to("cube", width=n, faces="openexr")
+        picture = el.EnvMap(np.ones((64, 128, 3))).to(el.io.Layout.cube(faces="openexr"), width=n)
         picture.save(path, compression="none")
         used = alone(peak_of_opening, path)
     sizes = 12 * (picture.array.size // 3 + width * width // 2)

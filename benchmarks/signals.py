@@ -87,6 +87,7 @@ def _x(count):
     return np.r_[np.ones(3), np.tile([1, 1, 1, 0.5, 0.5], count)]
 
 
+BORDER = el.io.Layout(registration="border-sampled")
 #: What is made before, and what is interrupted.
 CALLS = {
     "EnvMap(array)": (lambda: large(8192), el.EnvMap),
@@ -98,7 +99,7 @@ CALLS = {
     "EnvMap.save .exr": (lambda: env(4096), lambda e: to_file(e, ".exr")),
     "EnvMap.save .hdr": (lambda: env(4096), lambda e: to_file(e, ".hdr")),
     "EnvMap.save tiles": (
-        lambda: env(4096, registration="border-sampled"),
+        lambda: env(4096, layout=BORDER),
         lambda e: to_file(e, ".exr"),
     ),
     "EnvMap.from_exposures": (
@@ -107,7 +108,7 @@ CALLS = {
     ),
     "EnvMap.probe": (lambda: env(512), lambda e: e.probe(unit(50_000))),
     "EnvMap.rotated": (lambda: env(2048), lambda e: e.rotated(TURN)),
-    "EnvMap.cells": (lambda: env(2048, registration="border-sampled"), lambda e: e.cells()),
+    "EnvMap.cells": (lambda: env(2048, layout=BORDER), lambda e: e.cells()),
     "EnvMap.repaired": (
         lambda: el.EnvMap(np.minimum(large(8192), 3), clip_level=3.0),
         lambda e: e.repaired(),

@@ -68,7 +68,10 @@ def hide(env, mask):
     directions = pixel_directions(env.height, env.width, border_sampled=env.is_border_sampled)
     seen = mask(directions).astype(np.float32)
     return el.EnvMap(
-        env.radiance, coverage=seen, clip_level=env.clip_level, registration=env.registration
+        env.radiance,
+        layout=el.io.Layout(registration=env.registration),
+        coverage=seen,
+        clip_level=env.clip_level,
     )
 
 

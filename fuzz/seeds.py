@@ -2,8 +2,12 @@
 
 import itertools
 import struct
+import tempfile
 import zlib
 from pathlib import Path
+
+import numpy as np
+import OpenImageIO as oiio  # noqa: N813, its own name for itself
 
 FOLDER = Path(__file__).with_name("seeds")
 
@@ -80,6 +84,33 @@ def _line(y: int, width: int, kind: str) -> bytes:
     return b"".join(bytes([4 + x, 9 * y, 77, exponent]) for x in range(width))
 
 
+def written() -> dict[str, bytes]:
+    """Pictures of 16 x 8 pixels that OpenImageIO writes, by their names."""
+    kinds = [
+        *(
+            ("exr", kind, way)
+            for kind in ("half", "float")
+            for way in ("zip", "piz", "rle", "dwaa")
+        ),
+        *(("exr", "half", way) for way in ("none", "pxr24", "b44a")),
+        *(("tif", kind, way) for kind in ("uint8", "uint16", "float") for way in ("none", "zip")),
+        *(("tif", kind, way) for kind in ("uint8", "float") for way in ("lzw", "packbits")),
+        ("jpg", "uint8", "jpeg:90"),
+    ]
+    found = {}
+    for (suffix, kind, way), tile in itertools.product(kinds, (0, 16)):
+        spec = oiio.ImageSpec(16, 8, 3, kind)
+        spec.attribute("compression", way)
+        spec.tile_width = spec.tile_height = 0 if suffix == "jpg" else tile
+        pixels = np.random.default_rng(0).random((8, 16, 3), dtype=np.float32)
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / f"map.{suffix}"
+            file = oiio.ImageOutput.create(str(path))
+            if file.open(str(path), spec) and file.write_image(pixels) and file.close():
+                found[f"{suffix}_{kind}_{way.partition(':')[0]}_{tile}"] = path.read_bytes()
+    return found
+
+
 def files() -> dict[str, bytes]:
     """Bytes of each seed file by its name."""
     found = {
@@ -89,7 +120,7 @@ def files() -> dict[str, bytes]:
     }
     for width, kind in itertools.product((8, 16, 100), ("packets", "runs", "flat")):
         found[f"hdr_{width}_{kind}"] = radiance(width, kind)
-    return found
+    return found | written()
 
 
 def main() -> None:

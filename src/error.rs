@@ -175,6 +175,10 @@ pub enum Error {
         negative: usize,
     },
 
+    /// A map whose samples are all NaN or infinite.
+    #[error("the image holds no finite sample; is it damaged?")]
+    NoFiniteSample,
+
     /// An image without a pixel.
     #[error("an image needs at least one pixel; got {height} rows of {width}")]
     EmptyImage {
@@ -256,6 +260,13 @@ pub enum Error {
         height: usize,
         /// Columns of the image.
         width: usize,
+    },
+
+    /// An image file whose content is not converted.
+    #[error("{reason}")]
+    UnreadFile {
+        /// Sentence about the content and the way out.
+        reason: String,
     },
 
     /// An image file whose bytes contradict its format.

@@ -65,8 +65,9 @@ CALLS = {
         el.EnvMap,
         {
             "radiance": IMAGE,
-            "projection": st.just("equirectangular"),
-            "registration": st.sampled_from(["cell-centred", "border-sampled"]),
+            "layout": st.sampled_from(["cell-centred", "border-sampled"]).map(
+                lambda name: el.io.Layout.equirectangular(registration=name)
+            ),
             "notes": st.sampled_from([(), ("a note",)]),
             "clip_level": st.one_of(st.none(), SMALL),
             "units": UNITS,

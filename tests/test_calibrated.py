@@ -4,12 +4,12 @@ import copy
 import pickle
 
 import numpy as np
+import OpenImageIO as oiio  # noqa: N813, its own name for itself
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 import envlights as el
-from envlights.environment.decoders.openimageio import oiio
 from envlights.kernels.image import LUMINANCE
 from envlights.papers.loghin import Settings
 from tests.reference import srgb
@@ -57,14 +57,16 @@ def test_a_uniform_sky_of_pi_lux_has_one_candela():
 
 
 def test_a_border_sampled_map_receives_its_lux():
-    env = el.EnvMap(random_map().radiance, registration="border-sampled").calibrated(lux=300)
+    env = el.EnvMap(
+        random_map().radiance, layout=el.io.Layout(registration="border-sampled")
+    ).calibrated(lux=300)
     assert env.is_border_sampled
     np.testing.assert_allclose(env.probe([0, 1, 0]) @ LUMINANCE, 300, rtol=1e-5)
 
 
 @pytest.mark.parametrize("registration", ["cell-centred", "border-sampled"])
 def test_a_pixel_has_the_luminance_that_was_measured(registration):
-    smooth = el.EnvMap(np.full((32, 64, 3), 0.2), registration=registration)
+    smooth = el.EnvMap(np.full((32, 64, 3), 0.2), layout=el.io.Layout(registration=registration))
     env = smooth.calibrated(nits=4000, at=(5, 60))
     np.testing.assert_allclose(env.radiance @ LUMINANCE, 4000, rtol=1e-5)
 

@@ -164,7 +164,7 @@ def test_maps_are_equal_where_their_content_is():
     env = el.EnvMap(RADIANCE, notes="a remark")
     assert env == el.EnvMap(RADIANCE)
     assert env != el.EnvMap(2 * RADIANCE)
-    assert env != el.EnvMap(RADIANCE, registration="border-sampled")
+    assert env != el.EnvMap(RADIANCE, layout=el.io.Layout(registration="border-sampled"))
     assert env != el.EnvMap(RADIANCE, clip_level=1.0)
     assert env != RADIANCE.tolist()
     with pytest.raises(TypeError, match="unhashable"):

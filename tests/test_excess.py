@@ -60,7 +60,7 @@ def test_rest_and_lights_together_are_the_map(registration, seed, maximum, pixel
     radiance = sky()
     at = chance.integers(0, 32, pixels), chance.integers(0, 64, pixels)
     radiance[at] = chance.uniform(0, 1e4, (pixels, 3))
-    env = el.EnvMap(radiance, registration=registration)
+    env = el.EnvMap(radiance, layout=el.io.Layout(registration=registration))
     lights, rest = el.limit(env, maximum)
     assert rest.radiance.max() <= maximum
     np.testing.assert_array_equal(rest.radiance, np.minimum(env.radiance, rest.radiance.max()))
@@ -74,7 +74,7 @@ def test_rest_and_lights_together_are_the_map(registration, seed, maximum, pixel
 def test_a_sun_of_one_colour_lights_as_before(registration):
     radiance = sky(64)
     radiance[20:22, 127] = radiance[20:22, 0] = np.array([3, 2, 1]) * 1e4
-    env = el.EnvMap(radiance, registration=registration)
+    env = el.EnvMap(radiance, layout=el.io.Layout(registration=registration))
     lights, rest = el.limit(env, 1.0)
     assert len(lights) == 1
     cosine = NORMALS @ lights.direction[0]

@@ -48,7 +48,7 @@ def test_the_first_harmonic_of_a_pixel_is_its_solid_angle(registration):
     for row, column in ((0, 0), (2, 11), (5, 3)):
         radiance = np.zeros((6, 12, 3))
         radiance[row, column] = 1
-        env = el.EnvMap(radiance, registration=registration)
+        env = el.EnvMap(radiance, layout=el.io.Layout(registration=registration))
         first = np.sqrt(1 / (4 * np.pi)) * angles[row, column]
         np.testing.assert_allclose(env.harmonics(0)[0], first, rtol=1e-12)
 

@@ -33,7 +33,8 @@ LONG = {
     "openings": "el.synthetic.openings(3, 4096)",
     "eigensystem": "eigensystem(square)",
     "save_exr": "el.EnvMap(large).save(folder + '/map.exr')",
-    "save_tiles": "el.EnvMap(large, registration='border-sampled').save(folder + '/map.exr')",
+    "save_border": "el.EnvMap(large, layout=el.io.Layout(registration='border-sampled'))"
+    ".save(folder + '/map.exr')",
     "save_hdr": "el.EnvMap(np.tile(large, (2, 2, 1))).save(folder + '/map.hdr')",
 }
 CODE = """

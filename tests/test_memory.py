@@ -17,6 +17,8 @@ CALLS = {
     "halton": "kernels.halton(9_000_000)",
     "pixel_directions": "kernels.pixel_directions(2048, 4096)",
     "predict": "compressed.predict(direct)",
+    "resized": "env.resized(4096)",
+    "rotated": "env.rotated([[0.36, 0.48, -0.8], [-0.8, 0.6, 0], [0.48, 0.64, 0.6]])",
 }
 CODE = """
 import resource, sys
@@ -33,6 +35,7 @@ unknowns = np.full(3 + 5 * 9, 0.5)
 room = el.synthetic.room(16, width=64)
 compressed = el.TransferModel.fit(room.direct, room.indirect).compressed(0.05)
 direct = np.tile(room.direct, (60, 1, 1, 1))
+env = el.EnvMap(np.tile(grey[..., None], 3))
 # Start the threads, and what else takes memory once.
 compressed.predict(direct[:1])
 kernels.blur(grey[:8, :16], 1.0)

@@ -45,7 +45,7 @@ def some_maps():
     yield {"decoded", "repaired"}, clipped.repaired()
     yield {"unseen"}, el.EnvMap(alpha)
     yield {"filled"}, el.EnvMap(alpha).filled()
-    yield {"layout"}, el.EnvMap(np.full((32, 32, 3), 0.5), projection="octahedral")
+    yield {"layout"}, el.EnvMap(np.full((32, 32, 3), 0.5), layout="octahedral")
     yield {"calibrated"}, el.EnvMap(np.ones((16, 32, 3))).calibrated(lux=1000)
     yield {"removed"}, el.split(el.synthetic.hall(64).radiance, 1)[1]
     yield {"limited"}, el.limit(el.synthetic.hall(64).radiance, 1.0)[1]
@@ -83,3 +83,36 @@ def test_the_channel_of_logging_carries_notes_and_fits(tmp_path, caplog):
     found = [(record.levelname, record.message) for record in caplog.records]
     assert ("WARNING", "3 negative samples set to 0") in found
     assert any(level == "INFO" and text.startswith("fit: ambient") for level, text in found)
+
+
+@pytest.mark.parametrize(
+    "work",
+    [
+        lambda black: el.fit(black, 2),
+        lambda black: el.fit(black, 2, ambient="sh2"),
+        lambda black: el.fit(black, 2, floor=True),
+        lambda black: el.fit(black, error=0.1),
+        lambda black: el.detect(black).report,
+        lambda black: el.split(black).lights.report,
+        lambda black: next(el.follow([black], 1)),
+        lambda black: el.detect_photograph(black.radiance, fov=60).report,
+        lambda black: el.fit_probe(np.eye(3)[[0, 1, 2] * 4], np.zeros((12, 3)), 1),
+    ],
+)
+def test_a_result_of_a_black_map_says_so(work):
+    """Errors of 0 % and no light would look like a perfect result."""
+    result = work(el.EnvMap(np.zeros((16, 32, 3), np.float32)))
+    assert [el.Note(note).code for note in result.notes] == ["black"]
+    assert "is black everywhere" in str(result)
+
+
+def test_a_curve_of_errors_of_a_black_map_says_so():
+    curve = el.error_curve(np.zeros((16, 32, 3)), [0, 1])
+    assert str(curve).endswith("note: the map is black everywhere, so there is no light to find")
+
+
+def test_a_dim_map_is_not_black():
+    dim = np.full((16, 32, 3), np.finfo(np.float32).tiny)
+    assert el.fit(dim, 1).notes == ()
+    (row,) = el.batch([np.zeros((16, 32, 3))], lights=1, jobs=1).rows()
+    assert row["notes"] == ["black"]

@@ -2,6 +2,7 @@
 
 import ast
 import importlib.metadata
+import re
 import subprocess
 import sys
 from operator import attrgetter
@@ -11,6 +12,7 @@ import numpy as np
 import pytest
 
 import envlights as el
+from envlights.io import Layout
 from tests import release_notes
 
 FOLDER = Path(el.__file__).parent
@@ -117,3 +119,83 @@ def test_former_arguments_and_attributes_work_and_warn():
         el.EnvMap(radiance, white=2.0, clip_level=2.0)
     with pytest.warns(DeprecationWarning, match="blur_px= of detect is called `blur_px` of its"):
         el.papers.loghin.detect(radiance, blur_px=0.0)
+
+
+#: Former arguments of `EnvMap` and `EnvMap.open`, for a picture that takes them, and their layout.
+FORMER_ARGUMENTS = [
+    ((64, 64), {"projection": "octahedral"}, Layout.octahedral()),
+    ((96, 16), {"faces": "opengl"}, Layout(faces="opengl")),
+    ((32, 64), {"registration": "border-sampled"}, Layout(registration="border-sampled")),
+    ((64, 64), {"mapping": "equisolid", "fov": 180}, Layout(mapping="equisolid", fov=180)),
+    ((20, 30), {"projection": "planar", "fov": 65}, Layout.planar(fov=65)),
+    (
+        (20, 30),
+        {"projection": "cylinder", "fov": 90, "horizon": 3},
+        Layout.cylinder(fov=90, horizon=3),
+    ),
+    (
+        (20, 30),
+        {"projection": "mirror-ball", "circle": (15, 10, 9)},
+        Layout.mirror_ball(circle=(15, 10, 9)),
+    ),
+    (
+        (64, 64),
+        {"projection": "angular", "forward": [1, 0, 0]},
+        Layout.angular(forward=[1, 0, 0]),
+    ),
+    ((64, 64), {"eye": "right"}, Layout(eye="right")),
+]
+
+
+@pytest.mark.parametrize(("size", "arguments", "layout"), FORMER_ARGUMENTS, ids=str)
+def test_former_arguments_of_a_layout_work_and_warn(tmp_path, size, arguments, layout):
+    picture = np.random.default_rng(0).uniform(0.1, 0.9, (*size, 3)).astype(np.float32)
+    el.io.write_exr(tmp_path / "a.exr", picture)
+    form = re.escape(f"layout={layout!r}")
+    for make, what in ((el.EnvMap, picture), (el.EnvMap.open, tmp_path / "a.exr")):
+        with pytest.warns(DeprecationWarning, match=rf"{next(iter(arguments))}=.*{form}") as warned:
+            env = make(what, **arguments)
+        assert warned[0].filename == __file__
+        assert env == make(what, layout=layout)
+        assert env.source == make(what, layout=layout).source
+
+
+def test_the_older_name_of_a_direction_works_and_warns():
+    picture = np.ones((16, 16, 3))
+    with pytest.warns(DeprecationWarning, match="EnvMap") as warned:
+        env = el.EnvMap(picture, projection="angular", towards=[1, 0, 0])
+    assert "towards= of EnvMap.__init__ is called forward= now" in str(warned[0].message)
+    assert env == el.EnvMap(picture, layout=Layout.angular(forward=[1, 0, 0]))
+
+
+#: Former arguments of `EnvMap.to`, and their layout.
+FORMER_TARGETS = [
+    ({"projection": "cube"}, "cube"),
+    ({"projection": "source"}, "source"),
+    ({"projection": "cube", "faces": "openexr"}, Layout.cube(faces="openexr")),
+    ({"projection": "octahedral", "faces": "openexr"}, "octahedral"),
+    (
+        {"projection": "cube", "registration": "border-sampled"},
+        Layout.cube(registration="border-sampled"),
+    ),
+    ({"projection": "fisheye", "mapping": "equisolid"}, Layout.fisheye(mapping="equisolid")),
+    ({"projection": "cylinder", "fov": 90}, Layout.cylinder(fov=90)),
+    ({"projection": "angular", "forward": [1, 0, 0]}, Layout.angular(forward=[1, 0, 0])),
+]
+
+
+@pytest.mark.parametrize(("arguments", "layout"), FORMER_TARGETS, ids=str)
+def test_former_arguments_of_a_target_work_and_warn(arguments, layout):
+    env = el.EnvMap(np.random.default_rng(0).uniform(size=(16, 32, 3)))
+    wanted = env.to(layout)
+    projection, *others = arguments
+    calls = [lambda: env.to(**arguments)]
+    if others:
+        rest = {name: arguments[name] for name in others}
+        calls.append(lambda: env.to(arguments[projection], **rest))
+    for call in calls:
+        with pytest.warns(DeprecationWarning, match=re.escape(f"layout={layout!r}")) as warned:
+            picture = call()
+        assert warned[0].filename == __file__
+        assert picture.layout == wanted.layout
+        assert np.array_equal(picture.array, wanted.array)

@@ -84,7 +84,7 @@ def test_the_note_holds_the_factor():
 @pytest.mark.parametrize("registration", ["cell-centred", "border-sampled"])
 @pytest.mark.parametrize("height", [64, 300])
 def test_an_upward_surface_gets_the_irradiance_that_was_asked_for(registration, height):
-    env = el.EnvMap(picture(height), clip_level=1.0, registration=registration)
+    env = el.EnvMap(picture(height), layout=el.io.Layout(registration=registration), clip_level=1.0)
     assert upward(env.repaired(irradiance=7.0)) == pytest.approx(7.0, rel=1e-5)
 
 

@@ -29,7 +29,7 @@ def test_whole_columns_about_the_pole_are_exact(registration):
     if registration == "border-sampled":
         radiance[:, -1] = radiance[:, 0]
         columns = 31
-    env = el.EnvMap(radiance, registration=registration)
+    env = el.EnvMap(radiance, layout=el.io.Layout(registration=registration))
     for k in (0, 1, 5, columns - 1):
         turn = about_the_pole(-2 * np.pi * k / columns)
         turned = env.rotated(turn)
@@ -109,11 +109,11 @@ def test_two_small_turns_of_the_pole_are_no_turns_about_it():
 def test_borders_become_cells_of_the_same_flux(height):
     rng = np.random.default_rng(7)
     radiance = rng.gamma(0.5, 1, (height, 2 * height, 3)).astype(np.float32)
-    env = el.EnvMap(radiance, registration="border-sampled")
+    env = el.EnvMap(radiance, layout=el.io.Layout(registration="border-sampled"))
     own = kernels.pixel_solid_angles(height, 2 * height, border_sampled=True)[..., None]
     np.testing.assert_allclose(flux(env.cells()), (radiance * own).sum(axis=(0, 1)), rtol=1e-6)
     assert relative(el.EnvMap(env.cells()).probe(NORMALS), env.probe(NORMALS)) < 3e-3
-    even = el.EnvMap(np.ones_like(radiance), registration="border-sampled")
+    even = el.EnvMap(np.ones_like(radiance), layout=el.io.Layout(registration="border-sampled"))
     np.testing.assert_allclose(even.cells(), 1, rtol=1e-6)
     assert HALL.cells() is HALL.radiance
 

@@ -39,7 +39,9 @@ def test_a_constant_map_is_filled_with_its_constant(registration, fill, seed, fr
     seen[:20] &= seen[0, 0]  # a wide hole, or none
     seen[-1, 0] = True
     seen = (seen * chance.random(seen.shape)).astype(np.float32)
-    env = el.EnvMap(GREY * seen[..., None], coverage=seen, registration=registration)
+    env = el.EnvMap(
+        GREY * seen[..., None], layout=el.io.Layout(registration=registration), coverage=seen
+    )
     filled = env.filled(fill)
     np.testing.assert_allclose(filled.radiance, 0.5, rtol=1e-3)
     assert filled.coverage is None

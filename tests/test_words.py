@@ -102,31 +102,35 @@ def test_a_number_has_a_digit_before_its_point(tmp_path, number):
 
 
 def test_too_many_names_files_and_numbers_are_found(tmp_path):
-    assert list(words.too_many(tmp_path, words.TOP_NAMES, words.TUNED_NUMBERS)) == []
+    numbers = {"tuned": words.TUNED_NUMBERS, "format": words.FORMAT_NUMBERS}
+    assert list(words.too_many(tmp_path, words.TOP_NAMES, numbers)) == []
     (tmp_path / "fit").mkdir()
     (tmp_path / "formats").mkdir()
     for number in range(words.FOLDER_FILES + 1):
         (tmp_path / f"fit/file_{number}.py").touch()
         (tmp_path / f"formats/file_{number}.py").touch()
         (tmp_path / f"file_{number}.py").touch()
-    found = words.too_many(tmp_path, words.TOP_NAMES + 1, words.TUNED_NUMBERS + 1)
+    more = {kind: number + 1 for kind, number in numbers.items()}
+    found = words.too_many(tmp_path, words.TOP_NAMES + 1, more)
     assert [(each.path.name, each.text.split(",")[0]) for each in found] == [
         (tmp_path.name, f"{words.TOP_NAMES + 1} names"),
         (tmp_path.name, f"{words.TUNED_NUMBERS + 1} tuned"),
+        (tmp_path.name, f"{words.FORMAT_NUMBERS + 1} of formats"),
         (tmp_path.name, f"{words.FOLDER_FILES + 1} files"),
         ("fit", f"{words.FOLDER_FILES + 1} files"),
     ]
 
 
 def test_public_names_and_tuned_numbers_are_counted(tmp_path):
-    for folder in ("src", "python"):
-        (tmp_path / folder).mkdir()
+    for folder in ("src/formats", "python"):
+        (tmp_path / folder).mkdir(parents=True)
+    (tmp_path / "src/formats/a.rs").write_text("const MARK: u8 = 0xD8;\n")
     (tmp_path / "src/a.rs").write_text(
         'const LEAST: f64 = 2.5;\npub const BOTH: [f64; 2] = [1.0, 2.0];\nconst TEXT: &str = "1";\n'
     )
     (tmp_path / "python/a.py").write_text("_LEAST = 0.5\nNAMES = ('a',)\n#: Text.\nMOST: int = 3\n")
     (tmp_path / "python/__init__.py").write_text('__all__ = ["a", "b"]\n')
-    assert words.tuned_numbers(tmp_path) == 4
+    assert words.numbers_in(tmp_path) == {"tuned": 4, "format": 1}
     assert words.public_names(tmp_path / "python") == 2
 
 

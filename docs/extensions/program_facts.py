@@ -1,24 +1,18 @@
-"""Table of a program's files, from the tables that the exporters use."""
+"""Tables of the programs, from the rows that the exporters use."""
+
+from collections.abc import Callable
 
 from docutils import nodes
 from sphinx.util.docutils import SphinxDirective
 
-import envlights as el
-from envlights.export.units import UNITS
-
-
-def vector(signs: tuple[int, ...]) -> str:
-    """Axis of a program, such as +x, from its components."""
-    (place,) = (index for index, sign in enumerate(signs) if sign)
-    return f"{'+' if signs[place] > 0 else '−'}{'xyz'[place]}"
+from envlights.export import TARGETS, Axes
+from envlights.export.targets import target_named
 
 
 def facts(name: str) -> dict[str, str]:
     """Facts about a target by their titles."""
-    target = next(target for target in el.export.TARGETS if target.name == name)
-    matrix = el.export.AXES[name].matrix
-    axes = (vector(tuple(row[ours] for row in matrix)) for ours in range(3))
-    shows, units = target.shows, UNITS[name]
+    target = target_named(name)
+    shows, units = target.shows, target.units
     light = {
         "spread": "lights every surface as a disc does",
         "soften": "softens shadows only",
@@ -33,7 +27,7 @@ def facts(name: str) -> dict[str, str]:
     most += [f"{shows.casters} shadows"] * bool(shows.casters)
     return {
         "file": ", ".join(f"`{suffix}`" for suffix in target.suffixes),
-        "our +x, +y, +z": ", ".join(axes),
+        "our +x, +y, +z": ", ".join(target.axes.names),
         "size of a light": light[shows.sizes],
         "harmonics": harmonics[shows.harmonics],
         "ambient light from above alone": "yes" if shows.floor else "no",
@@ -46,18 +40,69 @@ def facts(name: str) -> dict[str, str]:
     }
 
 
-class ProgramFacts(SphinxDirective):
-    """Table of one program."""
+#: Titles of the table of axes, and of that of units.
+AXES = ("target", "our +x", "our +y", "our +z, the centre of a map", "matrix, row by row", "handed")
+UNITS = ("target", "lights", "ambient term and maps", "1 lux becomes", "source")
 
-    required_arguments = 1
+
+def axes_rows() -> list[tuple[str, ...]]:
+    """Axes of each target, below their titles."""
+    rows = [(f"`{each.name}`", *each.axes.names, *_of_axes(each.axes)) for each in TARGETS]
+    return [(*AXES, "our map in the target"), *rows]
+
+
+def _of_axes(axes: Axes) -> tuple[str, ...]:
+    """Matrix, handedness, and the place of an unrotated map."""
+    matrix = " ".join(f"({' '.join(map(str, row))})" for row in axes.matrix)
+    if axes.map is None:
+        return matrix, axes.hand, "–"
+    centre = Axes(axes.map).names[2]
+    is_same = axes.map == axes.matrix
+    return matrix, axes.hand, "agrees" if is_same else f"rotate it: its centre is along {centre}"
+
+
+def units_rows() -> list[tuple[str, ...]]:
+    """Units of each target, below their titles."""
+    rows = [
+        (
+            each.title,
+            each.units.irradiance,
+            each.units.radiance,
+            "1" if each.units.lumens == 1 else f"1 / {each.units.lumens:g}",
+            each.units.source,
+        )
+        for each in TARGETS
+    ]
+    return [UNITS, *rows]
+
+
+def program_rows(name: str) -> list[tuple[str, ...]]:
+    """Facts about a target, below empty titles."""
+    return [("", ""), *(row for row in facts(name).items() if row[1])]
+
+
+#: Rows of the table of each directive.
+TABLES: dict[str, Callable[..., list[tuple[str, ...]]]] = {
+    "program-facts": program_rows,
+    "axes-table": axes_rows,
+    "units-table": units_rows,
+}
+
+
+class Table(SphinxDirective):
+    """Table from the rows of the targets."""
+
+    optional_arguments = 1
 
     def run(self) -> list[nodes.Node]:
         """Rows of the table, as Markdown."""
-        rows = [f"| {title} | {text} |" for title, text in facts(self.arguments[0]).items() if text]
-        return self.parse_text_to_nodes("\n".join(["| | |", "|---|---|", *rows]))
+        titles, *rows = TABLES[self.name](*self.arguments)
+        lines = [titles, ["---"] * len(titles), *rows]
+        return self.parse_text_to_nodes("\n".join(f"| {' | '.join(line)} |" for line in lines))
 
 
 def setup(app) -> dict[str, bool]:
-    """Offer the directive."""
-    app.add_directive("program-facts", ProgramFacts)
+    """Offer the directives."""
+    for name in TABLES:
+        app.add_directive(name, Table)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -19,11 +19,19 @@ create_exception!(
     "A map with samples that no light can have. Cleaning it helps."
 );
 
+create_exception!(
+    envlights._native,
+    DamagedBytesError,
+    EnvLightsError,
+    "Bytes of a file that contradict its format."
+);
+
 impl From<Error> for PyErr {
     fn from(error: Error) -> Self {
         let message = error.to_string();
         match error {
             Error::UnusableSamples { .. } => UnusableSamplesError::new_err(message),
+            Error::DamagedFile { .. } => DamagedBytesError::new_err(message),
             // Raise the exception that NumPy raises for its arrays.
             Error::NoMemory { .. } => PyMemoryError::new_err(message),
             _ => EnvLightsError::new_err(message),

@@ -1,36 +1,45 @@
 //! `kernels::image` for Python.
 
 use half::f16;
-use numpy::{Element, IntoPyArray, PyArray1, PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3};
+use numpy::{
+    Element, IntoPyArray, PyArray1, PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3,
+    PyReadwriteArray3,
+};
 use pyo3::prelude::*;
 
-use super::output::fill;
+use super::output::{fill, write_into};
 use super::pool::interruptible;
 use super::sphere::registration;
 use crate::error::Error;
-use crate::kernels::image::{self, Sample};
+use crate::kernels::image::{self, Cleaning, Sample, Unusable};
 
-/// See `envlights.EnvMap`: the numbers of NaN, infinite and negative samples, and the largest finite sample.
-#[pyfunction]
-pub fn unusable(
-    py: Python<'_>,
-    radiance: PyReadonlyArray3<'_, f32>,
-) -> PyResult<(usize, usize, usize, Option<f32>)> {
-    let radiance = radiance.as_array();
-    let counts = interruptible(py, || image::unusable(radiance))?;
-    Ok((counts.nan, counts.infinite, counts.negative, counts.largest))
+/// Numbers of NaN, infinite and negative samples, the level of infinite ones, and true for a NaN in the brightest light.
+pub type CleaningCounts = (usize, usize, usize, Option<f64>, bool);
+
+/// `cleaning` for Python.
+pub fn counts_of(cleaning: &Cleaning) -> CleaningCounts {
+    let Unusable { nan, infinite, negative, .. } = cleaning.unusable;
+    (nan, infinite, negative, cleaning.level, cleaning.is_nan_bright)
 }
 
-/// See `envlights.environment.clean`: usable samples, and the largest one that replaces a NaN.
+/// See `envlights.environment.clean`: usable samples and what was replaced; None if all samples are usable.
 #[pyfunction]
 pub fn clean<'py>(
     py: Python<'py>,
     radiance: PyReadonlyArray3<'py, f32>,
-    level: f64,
     wraps: bool,
-) -> PyResult<(Bound<'py, PyArray3<f32>>, f64)> {
+) -> PyResult<Option<(Bound<'py, PyArray3<f32>>, CleaningCounts)>> {
     let radiance = radiance.as_array();
-    fill(py, radiance.dim().into(), |cleaned| image::clean(radiance, level, wraps, cleaned))
+    let unusable = interruptible(py, || image::unusable(radiance))?;
+    if unusable.nan + unusable.infinite + unusable.negative == 0 {
+        return Ok(None);
+    }
+    let (samples, cleaning) = fill(py, radiance.dim().into(), |samples| {
+        let mut cleaning = Cleaning::of(unusable)?;
+        cleaning.apply(radiance, wraps, samples)?;
+        Ok(cleaning)
+    })?;
+    Ok(Some((samples, counts_of(&cleaning))))
 }
 
 /// See `envlights.environment.open`: true for two discs in black squares, by a map reduced to `columns`.
@@ -45,43 +54,47 @@ pub fn has_two_discs(
     interruptible(py, || image::has_two_discs(radiance, registration(border_sampled), columns))
 }
 
-/// See `envlights._common.srgb.look_up`: values of 8-bit codes by one table, or by one for each channel.
+/// See `envlights._common.srgb.look_up`: values of 8-bit codes by one table, or by one for each channel, in `values`.
 #[pyfunction]
-pub fn decode_8<'py>(
-    py: Python<'py>,
-    codes: PyReadonlyArray3<'py, u8>,
-    tables: PyReadonlyArray2<'py, f32>,
-) -> PyResult<Bound<'py, PyArray3<f32>>> {
-    decode(py, codes, tables)
+pub fn decode_8(
+    py: Python<'_>,
+    codes: PyReadonlyArray3<'_, u8>,
+    tables: PyReadonlyArray2<'_, f32>,
+    values: PyReadwriteArray3<'_, f32>,
+) -> PyResult<()> {
+    decode(py, codes, tables, values)
 }
 
-/// See `envlights._common.srgb.look_up`: values of 16-bit codes by one table, or by one for each channel.
+/// See `envlights._common.srgb.look_up`: values of 16-bit codes by one table, or by one for each channel, in `values`.
 #[pyfunction]
-pub fn decode_16<'py>(
-    py: Python<'py>,
-    codes: PyReadonlyArray3<'py, u16>,
-    tables: PyReadonlyArray2<'py, f32>,
-) -> PyResult<Bound<'py, PyArray3<f32>>> {
-    decode(py, codes, tables)
+pub fn decode_16(
+    py: Python<'_>,
+    codes: PyReadonlyArray3<'_, u16>,
+    tables: PyReadonlyArray2<'_, f32>,
+    values: PyReadwriteArray3<'_, f32>,
+) -> PyResult<()> {
+    decode(py, codes, tables, values)
 }
 
-fn decode<'py, Code: Sample + Into<usize> + Element>(
-    py: Python<'py>,
-    codes: PyReadonlyArray3<'py, Code>,
-    tables: PyReadonlyArray2<'py, f32>,
-) -> PyResult<Bound<'py, PyArray3<f32>>> {
+fn decode<Code: Sample + Into<usize> + Element>(
+    py: Python<'_>,
+    codes: PyReadonlyArray3<'_, Code>,
+    tables: PyReadonlyArray2<'_, f32>,
+    values: PyReadwriteArray3<'_, f32>,
+) -> PyResult<()> {
     let (codes, tables) = (codes.as_array(), tables.as_array());
-    Ok(fill(py, codes.dim().into(), |values| image::decode(codes, tables, values))?.0)
+    write_into(py, values, |values| image::decode(codes, tables, values))
 }
 
-/// See `envlights.environment.colour.linear`: half floats in single precision.
+/// See `envlights.environment.colour.linear`: half floats in single precision, in `values`.
 #[pyfunction]
-pub fn widen<'py>(
-    py: Python<'py>,
-    halves: PyReadonlyArray3<'py, f16>,
-) -> PyResult<Bound<'py, PyArray3<f32>>> {
+pub fn widen(
+    py: Python<'_>,
+    halves: PyReadonlyArray3<'_, f16>,
+    values: PyReadwriteArray3<'_, f32>,
+) -> PyResult<()> {
     let halves = halves.as_array();
-    Ok(fill(py, halves.dim().into(), |values| image::widen(halves, values))?.0)
+    write_into(py, values, |values| image::widen(halves, values))
 }
 
 /// See `envlights.EnvMap`: converted colours of `image`, and the number of pixels outside Rec.709.

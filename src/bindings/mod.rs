@@ -45,7 +45,7 @@ mod _native {
     #[pymodule_export]
     const HARMONIC_FACTORS: [f64; 9] = crate::kernels::harmonics::FACTORS;
     #[pymodule_export]
-    const LEAST_WHITE: f64 = crate::kernels::detect::clipping::LEAST_WHITE;
+    const LEAST_WHITE: f64 = crate::kernels::image::LEAST_WHITE;
     #[pymodule_export]
     const BASIS_SHARE: usize = crate::kernels::transfer::SHARE;
     #[pymodule_export]
@@ -56,7 +56,7 @@ mod _native {
     #[pymodule_export]
     use super::detect::{ClippedDetection, TreeDetection, detect_tree, reduced_luminance};
     #[pymodule_export]
-    use super::error::{EnvLightsError, UnusableSamplesError};
+    use super::error::{DamagedBytesError, EnvLightsError, UnusableSamplesError};
     #[pymodule_export]
     use super::fill::fill_unseen;
     #[pymodule_export]
@@ -65,7 +65,7 @@ mod _native {
         rig_irradiance,
     };
     #[pymodule_export]
-    use super::formats::{PngFile, RadianceFile, radiance_rows};
+    use super::formats::{PictureFile, exr_file, png_file, radiance_rows, tiff_file};
     #[pymodule_export]
     use super::gloss::gloss_spectrum;
     #[pymodule_export]
@@ -77,7 +77,7 @@ mod _native {
     #[pymodule_export]
     use super::image::{
         apply_matrix, area_means, clean, code_histogram_8, code_histogram_16, decode_8, decode_16,
-        has_two_discs, unusable, white_code, widen,
+        has_two_discs, white_code, widen,
     };
     #[pymodule_export]
     use super::loghin::{
@@ -99,7 +99,7 @@ mod _native {
         projection_directions, projection_places, projection_solid_angles, resample, rotate_map,
     };
     #[pymodule_export]
-    use super::reduction::{PyRowReducer, ReducedMap, reduce_map, reduce_radiance};
+    use super::reduction::{PyRowReducer, ReducedMap, reduce_map};
     #[pymodule_export]
     use super::repair::{clipped_depth, clipped_fraction, clipped_light_shares};
     #[pymodule_export]

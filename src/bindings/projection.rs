@@ -1,7 +1,5 @@
 //! `kernels::projection` and the resampling between layouts for Python.
 
-use std::f64::consts::PI;
-
 use glam::{DMat3, DVec2, DVec3};
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray2, PyArray3, PyReadonlyArray2, PyReadonlyArray3};
@@ -11,13 +9,10 @@ use super::output::fill;
 use super::pool::interruptible;
 use crate::error::{Error, Result};
 use crate::kernels::image::{SourcePicture, resample as resample_picture};
-use crate::kernels::projection::{
-    AzimuthalCircle, AzimuthalMapping, Cube, Cylinder, EqualArea, Equirectangular, Octahedral, Planar,
-    SphereProjection,
-};
+use crate::kernels::projection::{Equirectangular, PictureNumbers, SphereProjection, projection_of};
 use crate::kernels::sphere::{check_rows, unit_vectors};
 
-/// The named tuple of `envlights.environment.layouts.layout`.
+/// The named tuple of `envlights.environment.layouts.picture_layout`.
 #[derive(FromPyObject)]
 pub struct PictureLayout {
     kind: String,
@@ -38,70 +33,18 @@ pub struct PictureLayout {
 impl PictureLayout {
     /// The layout, or a refusal of numbers that no such picture has.
     fn layout(&self) -> Result<Box<dyn SphereProjection>> {
-        let size @ [height, width] = [self.height, self.width];
-        check(height > 0 && width > 0, "a layout needs at least one row and column")?;
-        match self.kind.as_str() {
-            "equirectangular" => self.equirectangular(),
-            "cylinder" => {
-                let fov = self.field_of_view;
-                check(fov > 0.0 && fov <= 2.0 * PI, "a cylinder covers an azimuth above 0, up to 2 pi")?;
-                let horizon = self.horizon.unwrap_or(0.5 * height as f64);
-                check(horizon.is_finite(), "the horizon of a cylinder must be finite")?;
-                Ok(Box::new(Cylinder::new(size, fov, horizon)))
-            }
-            "cube" => {
-                check(height == 6 * width, "a cube is a column of six square faces")?;
-                check(
-                    !self.border_sampled || width > 1,
-                    "a face with samples on its border has two or more",
-                )?;
-                Ok(Box::new(Cube::new(width, self.border_sampled)))
-            }
-            "octahedral" => {
-                check(height == width && width.is_multiple_of(2), "an octahedral square has an even side")?;
-                Ok(Box::new(Octahedral::new(width)))
-            }
-            "octahedral-equal-area" => {
-                check(height == width, "an octahedral picture is a square")?;
-                Ok(Box::new(EqualArea::new(width)))
-            }
-            "azimuthal" => self.azimuthal(),
-            "planar" => {
-                let fov = self.field_of_view;
-                check(fov > 0.0 && fov < PI, "a photograph has a field of view between 0 and pi")?;
-                Ok(Box::new(Planar::new(size, fov)))
-            }
-            _ => Err(Error::NoSuchLayout { what: "the kind of a layout is not known" }),
-        }
-    }
-
-    fn equirectangular(&self) -> Result<Box<dyn SphereProjection>> {
-        let size = [self.height, self.width];
-        check(!self.border_sampled, "samples on the border must be converted to cells first")?;
-        let whole = self.whole.unwrap_or(size);
-        let [bottom, _] = [0, 1].map(|i| size[i] + self.corner[i]);
-        check(
-            bottom <= whole[0] && size[1] <= whole[1] && self.corner[1] < whole[1],
-            "a crop must lie inside of its panorama",
-        )?;
-        Ok(Box::new(Equirectangular::crop(size, whole, self.corner)))
-    }
-
-    fn azimuthal(&self) -> Result<Box<dyn SphereProjection>> {
-        let (mapping, most) = match self.mapping.as_str() {
-            "equidistant" => (AzimuthalMapping::Equidistant, PI),
-            "equisolid" => (AzimuthalMapping::Equisolid, PI),
-            "stereographic" => (AzimuthalMapping::Stereographic, 0.999 * PI),
-            "orthographic" => (AzimuthalMapping::Orthographic, 0.5 * PI),
-            _ => return Err(Error::NoSuchLayout { what: "the mapping of a circle is not known" }),
+        let numbers = PictureNumbers {
+            size: [self.height, self.width],
+            border_sampled: self.border_sampled,
+            whole: self.whole,
+            corner: self.corner,
+            field_of_view: self.field_of_view,
+            horizon: self.horizon,
+            mapping: self.mapping.clone(),
+            reach: self.reach,
+            circle: self.circle,
         };
-        check(self.reach > 0.0 && self.reach <= most, "the reach of a circle is beyond its mapping")?;
-        let (half_height, half_width) = (0.5 * self.height as f64, 0.5 * self.width as f64);
-        let (x, y, radius) = self.circle.unwrap_or((half_width, half_height, half_height.min(half_width)));
-        let is_finite = x.is_finite() && y.is_finite() && radius.is_finite();
-        check(is_finite && radius > 0.0, "the circle needs a centre and a radius above 0")?;
-        let size = [self.height, self.width];
-        Ok(Box::new(AzimuthalCircle::new(size, mapping, self.reach, (DVec2::new(x, y), radius))))
+        projection_of(&self.kind, &numbers)
     }
 
     /// Matrix from the frame of the picture to that of the world: a rotation, also with a mirror.
@@ -110,13 +53,12 @@ impl PictureLayout {
         let axes = DMat3::from_cols(-right, up, forward);
         let error = axes.transpose() * axes - DMat3::IDENTITY;
         let is_orthonormal = error.to_cols_array().iter().all(|value| value.abs() < 1e-6);
-        check(is_orthonormal, "the axes of a picture must be orthogonal unit vectors")?;
-        Ok(axes)
+        if is_orthonormal {
+            Ok(axes)
+        } else {
+            Err(Error::NoSuchLayout { what: "the axes of a picture must be orthogonal unit vectors" })
+        }
     }
-}
-
-fn check(is_valid: bool, what: &'static str) -> Result<()> {
-    if is_valid { Ok(()) } else { Err(Error::NoSuchLayout { what }) }
 }
 
 type ResampleResult<'py> = (Bound<'py, PyArray3<f32>>, Option<Bound<'py, PyArray2<f32>>>);

@@ -1,19 +1,16 @@
 //! Reduced maps for Python: from an array, or from rows that arrive in order.
 
-use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
+use half::f16;
 use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray3};
 use pyo3::prelude::*;
 
-use super::formats::RadianceFile;
+use super::image::{CleaningCounts, counts_of};
 use super::pool::interruptible;
 use super::sphere::registration;
-use crate::error::{Error, Result};
-use crate::formats::Rows;
 use crate::kernels::fit::Picture;
-use crate::kernels::image::{self, PixelRows, ReductionOptions, RowReducer, Sample, WorkingMap};
-use crate::kernels::sphere::Registration;
+use crate::kernels::image::{self, ReductionOptions, RowReducer, RowReduction, Sample, WorkingMap};
 
 /// A map in fewer cells, for fits.
 #[pyclass(frozen)]
@@ -68,48 +65,11 @@ pub fn reduce_map(
     })
 }
 
-/// Rows of a file that are decoded when they are needed.
-struct FileRows<'a, File>(&'a File);
-
-impl<File: Rows> PixelRows for FileRows<'_, File> {
-    fn size(&self) -> (usize, usize) {
-        self.0.size()
-    }
-
-    fn samples<'a>(&'a self, rows: Range<usize>, buffer: &'a mut Vec<f32>) -> &'a [f32] {
-        buffer.resize(3 * rows.len() * self.0.size().1, 0.0);
-        if self.0.read(rows, buffer).is_err() {
-            // Mark the rows as no radiance, so that the file is read as a whole, which says what is wrong.
-            buffer.fill(f32::NAN);
-        }
-        buffer
-    }
-
-    fn check_samples(&self) -> Result<()> {
-        Err(Error::UnusableSamples { row: 0, value: f32::NAN, nan: 1, infinite: 0, negative: 0 })
-    }
-}
-
-/// See `envlights.fit`: reduce a Radiance picture without orientation and exposure.
-#[pyfunction]
-pub fn reduce_radiance(
-    py: Python<'_>,
-    file: &RadianceFile,
-    columns: usize,
-    source_fraction: f64,
-    floor: bool,
-) -> PyResult<ReducedMap> {
-    interruptible(py, || {
-        let rows = FileRows(&file.picture);
-        let map = image::reduce_rows(&rows, Registration::CellCentred, columns, source_fraction, floor)?;
-        Ok(ReducedMap::new(map, floor))
-    })
-}
-
 /// Reducer of each type of sample.
 enum Reducer {
     Bytes(RowReducer<u8>),
     Words(RowReducer<u16>),
+    Halves(RowReducer<f16>),
     Floats(RowReducer<f32>),
 }
 
@@ -119,6 +79,7 @@ macro_rules! each {
         match $reducer {
             Reducer::Bytes($name) => $value,
             Reducer::Words($name) => $value,
+            Reducer::Halves($name) => $value,
             Reducer::Floats($name) => $value,
         }
     };
@@ -133,14 +94,14 @@ pub struct PyRowReducer {
 
 #[pymethods]
 impl PyRowReducer {
-    /// No rows of a map of this size. The length of `table`, the linear value of each code, decides the type of the
-    /// samples: 256 for uint8, 65536 for uint16, 0 for float32. `counts_codes` prepares `clipped` and `histogram`.
+    /// No rows of a map of this size, with samples of a type of `NumPy`. `table` holds the linear value of each code and
+    /// is empty for floating point.
     #[new]
     fn new(
         size: (usize, usize, bool),
         cells: (usize, f64, bool),
+        sample: &str,
         table: PyReadonlyArray1<'_, f32>,
-        counts_codes: bool,
     ) -> PyResult<Self> {
         let (height, width, border_sampled) = size;
         let (columns, source_fraction, floor) = cells;
@@ -148,10 +109,11 @@ impl PyRowReducer {
         let options =
             ReductionOptions { height, width, registration, columns, source_fraction, has_floor: floor };
         let table = table.as_slice()?.to_vec();
-        let reducer = match table.len() {
-            0 => Reducer::Floats(RowReducer::new(options, table, counts_codes)?),
-            256 => Reducer::Bytes(RowReducer::new(options, table, counts_codes)?),
-            _ => Reducer::Words(RowReducer::new(options, table, counts_codes)?),
+        let reducer = match sample {
+            "uint8" => Reducer::Bytes(RowReducer::new(options, table)?),
+            "uint16" => Reducer::Words(RowReducer::new(options, table)?),
+            "float16" => Reducer::Halves(RowReducer::new(options, table)?),
+            _ => Reducer::Floats(RowReducer::new(options, table)?),
         };
         Ok(Self { reducer, floor })
     }
@@ -168,12 +130,6 @@ impl PyRowReducer {
         each!(&self.reducer, reducer => reducer.retained_bytes())
     }
 
-    /// Number of negative samples, which count as 0.
-    #[getter]
-    fn negative(&self) -> usize {
-        each!(&self.reducer, reducer => reducer.negative())
-    }
-
     /// Fractions of the sphere and of the flux in pixels with a sample of at least this linear value; None if unknown.
     fn clipped(&self, value: f32) -> Option<[f64; 2]> {
         each!(&self.reducer, reducer => reducer.clipped(value))
@@ -185,19 +141,21 @@ impl PyRowReducer {
         PyArray1::from_slice(py, &each!(&self.reducer, reducer => reducer.histogram()))
     }
 
-    /// Add the next rows, (rows, width, 3), C-contiguous; false if a sample is infinite or NaN.
-    fn add(&mut self, py: Python<'_>, rows: &Bound<'_, PyAny>) -> PyResult<bool> {
+    /// Add the next rows, (rows, width, 3), C-contiguous.
+    fn add(&mut self, py: Python<'_>, rows: &Bound<'_, PyAny>) -> PyResult<()> {
         match &mut self.reducer {
             Reducer::Bytes(reducer) => add(py, reducer, rows.extract()?),
             Reducer::Words(reducer) => add(py, reducer, rows.extract()?),
+            Reducer::Halves(reducer) => add(py, reducer, rows.extract()?),
             Reducer::Floats(reducer) => add(py, reducer, rows.extract()?),
         }
     }
 
-    /// The reduced map; None if rows are missing, or a sample is no radiance.
-    fn finish(&self, py: Python<'_>) -> PyResult<Option<ReducedMap>> {
-        let map = interruptible(py, || Ok(each!(&self.reducer, reducer => reducer.finish())))?;
-        Ok(map.map(|map| ReducedMap::new(map, self.floor)))
+    /// The reduced map, what was replaced in it, and the fraction of the flux in infinite samples.
+    fn finish(&self, py: Python<'_>) -> PyResult<(ReducedMap, CleaningCounts, f64)> {
+        let RowReduction { map, cleaning, clipped_flux } =
+            interruptible(py, || each!(&self.reducer, reducer => reducer.finish()))?;
+        Ok((ReducedMap::new(map, self.floor), counts_of(&cleaning), clipped_flux))
     }
 }
 
@@ -205,10 +163,10 @@ fn add<T: Sample + numpy::Element>(
     py: Python<'_>,
     reducer: &mut RowReducer<T>,
     rows: PyReadonlyArray3<'_, T>,
-) -> PyResult<bool> {
+) -> PyResult<()> {
     let samples = rows.as_slice()?;
     // The integrals may be computed again after an interruption, so they are added afterwards.
     let integrals = interruptible(py, || reducer.integrals(samples))?;
     reducer.add(integrals, samples);
-    Ok(reducer.is_usable())
+    Ok(())
 }

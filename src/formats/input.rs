@@ -1,21 +1,6 @@
-//! Common parts of all readers: rows, limits and refusals.
-
-use std::ops::Range;
+//! Common parts of all readers: limits and refusals.
 
 use crate::error::{Error, Result};
-
-/// An image whose rows are decoded from the bytes of its file in any order and by any number of threads.
-pub trait Rows: Sync {
-    /// Rows and columns.
-    fn size(&self) -> (usize, usize);
-
-    /// Write the samples of some rows into `out`, three for each pixel, row after row.
-    ///
-    /// # Errors
-    ///
-    /// If the bytes of a row are damaged.
-    fn read(&self, rows: Range<usize>, out: &mut [f32]) -> Result<()>;
-}
 
 /// Refuse an image without pixels, or with more than `max_pixels`, before memory is allocated.
 ///
@@ -32,7 +17,12 @@ pub fn check_size(height: usize, width: usize, max_pixels: usize) -> Result<()> 
     Ok(())
 }
 
-/// Refusal of a file for a `reason`.
+/// Refusal of a file whose content is not converted, for a `reason` with the way out.
+pub fn unread(reason: impl Into<String>) -> Error {
+    Error::UnreadFile { reason: reason.into() }
+}
+
+/// Refusal of a damaged file for a `reason`.
 pub fn damage(reason: impl Into<String>) -> Error {
     Error::DamagedFile { reason: reason.into() }
 }

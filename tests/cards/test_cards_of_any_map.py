@@ -14,7 +14,7 @@ def hall(width=256):
 
 def test_cards_of_a_cube_are_those_of_its_panorama():
     env = hall(1024)
-    cube = el.EnvMap(env.to("cube", width=512).array, projection="cube", faces="opengl")
+    cube = el.EnvMap(env.to("cube", width=512).array, layout=el.io.Layout.cube(faces="opengl"))
     found, _ = el.split(cube, shapes=True)
     expected, _ = el.split(env, shapes=True)
     assert found.shape == expected.shape
@@ -59,6 +59,6 @@ def test_cards_have_the_same_bits_for_any_number_of_threads():
 
 def test_a_look_up_in_a_map_with_samples_on_its_borders_finds_the_cells():
     radiance = np.random.default_rng(2).random((16, 32, 3), np.float32)
-    env = el.EnvMap(radiance, registration="border-sampled")
+    env = el.EnvMap(radiance, layout=el.io.Layout(registration="border-sampled"))
     towards = el.kernels.pixel_directions(16, 32).reshape(-1, 3)
     np.testing.assert_array_equal(looked_up(env, towards), env.cells().reshape(-1, 3))

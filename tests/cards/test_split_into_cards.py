@@ -124,7 +124,9 @@ def test_overlapping_cards_take_no_more_than_all():
 def test_a_border_sampled_map_has_the_same_card():
     (pane, _), _ = window(0.3, 2, 1)
     env = el.EnvMap(scene_of((pane, 20.0)))
-    border = el.EnvMap(scene_of((pane, 20.0), width=512), registration="border-sampled")
+    border = el.EnvMap(
+        scene_of((pane, 20.0), width=512), layout=el.io.Layout(registration="border-sampled")
+    )
     ours, theirs = (el.split(each, shapes=True)[0] for each in (env, border))
     # The same pixels lie up to half a pixel elsewhere.
     assert theirs.shape == ours.shape == ("rectangle",)

@@ -58,7 +58,7 @@ def test_a_pattern_without_files_has_exit_code_1(maps, monkeypatch):
         (["maps", "-o", "out", "--set", "lights"], "--set must be NAME=VALUE of an option"),
         (["maps", "-o", "out", "--set", "lamps=2"], "fit refuses an option of the batch"),
         (["maps", "-o", "out", "--set", "lights=many"], "lights must be"),
-        (["maps", "-o", "out", "--table", "lights.csv"], "must be one of .parquet, .jsonl"),
+        (["maps", "-o", "out", "--table", "lights.txt"], "must be one of .csv, .jsonl, .parquet"),
         (["maps", "-o", "out", "--jobs", "0"], "jobs must be"),
         (["maps", "-o", "maps"], "outside of the folder of the results"),
     ],

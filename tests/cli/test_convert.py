@@ -64,7 +64,9 @@ def cross(tmp_path):
 def test_a_cube_comes_back_as_the_cube_it_was(cross, tmp_path):
     done = convert(cross, tmp_path / "limited.exr", "--to", "source", "--limit", 2)
     assert done.exit_code == 0, done.output
-    env = el.EnvMap.open(tmp_path / "limited.exr", faces="horizontal-cross")
+    env = el.EnvMap.open(
+        tmp_path / "limited.exr", layout=el.io.Layout.cube(faces="horizontal-cross")
+    )
     assert (env.source.faces, env.source.size) == ("horizontal-cross", (192, 256))
     assert "limited to 2" in " ".join(el.EnvMap.open(cross).limited(2).notes)
     # Conversion spreads no pixel above its neighbours.

@@ -9,6 +9,7 @@ from click.testing import CliRunner
 
 import envlights as el
 from envlights.cli import main
+from envlights.environment.layouts.projections import ARGUMENTS
 
 OPEN = (el.EnvMap.open, el.EnvMap.calibrated)
 #: Functions of each subcommand.
@@ -90,7 +91,9 @@ def command_of(name):
 
 
 def parameters_of(function):
-    return [name for name in inspect.signature(function).parameters if name not in ("cls", "self")]
+    names = [name for name in inspect.signature(function).parameters if name not in ("cls", "self")]
+    # A layout is one argument in Python, and an option for each of its arguments.
+    return [each for name in names for each in (ARGUMENTS if name == "layout" else [name])]
 
 
 @pytest.mark.parametrize("name", FUNCTIONS)
@@ -184,17 +187,18 @@ def test_the_curve_of_the_command_line_is_that_of_python(hall, tmp_path):
 
 def test_options_of_the_file_reach_its_reader(hall, tmp_path):
     square = tmp_path / "square.exr"
-    el.EnvMap.open(hall).to("fisheye", width=64, fov=180, mapping="equisolid").save(square)
+    el.EnvMap.open(hall).to(el.io.Layout.fisheye(fov=180, mapping="equisolid"), width=64).save(
+        square
+    )
     wide = tmp_path / "wide.exr"
-    of_file = {"projection": "fisheye", "mapping": "equisolid", "fov": 180.0, "eye": None}
     words = ["--projection", "fisheye", "--mapping", "equisolid", "--fov", 180, "--circle"]
     words += ["32,32,32", "--forward", "1,0,0", "--map-width", 64, "--channels", "R,G,B"]
     run("convert", square, wide, *words)
     env = el.EnvMap.open(
         square,
-        **of_file,
-        circle=(32, 32, 32),
-        forward=(1, 0, 0),
+        layout=el.io.Layout.fisheye(
+            mapping="equisolid", fov=180.0, circle=(32, 32, 32), forward=(1, 0, 0)
+        ),
         width=64,
         channels=["R", "G", "B"],
     )

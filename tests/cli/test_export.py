@@ -127,14 +127,14 @@ def test_the_help_lists_what_each_target_shows():
     text = " ".join(run("export", "-h").output.split())
     for target in TARGETS:
         assert f"{target.name}: {target.title} ({', '.join(target.suffixes)})" in text
-        assert " ".join(target.shows.lines()) in text
+        assert " ".join(target.lines()) in text
 
 
 @pytest.mark.parametrize(
     ("source", "target", "sentence"),
     [
         ("none.json", "a.usda", "cannot read"),
-        ("hall.exr", "a.usda", "it is not text"),
+        ("hall.exr", "a.usda", "`envlights fit` or `el.fit` makes a rig of it"),
         ("rig.json", "a.yaml", "the suffix must be one of .json, .csv"),
         ("rig.json", ".usda", "the suffix must be one of .json, .csv"),
         ("rig.json", "none/a.usda", "does not exist"),

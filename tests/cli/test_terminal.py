@@ -3,13 +3,13 @@
 import json
 
 import numpy as np
+import OpenImageIO as oiio  # noqa: N813, its own name for itself
 import pytest
 from click.testing import CliRunner
 
 import envlights as el
 from envlights._common.printable import printable
 from envlights.cli import main
-from envlights.environment.decoders.openimageio import oiio
 
 #: A title of the window, a colour, a line of its own, and a change of the direction of writing.
 EVIL = "x\x1b]0;title\x07\x1b[31m\nnote: all is well\u202e\x9b"
@@ -80,3 +80,44 @@ def test_ordinary_text_stays_as_it_is():
         assert str(el.EnvLightsError(text)) == text
     assert printable(printable(EVIL)) == printable(EVIL) == SHOWN
     assert str(el.EnvLightsError(EVIL)) == SHOWN
+
+
+def test_names_of_compared_files_are_printable(tmp_path):
+    for name, gain in (("truth", 1), ("guess", 2)):
+        (tmp_path / name).mkdir()
+        for stem in (EVIL, f"alone in {name}{EVIL}"):
+            el.EnvMap(np.full((8, 16, 3), gain, np.float32)).save(tmp_path / name / f"{stem}.exr")
+    folders = tmp_path / "truth", tmp_path / "guess"
+    shown = output("compare", *folders, "-o", tmp_path / "table.csv")
+    assert f"\n{SHOWN} " in shown
+    assert f"failed: alone in truth{SHOWN}: " in shown
+    assert "\x1b" not in (tmp_path / "table.csv").read_text()
+
+
+def test_losses_refusals_of_click_and_files_of_a_sequence_are_printable(tmp_path, picture):
+    assert SHOWN in output("fit", picture, f"--{EVIL}")
+    assert SHOWN in output("fit", picture, EVIL)
+    assert SHOWN in output("fit", picture, "--lights", EVIL)
+    assert SHOWN in output(EVIL)
+    assert SHOWN in output("batch", picture, "-o", tmp_path / "out", "--set", f"{EVIL}=1")
+    assert SHOWN in output("follow", tmp_path / f"{EVIL}*.exr")
+    picture.rename(tmp_path / f"{EVIL}.exr")
+    assert SHOWN in output("follow", tmp_path / "*.exr", "-o", tmp_path / f"{EVIL}.jsonl")
+    assert SHOWN in output("follow", tmp_path / "*.exr", "-o", tmp_path / f"{EVIL}.none")
+
+
+def test_a_result_is_printable_whatever_its_texts_hold():
+    lights = el.Lights([[0, 1, 0]], [[1, 1, 1]], notes=[EVIL])
+    rig = el.Rig([1, 1, 1], lights, 0.0, notes=(EVIL,))
+    failed = el.comparison.FolderComparison(
+        el.comparison.Protocol(), {EVIL: el.compare(rig, rig)}, {EVIL: EVIL}
+    )
+    for text in (str(lights), rig.verbose(), str(failed), repr(failed)):
+        assert all(line.isprintable() for line in text.split("\n"))
+        assert "note: all is well" not in text.split("\n")
+
+
+def test_the_lines_of_details_stay_lines():
+    rig = el.fit(el.synthetic.hall(32).radiance, 2)
+    for text in (rig.verbose(), el.compare(rig, rig).lights.verbose()):
+        assert "\\n" not in text

@@ -93,6 +93,7 @@ WRONG = [
     ("fit hall.exr -n -1", GENERAL, 2, "lights must be a whole number, 0 or more; got -1"),
     ("fit hall.exr -n 3.5", USAGE, 2, "'3.5' is not a valid integer"),
     ("fit hall.exr --error 2", GENERAL, 2, "error must be a finite number, from 0 to 1"),
+    ("fit hall.exr --error 1", GENERAL, 2, "error must be below 1"),
     ("fit hall.exr --error 2 -o rig.png", GENERAL, 2, "error must be a finite number, from 0 to 1"),
     (
         "fit hall.exr --error 2 --clip-level 3",

@@ -1,6 +1,8 @@
 """Exact comparison: closed forms against sums over pixels and normals."""
 
 import pickle
+import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -156,7 +158,7 @@ def test_maps_of_any_sizes_are_compared_at_the_smaller_one(one, other, seed):
 
 def test_a_border_sampled_map_is_compared_by_its_cells():
     radiance = el.synthetic.hall(33).radiance
-    border = el.EnvMap(radiance, registration="border-sampled")
+    border = el.EnvMap(radiance, layout=el.io.Layout(registration="border-sampled"))
     c = el.compare(el.EnvMap(border.cells()), border)
     assert all(each.rmse == 0 for each in c.spheres.values())
 
@@ -215,9 +217,8 @@ def test_lights_and_irradiance_vectors_are_those_of_their_own_functions():
     assert c.vector_angle == pytest.approx(el.comparison.vector_angle(truth, guess), rel=1e-6)
     assert c.lights == el.comparison.compare_lights(el.detect(truth), el.detect(guess))
     rig = el.fit(truth, lights=2)
-    assert el.compare(truth, rig).lights == el.comparison.compare_lights(
-        el.detect(truth), rig.lights
-    )
+    of_sets = el.comparison.compare_lights(el.detect(truth), rig.lights)
+    assert el.compare(truth, rig).lights == replace(of_sets, flux_ratio=None)
     # A uniform map has no vector and no light.
     assert el.compare(even((1, 1, 1)), even((1, 1, 1))).vector_angle is None
 
@@ -290,3 +291,52 @@ def test_a_gloss_error_needs_a_roughness_within_its_degrees(roughness):
 def test_materials_without_closed_form_are_refused():
     with pytest.raises(el.EnvLightsError, match=r"only for specular=0\.04"):
         spectra.of_material(Material(base=0.5, specular=0.1, roughness=0.5))
+
+
+def with_gain(rig, gain):
+    """Rig whose light is all multiplied by `gain`."""
+    lights = el.Lights(
+        rig.lights.direction, gain * rig.lights.irradiance, rig.lights.angular_radius
+    )
+    return el.Rig(gain * rig.ambient, lights, error=0.0)
+
+
+@pytest.mark.parametrize("gain", [0.5, 3.0])
+@pytest.mark.parametrize("sides", ["map rig", "rig map", "map map", "rig rig", "lights lights"])
+@pytest.mark.parametrize("protocol", ["exact", "diffusionlight"])
+def test_brightness_is_the_scale_of_the_diffuse_sphere_of_the_linear_maps(gain, sides, protocol):
+    truth, _ = rooms(32)
+    rig = el.fit(truth, lights=4)
+    other = {"map": gain * truth.radiance, "rig": with_gain(rig, gain)}
+    other["lights"] = with_gain(rig, gain).lights
+    one = {"map": truth, "rig": rig, "lights": rig.lights}
+    first, second = sides.split()
+    c = el.compare(one[first], other[second], protocol)
+    assert c.scale == pytest.approx(1 / gain, rel=0.02)
+    assert f"the guess is {1 / c.scale:.3g} times as bright as the truth" in str(c)
+    # No other number of the text looks like a brightness.
+    assert not re.search(r"flux of|flux x|\bx \d", str(c))
+    assert c.to_dict()["scale"] == c.scale
+
+
+def test_the_text_says_which_lights_were_found_on_which_side():
+    truth, _ = rooms(32)
+    rig = el.fit(truth, lights=3)
+    number, fraction = len(el.detect(truth)), 100 * el.detect(truth).fraction.sum()
+    found = f"{number} lights found by `detect` in the {{}}, with {fraction:.3g} % of its light"
+    notes = el.compare(truth, rig).notes
+    assert f"lights: {found.format('truth')}; 3 lights of the guess as given" in notes
+    notes = el.compare(rig.lights, truth).notes
+    assert f"lights: 3 lights of the truth as given; {found.format('guess')}" in notes
+    assert el.compare(truth, rig).lights.flux_ratio is None
+    assert el.compare(rig, rig.lights).lights.flux_ratio == 0
+
+
+def test_a_black_guess_has_no_brightness():
+    truth, _ = rooms(32)
+    for guess in (0 * truth.radiance, with_gain(el.fit(truth, 1), 0)):
+        c = el.compare(truth, guess)
+        assert c.scale is None
+        assert "brightness: the guess is black\n" in str(c)
+        assert any(el.Note(note).code == "black" for note in c.notes)
+        assert "e+02" not in str(c)

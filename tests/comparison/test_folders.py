@@ -124,3 +124,18 @@ def test_a_file_and_a_folder_are_refused(folders):
     done = run(folders[0] / "map-0.exr", folders[1])
     assert done.exit_code == 2
     assert "must both be files, or both be folders" in done.output
+
+
+@pytest.mark.parametrize("name", ["\x1b]0;owned\x07", "a\nenvlights: all is well", "\u202egnp"])
+def test_names_of_files_are_printable_in_tables(name, tmp_path):
+    for folder in ("truth", "guess"):
+        (tmp_path / folder).mkdir()
+        even = el.EnvMap(np.full((8, 16, 3), 0.5, np.float32))
+        even.save(tmp_path / folder / f"{name}.exr")
+    (tmp_path / "guess" / f"{name}2.exr").write_bytes(b"")
+    table = el.compare_folders(tmp_path / "truth", tmp_path / "guess")
+    assert len(table) == len(table.failures) == 1
+    for text in (str(table), table.to_csv(), repr(table)):
+        assert all(character.isprintable() for character in text.replace("\n", ""))
+        assert "\nenvlights" not in text
+    assert table.columns()["scale"] == [1]

@@ -76,7 +76,7 @@ def test_border_sampled_maps_are_integrated_on_their_own_cells():
     """The first and the last column of such a map are halves of one cell on the seam."""
     radiance = np.zeros((8, 16, 3))
     radiance[3:5, [0, -1]] = 1.0
-    border = el.EnvMap(radiance, registration="border-sampled")
+    border = el.EnvMap(radiance, layout=el.io.Layout(registration="border-sampled"))
     lamp = el.Lights([[0, 0, -1]], [[1, 1, 1]]).to_map(64)
     assert el.comparison.vector_angle(border, lamp) == pytest.approx(0, abs=1e-5)
 

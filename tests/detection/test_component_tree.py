@@ -116,7 +116,7 @@ def lit_patch(size, rows, columns, border_sampled):
 def test_a_light_is_the_sum_over_its_pixels(rows, columns, block, registration):
     is_border = registration == "border-sampled"
     radiance, colours, directions, solid_angles = lit_patch((128, 256), rows, columns, is_border)
-    env = el.EnvMap(radiance, registration=registration)
+    env = el.EnvMap(radiance, layout=el.io.Layout(registration=registration))
     lights = el.detect(env, working_width=-(-256 // block), extent=0)
     assert len(lights) == 1
     luminance = colours @ LUMINANCE
@@ -237,15 +237,19 @@ def test_members_follow_their_lights_into_the_order_of_flux():
 def test_a_light_whose_peak_has_a_black_channel_is_noted(direction, registration):
     shapes = [Disc(direction, 3, (9, 8, 7)), Disc((0, -1, 1), 3, (9, 8, 7))]
     radiance = scene(128, background=[0.1] * 3, shapes=shapes).radiance
-    env = el.EnvMap(radiance, registration=registration)
+    env = el.EnvMap(radiance, layout=el.io.Layout(registration=registration))
     assert el.detect(env).report.notes == ()
     row, column = np.unravel_index(radiance[:64].sum(axis=2).argmax(), (64, 256))
     damaged = radiance.copy()
     damaged[row, column] = 30, 25, 0
-    (note,) = el.detect(el.EnvMap(damaged, registration=registration)).report.notes
+    (note,) = el.detect(
+        el.EnvMap(damaged, layout=el.io.Layout(registration=registration))
+    ).report.notes
     assert "has no blue at its peak" in note
     damaged[row, column] = 0, 25, 0
-    (note,) = el.detect(el.EnvMap(damaged, registration=registration)).report.notes
+    (note,) = el.detect(
+        el.EnvMap(damaged, layout=el.io.Layout(registration=registration))
+    ).report.notes
     assert "has no red and no blue at its peak" in note
 
 
@@ -306,7 +310,9 @@ def test_exposure_and_mirrors_change_no_light_of_a_real_map(path):
     lights = el.detect(env)
 
     def again(radiance):
-        same = el.EnvMap(np.ascontiguousarray(radiance), registration=env.registration)
+        same = el.EnvMap(
+            np.ascontiguousarray(radiance), layout=el.io.Layout(registration=env.registration)
+        )
         return el.detect(same)
 
     scaled = again((env.radiance * np.float64(1e-3)).astype(np.float32))
@@ -330,7 +336,7 @@ def test_exposure_and_mirrors_change_no_light_of_a_real_map(path):
 def test_a_pixel_lit_in_any_row_is_one_light(row, column, registration):
     radiance = np.full((8, 16, 3), 0.01, np.float32)
     radiance[row, column] = 1e4
-    lights = el.detect(el.EnvMap(radiance, registration=registration))
+    lights = el.detect(el.EnvMap(radiance, layout=el.io.Layout(registration=registration)))
     assert len(lights) == 1
     is_border = registration == "border-sampled"
     solid_angle = kernels.pixel_solid_angles(8, 16, border_sampled=is_border)[row, column]

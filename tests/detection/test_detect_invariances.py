@@ -44,7 +44,9 @@ def test_exposure_changes_nothing_but_radiance(which, factor, registration):
     radiance = some_worlds()[which].radiance.astype(np.float64)
 
     def detect(values):
-        return el.detect(el.EnvMap(values.astype(np.float32), registration=registration))
+        return el.detect(
+            el.EnvMap(values.astype(np.float32), layout=el.io.Layout(registration=registration))
+        )
 
     lights, scaled = detect(radiance), detect(factor * radiance)
     assert len(scaled) == len(lights)
@@ -89,7 +91,9 @@ def test_a_light_on_the_seam_or_a_pole_is_one_light_of_the_flux_it_has_elsewhere
     is_border = registration == "border-sampled"
     towards = kernels.pixel_directions(512, 1024, border_sampled=is_border)
     inside = towards @ (np.array(direction) / np.linalg.norm(direction)) > np.cos(0.1)
-    env = el.EnvMap(np.where(inside[..., None], 9.0, [0.1] * 3), registration=registration)
+    env = el.EnvMap(
+        np.where(inside[..., None], 9.0, [0.1] * 3), layout=el.io.Layout(registration=registration)
+    )
     lights = el.detect(env)
     solid_angle = kernels.pixel_solid_angles(512, 1024, border_sampled=is_border)[inside].sum()
     np.testing.assert_allclose(lights.flux, np.full((1, 3), 9 * solid_angle), rtol=1e-5)

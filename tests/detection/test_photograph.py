@@ -1,5 +1,6 @@
 """Detection in photographs: against the slow reference, in closed form, and on views of maps."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -9,7 +10,7 @@ from hypothesis import strategies as st
 
 import envlights as el
 from envlights import kernels
-from envlights.environment.layouts.layout import planar
+from envlights.environment.layouts.picture_layout import planar
 from envlights.papers.loghin import PHOTOGRAPH
 from envlights.papers.photograph import _solid_angles
 from envlights.synthetic import Disc, Rectangle, scene
@@ -408,3 +409,32 @@ def test_lights_of_real_maps_are_found_in_views_of_them(path):
     nearest = lights_near(env.radiance, el.detect(env), (0, 90, 180, 270), 20)
     assert len(nearest) > 5
     assert np.mean(np.array(nearest) < 1) >= 0.9
+
+
+def small_lamp(side, x=301, y=233):
+    picture = np.full((480, 640, 3), 0.05, np.float32)
+    picture[y : y + side, x : x + side] = 2.0
+    return picture
+
+
+@pytest.mark.parametrize("side", [4, 6, 9, 13])
+@pytest.mark.parametrize("at", [(301, 233), (44, 400), (590, 60)])
+def test_the_uncertainty_of_small_lamps_holds_their_flux(side, at):
+    """The note states a factor, which the true flux is within, or that it is unknown."""
+    found = el.detect_photograph(small_lamp(side, *at), fov=60)
+    truth = 2.0 * side**2
+    for light, number in zip(found, range(1, 99), strict=False):
+        pattern = rf"light {number} (unknown|a factor of ([\d.e+]+)) \((\d+) samples?\)"
+        stated = re.search(pattern, str(found))
+        ratio = light.pixel_flux[1] / truth
+        factor = 2.0 if stated is None else float(stated[2] or np.inf)
+        assert 1 / factor <= ratio <= factor
+
+
+def test_a_large_lamp_has_no_note_of_uncertainty(tmp_path):
+    found = el.detect_photograph(small_lamp(120), fov=60)
+    assert not any("uncertain" in note for note in found.report.notes)
+    small = el.detect_photograph(small_lamp(9))
+    assert el.Note(small.report.notes[0]).code == "few-samples"
+    small.save(tmp_path / "lights.json")
+    assert type(small).load(tmp_path / "lights.json").report.notes == small.report.notes

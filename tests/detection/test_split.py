@@ -187,7 +187,9 @@ def test_energy_is_kept_in_each_channel(lamps, seed, registration):
             raise
         reject()  # one lamp hides another
     noise = np.random.default_rng(seed).uniform(0.7, 1.3, clean.shape)
-    env = el.EnvMap((clean * noise).astype(np.float32), registration=registration)
+    env = el.EnvMap(
+        (clean * noise).astype(np.float32), layout=el.io.Layout(registration=registration)
+    )
     lights, rest = el.split(env)
     assert rest.registration == registration
     assert (rest.radiance >= 0).all()

@@ -23,7 +23,9 @@ LAMPS = [(0.3, 0.0, 1), (0.3, 0.05, 1), (0.3, 0.12, 1), (1, 0.02, 0.25), (0.2, 0
 
 
 def partial(radiance, seen, registration="cell-centred"):
-    return el.EnvMap(radiance * seen[..., None], coverage=seen, registration=registration)
+    return el.EnvMap(
+        radiance * seen[..., None], layout=el.io.Layout(registration=registration), coverage=seen
+    )
 
 
 @pytest.mark.parametrize("seen", SHARES.values(), ids=SHARES)

@@ -34,6 +34,21 @@ def run_blender(*arguments):
     assert done.returncode == 0, done.stderr[-2000:]
 
 
+def texture_of_file(path):
+    """Value of `MAP` in a script; None without a map."""
+    for node in compile(path.read_bytes(), "script", "exec", ast.PyCF_ONLY_AST).body:
+        if isinstance(node, ast.Assign) and node.targets[0].id == "MAP":
+            return ast.literal_eval(node.value)
+    return None
+
+
+def irradiance_of_file(path):
+    """Irradiance at `NORMALS` that Cycles renders."""
+    np.save(path.parent / "normals.npy", AXES["blender"].to_target(NORMALS))
+    run_blender("irradiance", path.parent / "normals.npy", path)
+    return np.load(path.with_suffix(".npy"))
+
+
 @pytest.fixture(scope="module")
 def irradiances(tmp_path_factory):
     """Irradiance that Cycles renders from each script."""

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import envlights as el
+from tests.helpers import NORMALS
 
 LIGHTS = el.Lights([[0, 1, 0], [0.6, 0, 0.8]], [[1, 2, 1 / 3], [5e-9, 1e30, 0]], [0.1, 0.0])
 RIGS = [
@@ -11,6 +12,13 @@ RIGS = [
     el.Rig([0.1, 0.2, 0.3], LIGHTS[:0], error=0.0, floor=True),
     el.Rig(np.linspace(-1, 1, 27).reshape(9, 3), LIGHTS, error=0.5),
 ]
+
+
+def irradiance_of_file(path):
+    """Irradiance at `NORMALS` of the numbers in a table."""
+    table = el.export.read_csv(path)
+    lights = el.Lights(table.direction, table.irradiance, table.angular_radius)
+    return el.Rig(table.ambient, lights, table.error, floor=table.floor).probe(NORMALS)
 
 
 @pytest.mark.parametrize("rig", RIGS, ids=["constant", "floor", "harmonics"])

@@ -36,6 +36,23 @@ def rig_of(scene):
     )
 
 
+def texture_of_file(path):
+    """Name of the map."""
+    return json.loads(path.read_text(encoding="utf-8"))["map"]
+
+
+def irradiance_of_file(path):
+    """Irradiance of the lights as points, and of harmonics or a map."""
+    scene = json.loads(path.read_text())
+    rig = rig_of(scene)
+    points = el.Lights(rig.lights.direction, rig.lights.irradiance)
+    there = NORMALS @ np.transpose(scene["matrix"])
+    if "map" not in scene or "harmonics" in scene:
+        return el.Rig(rig.ambient, points, 0.0).probe(there)
+    sky = el.EnvMap.open(path.parent / scene["map"])
+    return el.Rig([0, 0, 0], points, 0.0).probe(there) + sky.probe(NORMALS)
+
+
 @pytest.mark.parametrize("make", [el.export.unity, el.export.unreal])
 @pytest.mark.parametrize("name", ["none", "constant", "harmonics"])
 def test_in_the_axes_of_the_engine_normals_receive_the_same(make, name):

@@ -32,6 +32,13 @@ def irradiance(direction, at_normal):
     return np.maximum(normals @ np.transpose(direction), 0) @ at_normal
 
 
+def irradiance_of_file(path):
+    """Irradiance of the lights, and of the ambient term that is to be set by hand."""
+    asset = json.loads(path.read_text())
+    ambient = asset["scenes"][0].get("extras", {"ambient": [0, 0, 0]})["ambient"]
+    return irradiance(*read(asset)) + np.pi * np.array(ambient)
+
+
 def test_the_irradiance_by_the_specification_is_that_of_the_rig():
     rig = RIGS["none"]
     assert relative_error(irradiance(*read(gltf(rig))), rig) < 1e-12

@@ -1,6 +1,7 @@
 """Godot 4: pictures of its renderer Compatibility, and the formulas of the shaders of Forward+."""
 
 import base64
+import json
 import re
 
 import numpy as np
@@ -71,6 +72,12 @@ def radiance_of(scene, sky=None):
             is_colour = values["ambient_light_source"] == "2"
             total += linear(values, "ambient_light") if is_colour else sky.probe(NORMALS) / np.pi
     return total
+
+
+def texture_of_file(path):
+    """Path of the external resource, whose only escapes here are of quotes."""
+    text = path.read_text(encoding="utf-8")
+    return json.loads(re.search(r'path=("(?:[^"\\]|\\.)*") id="map"', text).group(1))
 
 
 def irradiance_of_file(path):

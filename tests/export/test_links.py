@@ -121,7 +121,9 @@ def test_no_name_leads_out_of_a_linked_folder(parts, tmp_path):
 
 def test_programs_read_no_border_sampled_file(tmp_path):
     """Blender would take its pixels as cells."""
-    env = el.EnvMap(el.synthetic.hall(32).radiance, registration="border-sampled")
+    env = el.EnvMap(
+        el.synthetic.hall(32).radiance, layout=el.io.Layout(registration="border-sampled")
+    )
     parts = el.split(env, 1)
     parts.save(tmp_path / "rest.exr", tmp_path / "sun.py")
     assert named_maps(tmp_path / "sun.py") == ["sun.ambient.exr"]

@@ -43,6 +43,13 @@ def irradiance_of(emitters):
         return irradiance_in(scene, mi)
 
 
+def texture_of_file(path):
+    """Path of the map in a file, which Mitsuba loads."""
+    with mitsuba() as mi:
+        mi.load_file(str(path))
+    return ElementTree.parse(path).find(".//string[@name='filename']").get("value")
+
+
 def irradiance_of_file(path):
     with mitsuba() as mi:
         (path.parent / "ball.xml").write_text(BALL.format(path.name))
@@ -76,7 +83,7 @@ def test_a_map_stands_in_place_of_the_ambient_term(tmp_path):
 
 def test_a_border_sampled_map_is_understood():
     radiance = environment().radiance
-    env = el.EnvMap(radiance, registration="border-sampled")
+    env = el.EnvMap(radiance, layout=el.io.Layout(registration="border-sampled"))
     seen = irradiance_of(el.export.mitsuba(el.Lights(np.zeros((0, 3)), np.zeros((0, 3))), env))
     assert relative(seen, env.probe(NORMALS)) < 1e-3
 

@@ -188,6 +188,11 @@ def by_formula(model):
     return total / float(root.find("custom/numeric").get("data")), len(lights)
 
 
+def irradiance_of_file(path):
+    """Irradiance at `NORMALS` by the formula that MuJoCo's renderer uses."""
+    return by_formula(path.read_text())[0]
+
+
 @pytest.mark.parametrize("name", rigs(POINTS))
 def test_by_formula_a_file_lights_as_it_says(name):
     rig = rigs(POINTS)[name]

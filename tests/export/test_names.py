@@ -3,28 +3,24 @@
 The target's own reader finds the texture, or there is a refusal that leaves the folder empty.
 """
 
-import ast
-import json
 import os
-import re
 from pathlib import Path
-from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 
 import envlights as el
 from envlights.export import TARGETS, target_of
-from tests.reference import pbrt
+from tests.export.file_errors import readers_of
 
-pytestmark = pytest.mark.filterwarnings("ignore:MuJoCo shows:UserWarning")
+pytestmark = pytest.mark.filterwarnings("ignore:.* shows .*:UserWarning")
 
 #: Characters and words that some format takes for its own.
 PARTS = [
     *"abc 0.-_~!@#$%&*?'\"`\\:;,|<>()[]{}^+=\t\n\r\x01\x1b\x7f\x85\xa0",
     *("ü", "Küche", "光", "é", "👩‍🚀", "\u202e", "\u2028", "\ufeff", "\ufffe", "\ud800", "\udcff"),
     *("<UDIM>", "@@@", '"', "'", "$x", "${HOME}", "%41", "%d", "####", "\\u", "\\n", "]]>", "&lt;"),
-    *("-->", "..", "{face}", "CON", "*.exr", "`id`", "!id", "x" * 60),
+    *("-->", "..", "{face}", "@MAP@", "@FILE@", "CON", "*.exr", "`id`", "!id", "x" * 60),
 ]
 #: Names as people give them, which every target must read.
 ORDINARY = ["scene", "my scene", "Küche", "光", "50%", "a,b;c", "#1", "-x", "(1)", "[a]", "a+b=c"]
@@ -63,67 +59,9 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
-def in_usd(path):
-    usd = pytest.importorskip("pxr.Usd", reason="needs usd-core")
-    stage = usd.Stage.Open(str(path))
-    file = stage.GetPrimAtPath("/rig/ambient").GetAttribute("inputs:texture:file").Get()
-    assert file.resolvedPath == str(path.parent / file.path)
-    return file.path.removeprefix("./")
-
-
-def in_mitsuba(path):
-    mitsuba = pytest.importorskip("mitsuba")
-    mitsuba.set_variant("scalar_rgb")
-    mitsuba.load_file(str(path))
-    return ElementTree.parse(path).find(".//string[@name='filename']").get("value")
-
-
-def in_blender(path):
-    for node in compile(path.read_bytes(), "script", "exec", ast.PyCF_ONLY_AST).body:
-        if isinstance(node, ast.Assign) and node.targets[0].id == "MAP":
-            return ast.literal_eval(node.value)
-    return None
-
-
-def words_of_radiance(path):
-    """Words as `fgetword` reads them, after the comments at the start."""
-    text = re.sub(rb"\A(#[^\n]*\n)*", b"", path.read_bytes())
-    while text := text.lstrip(b" \t\n\v\f\r"):
-        if text[:1] in (b'"', b"'"):
-            word, _, text = text[1:].partition(text[:1])
-        else:
-            word = text.split(None, 1)[0]
-            text = text[len(word) :]
-        yield os.fsdecode(word)
-
-
-def in_radiance(path):
-    words = list(words_of_radiance(path))
-    place = words.index("blue") + 1
-    assert words[place + 1] == "."
-    return words[place]
-
-
-def in_json(path):
-    return json.loads(path.read_text(encoding="utf-8"))["map"]
-
-
-def in_godot(path):
-    """Path of the external resource, whose only escapes here are of quotes."""
-    text = path.read_text(encoding="utf-8")
-    return json.loads(re.search(r'path=("(?:[^"\\]|\\.)*") id="map"', text).group(1))
-
-
-READERS = {
-    "godot": in_godot,
-    "usd": in_usd,
-    "mitsuba": in_mitsuba,
-    "blender": in_blender,
-    "radiance": in_radiance,
-    "pbrt": lambda path: pbrt.light_sources(path)[-1][1]["filename"],
-    "unity": in_json,
-    "unreal": in_json,
-}
+def reader_of(path):
+    """Function `texture_of_file` in the test of the target; None for a target without a texture."""
+    return getattr(readers_of(target_of(path)), "texture_of_file", None)
 
 
 def refusal_of(path):
@@ -141,7 +79,7 @@ def check_whole(path):
         assert refusal.isprintable()
         assert list(path.parent.iterdir()) == []
         return False
-    if read := READERS.get(target_of(path).name):
+    if read := reader_of(path):
         name = read(path)
         assert name.startswith(f"{path.stem}.ambient.")
         assert {each.name for each in path.parent.iterdir()} == {path.name, name}
@@ -183,9 +121,8 @@ def test_some_hostile_names_are_read_back_or_refused(folder, suffix):
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_a_name_that_is_too_long_leaves_nothing(folder, suffix):
     """The texture's name is longer than the scene's, and is checked first."""
-    assert check_whole(folder / f"{'x' * (255 - len(suffix))}{suffix}") == (
-        target_of(f"x{suffix}").name not in READERS
-    )
+    path = folder / f"{'x' * (255 - len(suffix))}{suffix}"
+    assert check_whole(path) == (reader_of(path) is None)
 
 
 @pytest.mark.parametrize("name", SPECIAL)

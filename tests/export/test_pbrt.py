@@ -12,6 +12,16 @@ from tests.reference import pbrt
 THERE = AXES["pbrt"].to_target(NORMALS)
 
 
+def texture_of_file(path):
+    """Name of the map of the infinite light."""
+    return pbrt.light_sources(path)[-1][1]["filename"]
+
+
+def irradiance_of_file(path):
+    """Irradiance at `NORMALS` by the formulas of pbrt's book."""
+    return pbrt.irradiance(path, THERE)
+
+
 @pytest.mark.parametrize("lights", [POINTS, DISCS], ids=["points", "discs"])
 @pytest.mark.parametrize("name", ["none", "constant", "floor", "harmonics"])
 def test_the_irradiance_by_the_book_is_that_of_the_rig(name, lights, tmp_path):

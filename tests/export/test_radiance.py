@@ -1,5 +1,8 @@
 """Radiance: irradiance as its own `rtrace` measures it."""
 
+import os
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -9,6 +12,7 @@ from tests.export.balls import CAMERA, check_balls, environment, rays
 from tests.export.rigs import AXES as LAMPS
 from tests.export.rigs import DISCS, POINTS, relative, relative_error, rigs
 from tests.helpers import NORMALS
+from tests.reference.radiance import tokens
 
 pyradiance = pytest.importorskip("pyradiance")
 
@@ -22,6 +26,25 @@ def irradiance(path, params, repeats=1, normals=NORMALS):
     lines = np.hstack([np.zeros_like(there), there]).repeat(repeats, axis=0)
     found = trace(path, lines, params, irradiance=True)
     return found.reshape(len(normals), repeats, 3).mean(axis=1)
+
+
+def texture_of_file(path):
+    """Name of the picture of the sky."""
+    words = [text for kind, text in tokens(path) if kind == "word"]
+    place = words.index("blue") + 1
+    assert words[place + 1] == "."
+    return words[place]
+
+
+def irradiance_of_file(path):
+    """Irradiance that `rtrace` measures in 16 runs of few rays; it starts in the file's folder."""
+    options = ["-ab", "1", "-ad", "4096", "-as", "0", "-aa", "0", "-lw", "1e-9", "-dj", "1"]
+    here = Path.cwd()
+    os.chdir(path.parent)
+    try:
+        return irradiance(path, options, repeats=16)
+    finally:
+        os.chdir(here)
 
 
 def trace(path, lines, params, **options):

@@ -55,7 +55,9 @@ def test_a_map_that_the_target_cannot_hold_is_refused(tmp_path):
 
 
 def test_a_map_with_borders_becomes_cells_for_every_target():
-    env = el.EnvMap(el.synthetic.hall(16).radiance, registration="border-sampled")
+    env = el.EnvMap(
+        el.synthetic.hall(16).radiance, layout=el.io.Layout(registration="border-sampled")
+    )
     scene = scene_of(RIG, env, target="usd")
     assert scene.environment.registration == "cell-centred"
     np.testing.assert_array_equal(scene.environment.radiance, env.cells())

@@ -37,6 +37,12 @@ def _probe(normals):
     return np.stack([*first, *second, 0.858086 * x * z, 0.429043 * (x * x - y * y)], axis=1)
 
 
+def irradiance_of_file(path):
+    """Irradiance of the lights that the loader of three.js reads, summed as its shaders do."""
+    found = node.report("three_lights.mjs", path)
+    return irradiance(found, AXES["three"].to_target(NORMALS))
+
+
 @node.needs("three")
 @pytest.mark.parametrize("name", RIGS)
 def test_the_irradiance_that_three_js_reads_is_that_of_the_rig(name, tmp_path):

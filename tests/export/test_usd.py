@@ -54,11 +54,19 @@ def dome_of(stage, folder):
     return colour * el.EnvMap.open(file.resolvedPath).probe(NORMALS)
 
 
-def irradiance_in(path):
+def irradiance_of_file(path):
     stage = Usd.Stage.Open(str(path))
     dome = dome_of(stage, path.parent)
     lights = el.Rig([0, 0, 0], lights_of(stage), 0.0).probe(NORMALS)
     return lights if dome is None else lights + dome
+
+
+def texture_of_file(path):
+    """Path of the texture of the dome, which OpenUSD finds."""
+    stage = Usd.Stage.Open(str(path))
+    file = stage.GetPrimAtPath("/rig/ambient").GetAttribute("inputs:texture:file").Get()
+    assert file.resolvedPath == str(path.parent / file.path)
+    return file.path.removeprefix("./")
 
 
 @pytest.mark.parametrize("suffix", [".usda", ".usdc", ".usd"])
@@ -66,7 +74,7 @@ def irradiance_in(path):
 def test_a_stage_lights_as_the_rig_does(name, suffix, tmp_path):
     rig = RIGS[name]
     rig.save(tmp_path / f"scene{suffix}")
-    seen = irradiance_in(tmp_path / f"scene{suffix}")
+    seen = irradiance_of_file(tmp_path / f"scene{suffix}")
     # Harmonics become a map of 128 rows, and lose what is negative; here nothing is.
     assert relative(seen, rig.probe(NORMALS)) < (1e-4 if name == "harmonics" else 1e-6)
 
@@ -75,7 +83,7 @@ def test_a_map_stands_in_place_of_the_ambient_term(tmp_path):
     env = environment()
     DISCS.save(tmp_path / "scene.usda", environment=env)
     wanted = env.probe(NORMALS) + el.Rig([0, 0, 0], DISCS, 0.0).probe(NORMALS)
-    assert relative(irradiance_in(tmp_path / "scene.usda"), wanted) < 1e-6
+    assert relative(irradiance_of_file(tmp_path / "scene.usda"), wanted) < 1e-6
     assert {path.name for path in tmp_path.iterdir()} == {"scene.usda", "scene.ambient.exr"}
 
 

@@ -101,7 +101,9 @@ def numbers_of(rig):
 def maps_of_several_sizes():
     """Maps with different pixels, for which the kernels make different tables."""
     hall = el.synthetic.hall
-    border_sampled = el.EnvMap(hall(96).radiance, registration="border-sampled")
+    border_sampled = el.EnvMap(
+        hall(96).radiance, layout=el.io.Layout(registration="border-sampled")
+    )
     return [el.EnvMap(hall(96).radiance), border_sampled, hall(64), hall(97), hall(192)]
 
 
@@ -252,6 +254,11 @@ def test_notes_of_the_map_are_those_of_the_rig():
     ("options", "message"),
     [
         ({"error": -0.1}, "error must be a finite number, from 0 to 1"),
+        *(
+            ({name: value}, f"^{name} must be below 1 .*; got 1")
+            for name in ("error", "shadow_error", "gloss_error")
+            for value in (1, 1.0, np.float32(1))
+        ),
         ({"error": np.nan}, "error must be a finite number"),
         ({"ambient": "x"}, "ambient must be 'none' or 'constant' or 'sh2' or 'auto'"),
         ({"fixed": [[0, 2, 0]]}, "direction 0 has length 2"),

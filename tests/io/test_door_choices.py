@@ -10,7 +10,6 @@ from click.testing import CliRunner
 import envlights as el
 from envlights._common.errors import DamagedFileError
 from envlights.cli import main
-from envlights.environment.decoders.openimageio import is_safe_openexr
 from tests.io.test_door import codes, jpeg, png, radiance_file, world, write_file
 
 NORMALS = np.broadcast_to([0.0, 1.0, 0.0], world().shape)
@@ -190,23 +189,6 @@ def test_an_xmp_packet_with_entities_is_passed_over(tmp_path):
     assert el.EnvMap.open(data).radiance.shape == world().shape
     with pytest.raises(el.EnvLightsError, match="cubemap"):
         el.EnvMap.open(path)
-
-
-@pytest.mark.parametrize(
-    ("version", "is_safe"),
-    [
-        ((3, 1, 13), False),
-        ((3, 2, 10), False),
-        ((3, 3, 12), False),
-        ((3, 3, 13), True),
-        ((3, 4, 13), False),
-        ((3, 4, 14), True),
-        ((3, 5, 2), True),
-        ((4, 0, 0), True),
-    ],
-)
-def test_openexr_libraries_with_published_faults_are_known(version, is_safe):
-    assert is_safe_openexr(*version) is is_safe
 
 
 @pytest.mark.parametrize("command", ["fit", "detect", "split"])

@@ -9,7 +9,8 @@ import numpy as np
 import OpenImageIO as oiio  # noqa: N813, its own name for itself
 import pytest
 
-from envlights._native import EnvLightsError, PngFile, RadianceFile
+import envlights as el
+from envlights._native import EnvLightsError, PictureFile
 from tests import mutations
 
 SIGNATURE = b"\x89PNG\r\n\x1a\n"
@@ -71,6 +72,15 @@ def reference(path, kind):
     return file.read_image(0, 0, 0, file.spec().nchannels, kind)
 
 
+def png(data, limit=MOST):
+    return PictureFile(data, "png", limit)
+
+
+def samples_of(file):
+    (header,) = file.parts
+    return file.rows(0, list(range(len(header["channels"]))), 0, header["height"])
+
+
 def radiance(tmp_path, pixels):
     path = tmp_path / "map.hdr"
     oiio.ImageBuf(np.ascontiguousarray(pixels, np.float32)).write(str(path))
@@ -79,17 +89,22 @@ def radiance(tmp_path, pixels):
 
 @pytest.mark.parametrize("path", MAPS, ids=lambda path: path.stem)
 def test_real_maps_are_those_of_openimageio(path):
-    picture = RadianceFile(path.read_bytes(), MOST)
+    picture = PictureFile(path.read_bytes(), "radiance", MOST)
     wanted = reference(path, "float")
-    assert np.array_equal(picture.read(), wanted)
-    assert np.array_equal(picture.rows(5, 9), wanted[5:9])
+    assert np.array_equal(samples_of(picture), wanted)
+    assert np.array_equal(picture.rows(0, [2, 0], 5, 9), wanted[5:9, :, [2, 0]])
 
 
 def test_rows_outside_are_refused(tmp_path):
-    picture = RadianceFile(radiance(tmp_path, np.ones((4, 8, 3))).read_bytes(), MOST)
+    data = radiance(tmp_path, np.ones((4, 8, 3))).read_bytes()
+    picture = PictureFile(data, "radiance", MOST)
     for top, bottom in [(0, 5), (3, 2)]:
         with pytest.raises(EnvLightsError, match="rows must be from 0 to 4"):
-            picture.rows(top, bottom)
+            picture.rows(0, [0], top, bottom)
+    with pytest.raises(EnvLightsError, match="channels must be below 3; got 3"):
+        picture.rows(0, [3], 0, 1)
+    with pytest.raises(EnvLightsError, match="part must be below 1; got 1"):
+        picture.rows(1, [0], 0, 1)
 
 
 @pytest.mark.parametrize("interlace", [0, 1])
@@ -112,7 +127,7 @@ def test_each_kind_of_png_is_that_of_openimageio(
     start = SIGNATURE + header(width, height, depth, colours, interlace=interlace)
     path = tmp_path / "map.png"
     path.write_bytes(start + body + END)
-    samples = PngFile(path.read_bytes(), MOST).read()
+    samples = samples_of(png(path.read_bytes()))
     assert samples.dtype == (np.uint16 if depth == 16 else np.uint8)
     assert np.array_equal(samples, reference(path, str(samples.dtype)))
 
@@ -121,10 +136,10 @@ def test_palettes_and_transparent_colours_are_expanded():
     palette = chunk(b"PLTE", bytes([1, 2, 3, 9, 8, 7])) + chunk(b"tRNS", b"\x40")
     body = chunk(b"IDAT", zlib.compress(b"\0\x40"))
     file = SIGNATURE + header(2, 1, 1, 3) + palette + body + END
-    assert PngFile(file, MOST).read().tolist() == [[[1, 2, 3, 64], [9, 8, 7, 255]]]
+    assert samples_of(png(file)).tolist() == [[[1, 2, 3, 64], [9, 8, 7, 255]]]
     grey = chunk(b"tRNS", struct.pack(">H", 5)) + chunk(b"IDAT", zlib.compress(b"\0\5\6"))
     file = SIGNATURE + header(2, 1, 8, 0) + grey + END
-    assert PngFile(file, MOST).read().tolist() == [[[5, 0], [6, 255]]]
+    assert samples_of(png(file)).tolist() == [[[5, 0], [6, 255]]]
 
 
 def test_statements_of_a_png_are_read():
@@ -140,24 +155,27 @@ def test_statements_of_a_png_are_read():
         chunk(b"oFFs", struct.pack(">2iB", 3, 4, 0)),
         chunk(b"iTXt", b"XML:com.adobe.xmp\0\0\0\0\0<x/>"),
     ]
-    file = PngFile(SIGNATURE + header() + b"".join(chunks) + PIXELS + END, MOST)
-    assert (file.gamma, file.cicp, file.icc, file.xmp) == (1.0, (9, 16, 0, 1), profile, b"<x/>")
-    assert file.chromaticities == (0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329)
-    assert (file.orientation, file.is_srgb, file.is_animated) == (6, False, False)
-    plain = PngFile(SIGNATURE + header() + chunk(b"sRGB", b"\0") + PIXELS + END, MOST)
-    assert (plain.is_srgb, plain.gamma, plain.chromaticities, plain.orientation) == (
-        True,
-        None,
-        None,
-        1,
-    )
+    (said,) = png(SIGNATURE + header() + b"".join(chunks) + PIXELS + END).parts
+    assert (said["orientation"], said["xmp"], said["notes"]) == (6, (b"<x/>",), [])
+    assert said["colour"] == {
+        "cicp": (9, 16, 0, 1),
+        "icc": profile,
+        "is_srgb": False,
+        "gamma": 1.0,
+        "chromaticities": (0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329),
+        "is_xyz": False,
+        "name": "",
+    }
+    (plain,) = png(SIGNATURE + header() + chunk(b"sRGB", b"\0") + PIXELS + END).parts
+    assert (plain["colour"]["is_srgb"], plain["orientation"]) == (True, 1)
+    assert (plain["colour"]["gamma"], plain["colour"]["chromaticities"]) == (None, None)
 
 
 @pytest.mark.parametrize("damage", [name for name in DAMAGED if name not in PASSED_OVER])
 def test_damaged_png_files_are_refused(damage):
     chunks = DAMAGED[damage]
     with pytest.raises(EnvLightsError):
-        PngFile(SIGNATURE + chunks, MOST).read()
+        samples_of(png(SIGNATURE + chunks))
 
 
 @pytest.mark.parametrize("length", [0, 1, 4, 8, 767, 769, 771, 774])
@@ -165,31 +183,47 @@ def test_palettes_of_parts_of_a_colour_are_refused(length):
     head = header(depth=8, colours=3) + chunk(b"PLTE", bytes(length))
     body = chunk(b"IDAT", zlib.compress(bytes(2 * 5)))
     with pytest.raises(EnvLightsError, match=f"palette has {length} bytes|damaged: .*PLTE"):
-        PngFile(SIGNATURE + head + body + END, MOST).read()
+        samples_of(png(SIGNATURE + head + body + END))
 
 
 def test_sizes_are_limited():
     with pytest.raises(EnvLightsError, match="up to 7 pixels; got 2 rows of 4"):
-        PngFile(SIGNATURE + header() + PIXELS + END, 7)
+        png(SIGNATURE + header() + PIXELS + END, 7)
 
 
-@pytest.mark.parametrize("kind", ["hdr", "png"])
+KINDS = {"hdr": "radiance", "png": "png", "exr": "openexr", "jpg": "jpeg", "tif": "tiff"}
+
+
+@pytest.mark.parametrize("kind", KINDS)
 def test_500_damaged_files_give_samples_or_a_sentence(tmp_path, kind):
     rng = np.random.default_rng(40)
     pixels = np.repeat(rng.uniform(0, 1, (12, 8, 3)), 3, axis=1)
     path = tmp_path / f"map.{kind}"
     oiio.ImageBuf(np.float32(pixels)).write(str(path))
     data = path.read_bytes()
-    reader = RadianceFile if kind == "hdr" else PngFile
+    name = KINDS[kind]
     refused = read = 0
     for turn in range(500):
         make = mutations.mutated_png if kind == "png" and turn % 2 else mutations.mutate
         try:
-            file = reader(make(data, rng), 10**6)
-            assert file.read().shape[:2] == (file.height, file.width)
+            file = PictureFile(make(data, rng), name, 10**6)
+            (said,) = file.parts
+            assert samples_of(file).shape[:2] == (said["height"], said["width"])
         except EnvLightsError as error:
             refused += "internal error" not in str(error)
         else:
             read += 1
     assert refused > 100
     assert refused + read == 500
+
+
+def test_samples_that_are_not_converted_are_no_damage(tmp_path):
+    path = tmp_path / "counts.exr"
+    spec = oiio.ImageSpec(8, 4, 3, oiio.UINT32)
+    file = oiio.ImageOutput.create(str(path))
+    assert file.open(str(path), spec)
+    assert file.write_image(np.ones((4, 8, 3), np.uint32))
+    file.close()
+    with pytest.raises(el.FileError, match=r"counts\.exr: its samples are uint; give") as refusal:
+        el.EnvMap.open(path)
+    assert not isinstance(refusal.value, el.io.DamagedFileError)

@@ -51,7 +51,7 @@ def save(path, sample, attributes, radiance, **more):
 
 
 def cells_of(path, floor=False):
-    return reduce_file(path, WORKING_COLUMNS, POINT_SHARE, floor)
+    return reduce_file(path, WORKING_COLUMNS, POINT_SHARE, floor, 2)
 
 
 def assert_same(one, other):
@@ -90,11 +90,33 @@ def test_files_that_are_not_the_rows_of_a_map_are_opened_whole(tmp_path):
     file.write_image(scene())
     file.close()
     mirrored = save(tmp_path / "mirrored.tif", "uint8", {}, scene(), Orientation=2)
-    damaged = scene()
-    damaged[5, 5] = np.nan
-    for odd in (path, mirrored, save(tmp_path / "nan.exr", "float", {}, damaged)):
+    for odd in (path, mirrored):
         assert cells_of(odd) is None
         assert_same(el.fit(odd), el.fit(el.EnvMap.open(odd)))
+
+
+@pytest.mark.parametrize("name", ["half.exr", "float.exr", "tiled.exr", "float.tif"])
+def test_samples_that_no_light_can_have_are_cleaned_as_in_the_whole_map(tmp_path, name):
+    """A sun beyond the format over the seam and over rows that are read one after the other."""
+    radiance = scene()
+    radiance[120:136, -5:] = radiance[120:136, :4] = np.inf
+    radiance[0, 7, 1] = radiance[-1, 8, 2] = np.inf
+    radiance[5, 5] = radiance[126, 300, 0] = np.nan
+    radiance[9, 9, 2] = -1.0
+    path = save(tmp_path / name, *FORMATS[name], radiance)
+    assert cells_of(path) is not None
+    rig, env = el.fit(path), el.EnvMap.open(path)
+    assert_same(rig, el.fit(env))
+    assert any("infinite samples set to 65504 and counted as clipped" in note for note in rig.notes)
+    clipped = cells_of(path).clipped_flux_fraction
+    assert clipped == pytest.approx(env.clipped_flux_fraction, rel=1e-5)
+    assert clipped > 0.9
+
+
+def test_a_file_without_a_finite_sample_is_refused(tmp_path):
+    path = save(tmp_path / "nan.exr", "float", {}, np.full_like(scene(), np.nan))
+    with pytest.raises(el.EnvLightsError, match=r"nan\.exr: the image holds no finite sample"):
+        el.fit(path)
 
 
 def test_negative_samples_count_as_0_and_are_noted(tmp_path):

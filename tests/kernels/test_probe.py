@@ -47,7 +47,7 @@ def test_intervals_agree_with_brute_force_under_a_sun():
 @pytest.mark.parametrize("registration", ["cell-centred", "border-sampled"])
 def test_a_constant_sky_gives_pi(height, bound, registration):
     sky = np.full((height, 2 * height, 3), 0.25, np.float32)
-    received = el.EnvMap(sky, registration=registration).probe(NORMALS)
+    received = el.EnvMap(sky, layout=el.io.Layout(registration=registration)).probe(NORMALS)
     np.testing.assert_allclose(received, np.pi * 0.25, rtol=bound)
 
 
@@ -75,7 +75,9 @@ def test_one_pixel_gives_its_flux_times_the_cosine(row, column):
 def test_small_maps_are_integrated_cell_by_cell(height, registration):
     """The worst normal was off by 2e-5, the error of four nodes where a horizon ends in a strip."""
     radiance = np.random.default_rng(0).gamma(0.3, 1, (height, 2 * height, 3)).astype(np.float32)
-    received = el.EnvMap(radiance, registration=registration).probe(NORMALS[::4])
+    received = el.EnvMap(radiance, layout=el.io.Layout(registration=registration)).probe(
+        NORMALS[::4]
+    )
     is_border = registration == "border-sampled"
     wanted = cells.irradiance(radiance, NORMALS[::4], border_sampled=is_border)
     np.testing.assert_allclose(received, wanted, rtol=1e-4)
@@ -123,7 +125,9 @@ def test_probes_on_both_sides_add_up_to_the_whole_sphere():
 
 def test_border_sampled_maps_agree_with_their_own_brute_force():
     radiance = sunny_map(256, sun=50)
-    received = el.EnvMap(radiance, registration="border-sampled").probe(NORMALS)
+    received = el.EnvMap(radiance, layout=el.io.Layout(registration="border-sampled")).probe(
+        NORMALS
+    )
     expected = kernels.sum_over_sources(
         NORMALS,
         kernels.pixel_directions(256, 512, border_sampled=True).reshape(-1, 3),

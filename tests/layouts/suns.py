@@ -12,7 +12,7 @@ import numpy as np
 from scipy.sparse.csgraph import connected_components
 
 from envlights import _native
-from envlights.environment.layouts import layout as layouts
+from envlights.environment.layouts import picture_layout as layouts
 
 #: Points on each side of an outline.
 POINTS = 48
@@ -127,7 +127,7 @@ def crossings(square, centre, radius):
 class Grid(NamedTuple):
     """Pixels of a new picture: what a measurement needs."""
 
-    layout: layouts.Layout
+    layout: layouts.PictureLayout
     moments: np.ndarray
     solid_angles: np.ndarray
 

@@ -14,12 +14,13 @@ import envlights as el
 from envlights.environment.decoders.description import LAYOUT
 from envlights.environment.files.hints import Hints
 from envlights.environment.files.image_output import write_exr
-from envlights.environment.layouts import Arguments, recognise
-from envlights.environment.layouts import layout as layouts
+from envlights.environment.layouts import Layout, recognise
+from envlights.environment.layouts import picture_layout as layouts
 from envlights.environment.layouts.attribute import line_of
 from envlights.environment.layouts.conventions import CONVENTIONS, CROSSES
-from envlights.environment.layouts.cubes import ARRANGEMENTS
-from envlights.environment.layouts.sources import read_picture
+from envlights.environment.layouts.faces import ARRANGEMENTS
+from envlights.environment.layouts.projections import ARGUMENTS
+from envlights.environment.picture_files import read_picture
 from tests.layouts.worlds import smooth
 
 ENV = el.EnvMap(smooth(np.moveaxis(np.mgrid[-1:1:64j, -1:1:128j, 1:1:1j][..., 0], 0, -1)) / 8)
@@ -45,7 +46,7 @@ REQUESTS = {
 
 
 def save(folder, suffix, projection, options, arrangement="stack"):
-    picture = ENV.to(projection, width=24, **options)
+    picture = ENV.to(Layout(projection, **options), width=24)
     (file,) = picture.save(folder / f"a{suffix}", arrangement=arrangement)
     return picture, file
 
@@ -124,7 +125,7 @@ def test_the_statement_of_a_photograph_or_cylinder_keeps_its_layout(fov, horizon
 def layout_of(line, picture, **arguments):
     """Layout that a statement gives a picture."""
     hints = Hints(layout=line[0].removeprefix(LAYOUT))
-    return recognise(picture, hints, Arguments(**arguments)).layout
+    return recognise(picture, hints, Layout(**arguments)).layout
 
 
 def test_a_picture_that_was_resized_in_proportion_opens(tmp_path):
@@ -153,10 +154,10 @@ PARTS = {
     "projection": st.sampled_from(sorted({name for name, _ in REQUESTS.values()})) | JSON,
     "size": st.just([24, 24]) | JSON,
 }
-ARGUMENTS = dict.fromkeys(Arguments._fields[1:], JSON)
+ENTRIES = dict.fromkeys((*ARGUMENTS[1:], "axes"), JSON)
 
 
-@given(st.fixed_dictionaries(PARTS, optional=ARGUMENTS))
+@given(st.fixed_dictionaries(PARTS, optional=ENTRIES))
 @settings(max_examples=300, deadline=None)
 def test_any_statement_gives_a_layout_or_a_refusal(data):
     line = (LAYOUT + json.dumps(data),)
@@ -166,16 +167,16 @@ def test_any_statement_gives_a_layout_or_a_refusal(data):
 
 def test_arguments_of_the_user_go_before_the_statement(tmp_path):
     _, file = save(tmp_path, ".exr", "octahedral", {})
-    env = el.EnvMap.open(file, projection="angular")
+    env = el.EnvMap.open(file, layout="angular")
     assert env.source[:1] + env.source[4:5] == ("angular", "argument")
-    fisheye = el.EnvMap.open(file, mapping="equidistant", fov=180)
+    fisheye = el.EnvMap.open(file, layout=el.io.Layout.fisheye(mapping="equidistant", fov=180))
     assert fisheye.source.projection == "fisheye"
     # A single argument replaces that of the statement.
-    turned = el.EnvMap.open(file, forward=[1, 0, 0])
+    turned = el.EnvMap.open(file, layout=el.io.Layout(forward=[1, 0, 0]))
     assert turned.source.layout.axes == layouts.looking([1, 0, 0])
     assert turned.source.projection == "octahedral"
     with pytest.raises(el.EnvLightsError, match="circle is no argument of an octahedral map"):
-        el.EnvMap.open(file, circle=[1, 2, 3])
+        el.EnvMap.open(file, layout=el.io.Layout(circle=[1, 2, 3]))
 
 
 @pytest.mark.parametrize(
@@ -206,7 +207,7 @@ def test_a_damaged_statement_is_refused_with_the_way_out(tmp_path, change, words
     assert "a.exr" in str(refusal.value)
     with pytest.raises(el.EnvLightsError, match=words):
         el.fit(tmp_path / "a.exr")
-    assert el.EnvMap.open(tmp_path / "a.exr", projection="octahedral").width == 42
+    assert el.EnvMap.open(tmp_path / "a.exr", layout="octahedral").width == 42
 
 
 def test_a_statement_is_short_and_readable():

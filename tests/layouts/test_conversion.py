@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 import envlights as el
 from envlights import _native, kernels
-from envlights.environment.layouts import layout as layouts
+from envlights.environment.layouts import picture_layout as layouts
 from tests.helpers import NORMALS, angle_deg, flux
 from tests.layouts import suns
 from tests.layouts.worlds import smooth, upright_directions
@@ -30,7 +30,7 @@ class Case(NamedTuple):
 
 
 def open_case(case, picture, **more):
-    return el.EnvMap(picture.reshape(*case.shape, 3), **case.arguments, **more)
+    return el.EnvMap(picture.reshape(*case.shape, 3), layout=el.io.Layout(**case.arguments), **more)
 
 
 CASES = {
@@ -154,7 +154,7 @@ def test_suns_in_pixels_that_the_circle_cuts_come_into_the_map(name):
     check(into_the_map(name, [sun for sun in truth(layout) if is_cut(layout, sun)]), offset=0.05)
 
 
-#: Layouts of pictures of a map, by the arguments of `EnvMap.to`, and the largest offset of a sun.
+#: Layouts of pictures of a map, by the arguments of `Layout`, and the largest offset of a sun.
 TARGETS = {
     "cube": ({"projection": "cube", "faces": "pannellum"}, 0.01),
     "cube, border-sampled": ({"projection": "cube", "faces": "py360convert"}, 0.01),
@@ -195,11 +195,11 @@ def well_inside(layout, sun, pixels=1.5):
 )
 def test_suns_keep_flux_and_direction_out_of_the_map(name):
     arguments, offset = TARGETS[name]
-    layout = el.EnvMap(np.ones((MAP.height, MAP.width, 3))).to(**arguments).layout
+    layout = el.EnvMap(np.ones((MAP.height, MAP.width, 3))).to(el.io.Layout(**arguments)).layout
     inside = [sun for sun in truth(MAP) if well_inside(layout, sun)]
 
     def convert(picture):
-        return el.EnvMap(picture).to(**arguments).array
+        return el.EnvMap(picture).to(el.io.Layout(**arguments)).array
 
     check(measure(convert, MAP, inside, suns.grid_of(layout)), offset)
 
@@ -248,7 +248,7 @@ def test_the_seen_share_is_that_of_the_picture(name, width):
 @pytest.mark.parametrize("width", [None, 22])
 def test_an_even_map_makes_an_even_picture(name, width):
     env = el.EnvMap(np.full((24, 48, 3), 0.3, np.float32))
-    picture = env.to(width=width, **TARGETS[name][0])
+    picture = env.to(el.io.Layout(**TARGETS[name][0]), width=width)
     angles = _native.projection_solid_angles(picture.layout)
     shown = np.broadcast_to(angles[..., None] > 0, picture.array.shape)
     if picture.coverage is not None:
@@ -267,10 +267,10 @@ def test_the_same_layout_keeps_every_bit():
 
 
 ROUNDS = {
-    "cube": {"projection": "cube", "faces": "openexr", "width": 128},
-    "octahedral": {"projection": "octahedral", "width": 320},
-    "equal-area": {"projection": "octahedral-equal-area", "width": 320},
-    "angular": {"projection": "angular", "width": 384},
+    "cube": (el.io.Layout.cube(faces="openexr"), 128),
+    "octahedral": ("octahedral", 320),
+    "equal-area": ("octahedral-equal-area", 320),
+    "angular": ("angular", 384),
 }
 
 
@@ -285,9 +285,9 @@ ROUNDS = {
 def test_the_probe_of_a_map_survives_a_layout_and_back(name):
     """Shared goal of all layouts: 5e-4 of the probe, at 512 columns."""
     env = el.EnvMap(el.synthetic.hall(512).radiance)
-    picture = env.to(**ROUNDS[name])
-    arguments = {key: ROUNDS[name][key] for key in ("projection", "faces") if key in ROUNDS[name]}
-    again = el.EnvMap(picture.array, width=512, **arguments)
+    layout, width = ROUNDS[name]
+    picture = env.to(layout, width=width)
+    again = el.EnvMap(picture.array, layout=layout, width=512)
     truth_, probe = env.probe(NORMALS), again.probe(NORMALS)
     assert np.linalg.norm(probe - truth_) / np.linalg.norm(truth_) < 5e-4
     np.testing.assert_allclose(flux(again.radiance), flux(env.radiance), rtol=1e-6)
@@ -325,11 +325,11 @@ def test_axes_of_a_picture_are_a_rotation_of_the_map(name):
     towards = np.array([0.48, 0.6, -0.64])
     looking = np.array(layouts.looking(towards))
     straight = np.array(layouts.looking([0, 0, 1]))
-    axes = env.to(name, width=32, forward=(0, 0, 1), **more).layout.axes
+    axes = env.to(el.io.Layout(name, forward=(0, 0, 1), **more), width=32).layout.axes
     assert np.array_equal(axes, straight)
     turned = env.rotated(straight.T @ looking)
-    own = env.to(name, width=32, forward=towards, **more).array
-    again = turned.to(name, width=32, forward=(0, 0, 1), **more).array
+    own = env.to(el.io.Layout(name, forward=towards, **more), width=32).array
+    again = turned.to(el.io.Layout(name, forward=(0, 0, 1), **more), width=32).array
     assert np.linalg.norm(own - again) < 0.02 * np.linalg.norm(own)
 
 
@@ -337,7 +337,7 @@ def test_a_picture_that_looks_elsewhere_opens_where_it_looks():
     picture = np.zeros((16, 16, 3), np.float32)
     picture[7:9, 7:9] = SUN
     towards = np.array([0.48, 0.6, -0.64])
-    env = el.EnvMap(picture, projection="angular", forward=towards)
+    env = el.EnvMap(picture, layout=el.io.Layout.angular(forward=towards))
     grid = suns.grid_of_map(env.width)
     centre = np.einsum("hw,hwc->c", env.radiance[..., 0], grid.moments)
     assert angle_deg(centre / np.linalg.norm(centre), towards) < 0.05
@@ -371,7 +371,9 @@ def test_a_bright_disc_stays_even(centre):
     picture = np.full((6 * 64, 64, 3), 0.004, np.float32)
     inside = upright_directions(64).reshape(6 * 64, 64, 3) @ centre > np.cos(np.deg2rad(8))
     picture[inside] = 1.0
-    radiance = el.EnvMap(picture.reshape(6, 64, 64, 3), faces="pannellum").radiance
+    radiance = el.EnvMap(
+        picture.reshape(6, 64, 64, 3), layout=el.io.Layout.cube(faces="pannellum")
+    ).radiance
     core = kernels.pixel_directions(*radiance.shape[:2]) @ centre > np.cos(np.deg2rad(5))
     np.testing.assert_allclose(radiance[core], 1, rtol=0.03)
 

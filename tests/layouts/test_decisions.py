@@ -13,14 +13,14 @@ from envlights.cli import main
 from envlights.cli.refusal_words import with_options
 from envlights.environment.decoders.description import LAYOUT
 from envlights.environment.files.image_output import write_exr, write_hdr, write_png, write_tiff
-from envlights.environment.layouts.cubes import arranged_faces
+from envlights.environment.layouts.faces import arranged_faces
 from envlights.environment.reduced_file import reduce_file
 from tests.layouts.files import dds, jpeg_with
 from tests.layouts.worlds import smooth, upright_directions
 
 WRITERS = {"exr": write_exr, "hdr": write_hdr, "png": write_png, "tif": write_tiff}
 CUBE = (smooth(upright_directions(16)) / 16).clip(0, 1)
-ENV = el.EnvMap(CUBE, projection="cube", faces="py360convert", width=128)
+ENV = el.EnvMap(CUBE, layout=el.io.Layout.cube(faces="py360convert"), width=128)
 RNG = np.random.default_rng(0)
 
 
@@ -109,7 +109,7 @@ def files():
         for suffix in WRITERS:
             built[f"{projection}, own.{suffix}"] = (
                 lambda folder, projection=projection, options=options, suffix=suffix: ENV.to(
-                    projection, width=32, **options
+                    el.io.Layout(projection, **options), width=32
                 ).save(folder / f"a.{suffix}")[0]
             )
     return {**built, **OTHERS}
@@ -203,4 +203,4 @@ def test_six_files_are_taken_as_a_list_or_a_mapping(tmp_path):
 def test_usual_panoramas_are_never_whole_in_memory(tmp_path):
     for suffix, write in WRITERS.items():
         write(tmp_path / f"a.{suffix}", ENV.radiance)
-        assert reduce_file(tmp_path / f"a.{suffix}", 256, 5e-3, False) is not None
+        assert reduce_file(tmp_path / f"a.{suffix}", 256, 5e-3, False, 2) is not None

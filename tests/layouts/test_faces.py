@@ -6,9 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import envlights as el
-from envlights.environment.layouts import Arguments, recognise
+from envlights.environment.layouts import Layout, recognise
 from envlights.environment.layouts.conventions import CONVENTIONS, CROSSES, FACES
-from envlights.environment.layouts.cubes import (
+from envlights.environment.layouts.faces import (
     ARRANGEMENTS,
     arranged_faces,
     cross_of_faces,
@@ -53,7 +53,7 @@ def test_strips_are_cut_in_their_order(n, order, is_stack):
 def test_a_named_arrangement_is_recognised_without_a_change(order, arrangement, n):
     image = arranged_faces(faces_of_numbers(n), order, arrangement)
     name = arrangement if arrangement in CROSSES else order
-    arranged = recognise(image, arguments=Arguments("cube", faces=name))
+    arranged = recognise(image, layout=Layout("cube", faces=name))
     np.testing.assert_array_equal(arranged.samples.reshape(6, n, n, 3), faces_of_numbers(n))
     assert arranged.source[:3] == ("cube", image.shape[:2], name)
     assert (arranged.layout.height, arranged.layout.width) == (6 * n, n)
@@ -78,13 +78,13 @@ def test_a_face_that_is_turned_by_mistake_is_seen(turned):
 
 def test_each_edge_of_upright_faces_has_two_faces_of_equal_directions():
     """Closed form of the edges that the seams compare."""
-    from envlights.environment.layouts import cubes
+    from envlights.environment.layouts import seams
 
     at = dict(zip(FACES, upright_directions(5, border=True), strict=True))
-    assert len(cubes._EDGES) == 12
-    for one, side, other, other_side, turn in cubes._EDGES:
-        first = cubes._side(at[one], side)
-        np.testing.assert_allclose(first, cubes._side(at[other], other_side)[::turn], atol=1e-15)
+    assert len(seams._EDGES) == 12
+    for one, side, other, other_side, turn in seams._EDGES:
+        first = seams._side(at[one], side)
+        np.testing.assert_allclose(first, seams._side(at[other], other_side)[::turn], atol=1e-15)
 
 
 @pytest.mark.parametrize("order", sorted(CROSSES))
@@ -125,4 +125,4 @@ def test_cubes_of_openexr_show_their_panorama(path):
 
 
 def _cells(panorama):
-    return el.EnvMap(panorama, registration="border-sampled").cells()
+    return el.EnvMap(panorama, layout=el.io.Layout(registration="border-sampled")).cells()

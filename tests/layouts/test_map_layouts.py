@@ -5,22 +5,25 @@ import pytest
 
 import envlights as el
 from envlights.environment import resample
-from envlights.environment.layouts import layout as layouts
+from envlights.environment.layouts import picture_layout as layouts
 
 
 @pytest.mark.parametrize(
     ("options", "sentence"),
     [
-        ({"projection": "cube", "forward": (1, 0, 0)}, "forward is no argument of the projection"),
+        ({"projection": "cube", "forward": (1, 0, 0)}, "forward is no argument of a cube map"),
         ({"projection": "cube", "mapping": "equisolid", "fov": 90}, "mapping, fov is no argument"),
-        ({"projection": "equirectangular", "registration": "border-sampled"}, "takes none of them"),
+        (
+            {"projection": "equirectangular", "registration": "border-sampled"},
+            "`EnvMap.to` makes; it takes no arguments",
+        ),
         ({"projection": "fisheye", "mapping": "stereographic", "fov": 360}, "to 355; got 360"),
-        ({"projection": "planar"}, "needs fov=, in degrees"),
+        ({"projection": "planar"}, "needs fov=, its horizontal field of view in degrees"),
     ],
 )
 def test_options_of_other_projections_are_refused(options, sentence):
     with pytest.raises(el.EnvLightsError, match=sentence):
-        el.EnvMap(np.ones((16, 32, 3))).to(**options)
+        el.EnvMap(np.ones((16, 32, 3))).to(el.io.Layout(**options))
 
 
 @pytest.mark.parametrize("direction", ["front", [0, 0, 0], [1, 2]])

@@ -6,12 +6,12 @@ import OpenImageIO as oiio  # noqa: N813, its own name for itself
 import pytest
 
 import envlights as el
-from envlights.environment.layouts import Arguments, recognise
+from envlights.environment.layouts import Layout, recognise
 from envlights.environment.layouts.conventions import CONVENTIONS, CROSSES
-from envlights.environment.layouts.cubes import ARRANGEMENTS
-from envlights.environment.layouts.layout import angular_map, cube, equirectangular
+from envlights.environment.layouts.faces import ARRANGEMENTS
 from envlights.environment.layouts.picture import picture_of
-from envlights.environment.layouts.sources import read_picture
+from envlights.environment.layouts.picture_layout import angular_map, cube, equirectangular
+from envlights.environment.picture_files import read_picture
 from tests.layouts.worlds import smooth, upright_directions
 
 N = 16
@@ -28,7 +28,7 @@ def cube_picture(order):
 
 def read_back(source, **arguments):
     image = read_picture(source)
-    return recognise(image.pixels, image.hints, Arguments(**arguments))
+    return recognise(image.pixels, image.hints, Layout(**arguments))
 
 
 @pytest.mark.parametrize("order", sorted(CONVENTIONS))
@@ -42,7 +42,7 @@ def test_one_file_of_a_cube_reads_back_without_a_change(tmp_path, order, arrange
     # An array is read by the arguments.
     name = arrangement if arrangement in CROSSES else order
     image = read_picture(tmp_path / "a.exr").pixels
-    arranged = recognise(image, arguments=Arguments("cube", faces=name))
+    arranged = recognise(image, layout=Layout("cube", faces=name))
     np.testing.assert_array_equal(arranged.samples, world(picture.layout.border_sampled))
 
 

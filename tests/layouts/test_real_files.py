@@ -8,14 +8,14 @@ import pytest
 
 import envlights as el
 from envlights.environment.layouts import recognise
-from envlights.environment.layouts.sources import read_picture
+from envlights.environment.picture_files import read_picture
 
 PANORAMA = ("equirectangular", "", "cell-centred", "shape")
 BORDER = ("equirectangular", "", "border-sampled", "attribute")
 CUBE = ("cube", "openexr", "border-sampled", "attribute")
 FACES = ("cube", "opengl", "cell-centred", "name")
-SQUARE = "twice as wide as high; got .*projection='octahedral'"
-PHOTOGRAPH = "twice as wide as high; got .*projection='planar', fov=65"
+SQUARE = "twice as wide as high; got .*layout='octahedral'"
+PHOTOGRAPH = "twice as wide as high; got .*Layout.planar.fov=65"
 CHROMA = r"luminance and chroma of half resolution \(Y, RY, BY\)"
 
 #: Pattern of files, and the source of the map or words of the refusal; the first match counts.
@@ -32,7 +32,7 @@ TABLE = [
     ("loader_tests/*Trunks.exr", "it is a deep image"),
     ("loader_tests/TestImages_GrayRamps*.exr", "two panoramas, one above the other"),
     ("loader_tests/TestImages_*.exr", SQUARE),
-    ("loader_tests/DisplayWindow_t01.exr", r"a cube map \(faces='horizontal-cross'\)"),
+    ("loader_tests/DisplayWindow_t01.exr", r"a cube map \(layout=.*faces='horizontal-cross'\)"),
     ("loader_tests/*.exr", PHOTOGRAPH),
 ]
 

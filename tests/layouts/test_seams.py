@@ -7,15 +7,14 @@ from hypothesis import strategies as st
 
 import envlights as el
 from envlights.environment.files.images import read_image
-from envlights.environment.layouts import Arguments, recognise
+from envlights.environment.layouts import Layout, recognise
 from envlights.environment.layouts.conventions import DISTINCT
-from envlights.environment.layouts.cubes import (
-    arranged_faces,
+from envlights.environment.layouts.faces import arranged_faces, stored_faces
+from envlights.environment.layouts.seams import (
     has_equal_edges,
     lines_of_faces,
     log_luminance,
     seam_score,
-    stored_faces,
 )
 from tests.helpers import paths_of_real_maps
 from tests.layouts.worlds import looked_up, smooth, upright_directions
@@ -130,7 +129,7 @@ def test_the_seams_go_before_the_order_of_metadata():
 
 def test_a_requested_order_that_does_not_fit_is_used_with_a_note():
     image = arranged_faces(world(), "opengl", "stack")
-    arranged = recognise(image, arguments=Arguments(faces="openexr"))
+    arranged = recognise(image, layout=Layout(faces="openexr"))
     assert arranged.source[2:5] == ("openexr", "border-sampled", "argument")
     assert "fit the order of OpenGL, not the order of OpenEXR as stated" in arranged.notes[0]
     assert stored_faces(arranged.samples.reshape(6, 32, 32, 3), "openexr").shape == (6, 32, 32, 3)

@@ -5,7 +5,7 @@ import pytest
 
 import envlights as el
 from envlights.environment.layouts.conventions import CONVENTIONS, CROSSES
-from envlights.environment.layouts.cubes import arranged_faces, upright_faces
+from envlights.environment.layouts.faces import arranged_faces, upright_faces
 from tests.helpers import NORMALS
 
 WORLD = el.EnvMap(
@@ -26,7 +26,7 @@ def smooth(height, width):
 
 def cube(arrangement, order="opengl"):
     """Smooth cube in an arrangement."""
-    faces = el.EnvMap(smooth(128, 256)).to("cube", width=32, faces="pannellum").array
+    faces = el.EnvMap(smooth(128, 256)).to(el.io.Layout.cube(faces="pannellum"), width=32).array
     upright = upright_faces(faces.reshape(6, 32, 32, 3), "pannellum")
     return np.ascontiguousarray(arranged_faces(upright, order, arrangement))
 
@@ -51,7 +51,7 @@ PARTS = [
 
 @pytest.mark.parametrize(("picture", "options"), [*WHOLE, *PARTS])
 def test_a_picture_comes_back_in_its_own_layout(picture, options):
-    env = el.EnvMap(picture, **options)
+    env = el.EnvMap(picture, layout=el.io.Layout(**options))
     again = env.to("source")
     assert np.asarray(again).shape == again.shape == picture.shape
     assert again.layout == env.source.layout
@@ -68,7 +68,7 @@ def test_a_disc_comes_back_as_a_disc(options, circle):
     if "mapping" in options:
         options = {**options, "projection": "fisheye", "fov": 200}
     picture = smooth(30, 40 if circle else 30)
-    again = el.EnvMap(picture, **options, circle=circle).to("source")
+    again = el.EnvMap(picture, layout=el.io.Layout(circle=circle, **options)).to("source")
     y, x = np.ogrid[: picture.shape[0], : picture.shape[1]]
     centre_x, centre_y, radius = circle or (15, 15, 15)
     distance = np.hypot(x + 0.5 - centre_x, y + 0.5 - centre_y)
@@ -82,7 +82,9 @@ def test_a_panorama_comes_back_bit_by_bit(registration, tmp_path):
     seen = np.ones((32, 64), np.float32)
     seen[20:, :9] = 0.25
     env = el.EnvMap(
-        WORLD.resized(64).radiance * seen[..., None], registration=registration, coverage=seen
+        WORLD.resized(64).radiance * seen[..., None],
+        layout=el.io.Layout(registration=registration),
+        coverage=seen,
     )
     again = env.to("source")
     np.testing.assert_array_equal(again.array, env.radiance)
@@ -96,7 +98,7 @@ def test_a_panorama_comes_back_bit_by_bit(registration, tmp_path):
 
 def test_a_part_of_a_panorama_comes_back_bit_by_bit():
     picture = WORLD.radiance[40:90, 90:150]
-    env = el.EnvMap(picture, projection="equirectangular", fov=60 / 256 * 360, horizon=24)
+    env = el.EnvMap(picture, layout=el.io.Layout.equirectangular(fov=60 / 256 * 360, horizon=24))
     np.testing.assert_array_equal(env.radiance[40:90, 98:158], picture)
     np.testing.assert_array_equal(env.to("source").array, picture)
 
@@ -120,14 +122,14 @@ def test_the_rest_of_a_split_comes_back_as_the_cube_it_was():
 
 
 def test_the_border_of_a_photograph_does_not_come_back_darker():
-    env = el.EnvMap(np.full((40, 60, 3), 0.5, np.float32), projection="planar", fov=70)
+    env = el.EnvMap(np.full((40, 60, 3), 0.5, np.float32), layout=el.io.Layout.planar(fov=70))
     assert ((env.coverage > 0) & (env.coverage < 0.9)).any()
     np.testing.assert_allclose(env.to("source").array, 0.5, rtol=1e-4)
 
 
 def test_all_that_keeps_the_world_keeps_its_source():
-    env = el.EnvMap(WORLD.to("cube", width=32).array, faces="opengl")
-    part = el.EnvMap(smooth(20, 30), projection="planar", fov=80)
+    env = el.EnvMap(WORLD.to("cube", width=32).array, layout=el.io.Layout.cube(faces="opengl"))
+    part = el.EnvMap(smooth(20, 30), layout=el.io.Layout.planar(fov=80))
     for kept in (
         el.split(env).remainder,
         el.limit(env, 30).remainder,
@@ -145,5 +147,5 @@ def test_all_that_keeps_the_world_keeps_its_source():
 
 @pytest.mark.parametrize("option", [{"width": 64}, {"fov": 90}, {"forward": (0, 0, 1)}])
 def test_the_source_takes_no_other_argument(option):
-    with pytest.raises(el.EnvLightsError, match="is no argument of the projection 'source'"):
+    with pytest.raises(el.EnvLightsError, match="is no argument of the layout 'source'"):
         WORLD.to("source", **option)

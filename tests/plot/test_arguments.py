@@ -66,7 +66,7 @@ def frame(pairs):
 #: Each public picture with its data and options, and its number of panels.
 PICTURES = {
     "loghin_picture": (lambda: ((HALL,), {}), 4),
-    "axes_picture": (lambda: ((), {}), len(el.export.axes.AXES)),
+    "axes_picture": (lambda: ((), {}), len(el.export.AXES) - 1),
     "basis_picture": (lambda: ((room()[0],), {"directions": 4}), 4),
     "card_balls": (lambda: ((HALL, in_cards()), {}), 3),
     "card_textures": (lambda: ((in_cards().cards[:2],), {}), 2),

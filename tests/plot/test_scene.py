@@ -92,6 +92,6 @@ def test_what_is_no_rig_is_refused(arguments, message):
 
 
 def test_maps_that_mitsuba_reads_otherwise_are_refused():
-    env = el.EnvMap(np.ones((4, 8, 3)), registration="border-sampled")
+    env = el.EnvMap(np.ones((4, 8, 3)), layout=el.io.Layout(registration="border-sampled"))
     with pytest.raises(el.EnvLightsError, match="must be cell-centred to be rendered; got border"):
         plot.scene(env, RIG, samples=1)

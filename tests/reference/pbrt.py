@@ -25,7 +25,9 @@ def light_sources(path):
     """Kind and parameters of each light source: arrays, or text."""
     found = []
     name = None
-    for kind, token in _tokens(Path(path).read_bytes().rstrip()):
+    for kind, token in tokens(Path(path).read_bytes().rstrip()):
+        if kind == "comment":
+            continue
         if kind == "word" and token == "LightSource":
             found.append(())
         elif kind == "word":
@@ -42,8 +44,8 @@ def light_sources(path):
     return found
 
 
-def _tokens(text):
-    """Kind and text of each token but comments."""
+def tokens(text):
+    """Kind and text of each token."""
     place = 0
     while place < len(text):
         match = _TOKEN.match(text, place)
@@ -52,8 +54,7 @@ def _tokens(text):
         token = match[match.lastgroup]
         if match.lastgroup == "string":
             token = re.sub(rb"\\(.)", lambda escape: bytes([_ESCAPES[escape[1][0]]]), token)
-        if match.lastgroup != "comment":
-            yield match.lastgroup, os.fsdecode(token)
+        yield match.lastgroup, os.fsdecode(token)
 
 
 def irradiance(path, normals, height=1024):

@@ -1,11 +1,11 @@
 """Overlays of shadows: exact ratios, the errors of blending, files, refusals."""
 
 import numpy as np
+import OpenImageIO as oiio  # noqa: N813, its own name for itself
 import pytest
 
 import envlights as el
 from envlights._common.srgb import encode_srgb
-from envlights.environment.decoders.openimageio import oiio
 from envlights.scene.solids import blocked_by
 
 BALL = el.scene.Ball((0.0, 0.5, 0.0), 0.5)

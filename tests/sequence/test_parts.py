@@ -1,5 +1,7 @@
 """Parts of `follow`: assignment, window, identities, steps, frames."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -12,6 +14,7 @@ from envlights._native import assignment
 from envlights.fitting.map_fit import MapSamples
 from envlights.sequence.frames import frames_of
 from envlights.sequence.identity import Identities, rotation_vector, turn
+from envlights.sequence.light_tracks import tracks_of
 from envlights.sequence.steadiness import window_frames, window_weights
 from envlights.sequence.steps import Steps
 from envlights.sequence.window import FrameFit, average, thin
@@ -223,3 +226,113 @@ def test_without_pyav_a_video_is_refused(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "av", None)
     with pytest.raises(el.EnvLightsError, match=r"pip install 'envlights\[video\]'"):
         el.follow(tmp_path / "lamps.mp4")
+
+
+def frames_of_lamps(levels):
+    """Irradiance on six sides under lamps on three axes, for rows of their levels."""
+    sides = np.concatenate([np.eye(3), -np.eye(3)])
+    weights = np.full(6, 1 / 6)
+    for row in np.atleast_2d(levels):
+        light = np.maximum(sides @ np.diag(row), 0).sum(axis=1) + 0.2
+        yield MapSamples(sides, weights, light[:, None] * np.ones(3))
+
+
+def steps_of(frames, gains=None):
+    steps = Steps()
+    gains = np.ones((len(frames), 1)) if gains is None else np.reshape(gains, (len(frames), -1))
+    scaled = (f._replace(irradiance=g * f.irradiance) for f, g in zip(frames, gains, strict=True))
+    return [k for k, each in enumerate(scaled) if steps.is_step(each)]
+
+
+RNG = np.random.default_rng(0)
+NOISE = RNG.uniform(0.9, 1.1, 40)
+
+
+@pytest.mark.parametrize("lamp", [0.15, 0.5, 2.0])
+@pytest.mark.parametrize(
+    "gains",
+    [
+        np.tile([1, 0.93, 1.07, 1], 10),
+        NOISE,
+        RNG.uniform(0.95, 1.05, (40, 3)),  # of the white balance
+        1.02 ** np.arange(40),
+        np.where(np.arange(40) % 2, 0.8, 1.0),
+    ],
+)
+def test_a_switch_inside_a_flicker_is_a_step(gains, lamp):
+    levels = np.ones((40, 3))
+    levels[20:, 0] += lamp
+    assert steps_of(list(frames_of_lamps(levels)), gains) == [20]
+
+
+@pytest.mark.parametrize("gains", [NOISE, np.tile([1, 0.93], 20), 1.02 ** np.arange(40)])
+def test_a_flicker_alone_has_no_step(gains):
+    assert steps_of(list(frames_of_lamps(np.ones((40, 3)))), gains) == []
+
+
+@pytest.mark.parametrize("first", [0, 1, 2, 3, 5])
+@pytest.mark.parametrize("last", [0, 1, 2])
+def test_both_ends_of_a_flash_in_the_first_frames_are_steps(first, last):
+    end = first + last + 1
+    levels = np.ones((30, 3))
+    levels[first:end, 1] = 9
+    levels[20:, 0] = 1.5  # a later switch is not hidden by the flash
+    expected = [*([first] if first else []), end, 20]
+    assert steps_of(list(frames_of_lamps(levels))) == expected
+
+
+def test_fast_motion_from_the_first_frame_is_no_row_of_steps():
+    turns = [(1 + np.cos(k), 1 + np.sin(k), 1) for k in range(30)]
+    assert set(steps_of(list(frames_of_lamps(turns)))) <= {1, 2, 3}
+
+
+def test_tracks_take_memory_in_proportion_to_the_frames():
+    """The distance of each frame from each other one would take 512 MB."""
+    lights = el.Lights([[0, 1, 0], [1, 0, 0]], [[1, 1, 1], [2, 2, 2]], [0.1, 0.1])
+    rigs = [el.sequence.FrameRig([0.1] * 3, lights, 0.0, frame=k, ids=(0, 1)) for k in range(8000)]
+    tracemalloc.start()
+    tracks = tracks_of(rigs, "gltf", None)
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert most < 30e6
+    assert tracks.lights[1].intensity.tolist() == [rigs[0].light(1).irradiance.max()] * 8000
+
+
+def test_a_light_rests_as_in_the_nearest_frame_where_it_is_absent():
+    """Frames 2, 3 and 6 of 8 have it; of two equally near frames the earlier one counts."""
+    lamp = el.Lights([[0, 0.6, 0.8]], [[2.0, 1, 0]], [0.1])
+    turned = el.Lights([[0, 1, 0]], [[0, 3.0, 0]], [0.2])
+    rigs = []
+    for k in range(8):
+        here = {2: lamp, 3: lamp, 6: turned}.get(k, lamp[:0])
+        ids = (7,) if len(here) else ()
+        rigs.append(el.sequence.FrameRig([0.1] * 3, here, 0.0, frame=k, ids=ids))
+    (track,) = tracks_of(rigs, "gltf", None).lights
+    assert track.intensity.tolist() == [0, 0, 2, 2, 0, 0, 3, 0]
+    assert track.radius.tolist() == [0.1] * 5 + [0.2] * 3
+    assert track.colour[:5].tolist() == [[1, 0.5, 0]] * 5
+    np.testing.assert_array_equal(track.direction[5:], [[0, 1, 0]] * 3)
+
+
+@pytest.mark.parametrize(
+    ("folder", "pattern"),
+    [
+        ("renders [v2]", "f*.exr"),
+        ("renders [v2]", "f[12].exr"),
+        ("renders", "f*[[]a].exr"),
+        ("renders", "f*[a].exr"),
+        ("renders", "f?[a].exr"),
+        ("[x]", "**/f*.exr"),
+    ],
+)
+def test_brackets_in_names_are_found(folder, pattern, tmp_path):
+    name = "f{}[a].exr" if "a]" in pattern else "f{}.exr"
+    (tmp_path / folder).mkdir()
+    even = el.EnvMap(np.full((8, 16, 3), 0.5, np.float32))
+    for k in (1, 2):
+        even.save(tmp_path / folder / name.format(k))
+    path = str(tmp_path / folder / pattern)
+    assert len(el.follow(path, lights=0, steadiness=0).sequence()) == 2
+    assert len(el.batch(path, lights=0, jobs=1)) == 2
+    one = str(tmp_path / folder / name.format(1))
+    assert len(el.follow(one, lights=0, steadiness=0).sequence()) == 1

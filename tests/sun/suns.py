@@ -17,7 +17,9 @@ def sky(height=64, registration="cell-centred", **options):
         height, 2 * height, border_sampled=registration == "border-sampled"
     )[..., 1:2]
     radiance = np.where(up > 0, [0.3, 0.4, 0.6], [0.2, 0.15, 0.1]) * (1 + 0.2 * up)
-    return el.EnvMap(radiance.astype(np.float32), registration=registration, **options)
+    return el.EnvMap(
+        radiance.astype(np.float32), layout=el.io.Layout(registration=registration), **options
+    )
 
 
 def clipped(height=64, degrees=6.0):

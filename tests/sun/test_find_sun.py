@@ -260,7 +260,7 @@ def test_other_sizes_have_the_same_answer(height):
 
 
 def test_a_border_sampled_map_has_the_same_sun(of_wide, wide):
-    env = el.EnvMap(wide[0], registration="border-sampled")
+    env = el.EnvMap(wide[0], layout=el.io.Layout(registration="border-sampled"))
     answer = el.find_sun(env)
     assert answer.answer == "sun"
     assert angle_deg(answer.direction, of_wide.direction) < 1

@@ -84,7 +84,7 @@ def test_the_report_says_that_the_sun_is_fixed_and_a_guess():
 @pytest.mark.parametrize("registration", ["cell-centred", "border-sampled"])
 def test_the_ratio_of_rms_irradiance_has_a_closed_form_for_an_even_sky(registration):
     radiance = np.full((64, 128, 3), 2.0, np.float32)
-    env = el.EnvMap(radiance, registration=registration)
+    env = el.EnvMap(radiance, layout=el.io.Layout(registration=registration))
     lamp = el.Lights([[0.6, 0.8, 0]], [[9, 6, 3]])
     ratios = ratios_of(pixels_of(env), lamp)
     # Over all normals: pi L, and pi L + E max(0, n . d), whose mean is 1/4 and mean square 1/6.

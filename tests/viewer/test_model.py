@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import envlights as el
 from envlights._common.srgb import decode_srgb
-from envlights.viewer import model_textures
+from envlights.viewer import model_file, model_textures
 from envlights.viewer.model_file import MOST_TRIANGLES
 
 TRIANGLE = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
@@ -236,6 +236,48 @@ def test_a_damaged_file_is_refused_by_name(tmp_path, name):
 def test_a_hostile_scene_is_refused(tmp_path, name):
     with pytest.raises(el.EnvLightsError):
         el.viewer.Model.open(gltf(tmp_path / "one.gltf", **CHANGES[name]))
+
+
+#: An array without data is zeros; many meshes may share one; negative counts are taken away.
+ZEROS = {"componentType": 5126, "count": 2 * 10**7, "type": "VEC3"}
+CLAIMS = {
+    "zeros": {"accessors": [ZEROS]},
+    "sum": {"accessors": [{**ZEROS, "count": 10**5}] * 200},
+    "negative": {"accessors": [ZEROS, {**ZEROS, "count": -2 * 10**7}]},
+    "copies": {
+        "accessors": [{**ZEROS, "count": 10**6}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}] * 100,
+    },
+}
+
+
+@pytest.mark.parametrize("name", CLAIMS)
+@pytest.mark.parametrize("kind", ["gltf", "glb"])
+def test_a_file_that_claims_much_more_than_it_holds_is_refused(tmp_path, monkeypatch, name, kind):
+    """Before the library reads it; 400 bytes took 2 GB."""
+    path = gltf(tmp_path / "one.gltf", **CLAIMS[name])
+    if kind == "glb":
+        text = path.read_bytes()
+        path = tmp_path / "one.glb"
+        path.write_bytes(struct.pack("<4sIIII", b"glTF", 2, 20 + len(text), len(text), 0) + text)
+    monkeypatch.setattr(trimesh, "load_scene", lambda *_, **__: pytest.fail("it was read"))
+    with pytest.raises(el.EnvLightsError, match=r"arrays would need \d+ MB"):
+        el.viewer.Model.open(path)
+
+
+def test_data_beside_a_file_counts(tmp_path):
+    vertices, triangles = cube()
+    scene = trimesh.Scene([trimesh.Trimesh(vertices, triangles, process=False)] * 2)
+    for name, content in trimesh.exchange.gltf.export_gltf(scene).items():
+        (tmp_path / name).write_bytes(content)
+    assert len(el.viewer.Model.open(tmp_path / "model.gltf").triangles) == 24
+
+
+def test_a_texture_of_too_many_pixels_is_refused_before_it_is_decoded():
+    from PIL import Image
+
+    with pytest.raises(el.EnvLightsError, match="pixels; got 10000 x 10000"):
+        model_file._texels(Image.new("1", (10_000, 10_000)), np.zeros((1, 2)))
 
 
 def test_a_missing_file_is_not_found(tmp_path):

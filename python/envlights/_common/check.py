@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import contextlib
+import functools
+import inspect
 import math
 import numbers
 import os
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Callable, Iterable
+from difflib import get_close_matches
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights._common.blocks import in_blocks
 from envlights._native import EnvLightsError
+
+_Function = TypeVar("_Function", bound=Callable[..., Any])
 
 #: Largest accepted count; an array with that many elements does not fit into memory.
 LARGEST_COUNT = 2**32 - 1
@@ -209,3 +214,43 @@ def rotation(matrix: ArrayLike) -> NDArray[np.float64]:
     if np.linalg.det(turn) < 0:
         raise EnvLightsError("matrix must be a rotation; it is a reflection")
     return turn
+
+
+#: Kinds of parameters without a name of their own.
+_MANY = (inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD)
+
+
+def named_arguments(*others: Callable[..., Any]) -> Callable[[_Function], _Function]:
+    """Function whose refusal of an unknown keyword names it and the argument that is meant.
+
+    It also has the options of `others`.
+    """
+
+    def decorate(function: _Function) -> _Function:
+        functions: list[Callable[..., Any]] = [function, *others]
+        given = [each for one in functions for each in _parameters(one)]
+        names = dict.fromkeys(each.name for each in given if each.kind not in _MANY)
+
+        @functools.wraps(function)
+        def call(*args: Any, **keywords: Any) -> Any:
+            for name in keywords:
+                if name not in names:
+                    raise TypeError(_refusal(function.__qualname__, name, [*names]))
+            return function(*args, **keywords)
+
+        return call  # type: ignore[return-value]
+
+    return decorate
+
+
+def _parameters(function: Callable[..., Any]) -> list[inspect.Parameter]:
+    return [*inspect.signature(function).parameters.values()]
+
+
+def _refusal(function: str, name: str, names: list[str]) -> str:
+    near = get_close_matches(name, names, n=1)
+    meant = f" (did you mean {near[0]}=?)" if near else ""
+    return (
+        f"{function}() got an unexpected keyword argument '{name}'{meant}; it has"
+        f" {', '.join(names)}"
+    )

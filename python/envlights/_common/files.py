@@ -52,11 +52,17 @@ def as_path(path: object) -> Path:
 
 
 def matches(pattern: str) -> list[str]:
-    """Paths that match a pattern, sorted; names of existing folders in it are taken as they are."""
+    """Paths that match a pattern, sorted; names of existing folders in it are taken as they are.
+
+    Brackets are sets of characters, or themselves if nothing matches so.
+    """
     path = Path(pattern)
     folder = next((each for each in path.parents if each.exists()), Path())
-    rest = path.relative_to(folder)
-    return sorted(glob.glob(str(Path(glob.escape(str(folder)), rest)), recursive=True))  # noqa: PTH207
+    rest, start = str(path.relative_to(folder)), glob.escape(str(folder))
+    for each in dict.fromkeys([rest, rest.replace("[", "[[]")]):
+        if found := glob.glob(str(Path(start, each)), recursive=True):  # noqa: PTH207
+            return sorted(found)
+    return []
 
 
 def read_text(path: str | os.PathLike[str]) -> str:

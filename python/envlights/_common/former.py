@@ -6,7 +6,7 @@ import dataclasses
 import functools
 import inspect
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from operator import attrgetter
 from typing import Any, TypeVar
 
@@ -68,6 +68,37 @@ def former_settings(**names: str) -> Callable[[_Function], _Function]:
                 settings = keywords.get("settings", default)
                 keywords["settings"] = dataclasses.replace(settings, **changes)
             return function(*args, **keywords)
+
+        return call  # type: ignore[return-value]
+
+    return decorate
+
+
+def former_parts(
+    parameter: str, whole: Callable[..., Any], parts: Iterable[str], **names: str
+) -> Callable[[_Function], _Function]:
+    """Function that accepts the parts of one of its arguments as keywords, and former keywords.
+
+    ``whole(value, **parts)`` is the argument with these parts.
+    """
+
+    def decorate(function: _Function) -> _Function:
+        signature = inspect.signature(function)
+
+        @functools.wraps(function)
+        def call(*args: Any, **keywords: Any) -> Any:
+            for old in [name for name in keywords if name in names]:
+                _rename(function, keywords, old, names[old])
+            given = {name: keywords.pop(name) for name in parts if name in keywords}
+            if not given:
+                return function(*args, **keywords)
+            bound = signature.bind_partial(*args, **keywords)
+            value = whole(bound.arguments.get(parameter), **given)
+            bound.arguments[parameter] = value
+            form = ", ".join(f"{name}={part!r}" for name, part in given.items())
+            name = function.__qualname__
+            _warn(f"{name}(..., {form})", f"{name}(..., {parameter}={value!r})", 3)
+            return function(*bound.args, **bound.kwargs)
 
         return call  # type: ignore[return-value]
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Iterable
-from typing import NamedTuple
+from typing import Any, NamedTuple
+
+from envlights._common.printable import printable
 
 LOG = logging.getLogger("envlights")
 LOG.addHandler(logging.NullHandler())
@@ -28,6 +30,7 @@ class Code(NamedTuple):
 
 #: Codes of notes, in the order in which they are tried.
 CODES = {
+    "black": Code((" is black everywhere",), "There is no light.", True),
     "sun-added": Code(("added as a disc: ", "as a light of its own: "), "A sun was added."),
     "sun-missing": Code(("no sun was added",), "No sun was added, and why.", True),
     "calibrated": Code(("calibrated to cd/m2", "(whiteLuminance)"), "Radiance is in cd/m2."),
@@ -70,14 +73,18 @@ CODES = {
         ("pixels, converted to ", "so the samples lie on them (border-sampled)"),
         "Layout of the picture, and its conversion.",
     ),
-    "memory-faults": Code(("has published memory faults",), "Update openimageio.", True),
     "filled": Code(("of the sphere that is not seen ",), "The unseen part was filled."),
     "unseen": Code(("of the sphere is not seen",), "A part of the sphere is not seen.", True),
     "limited": Code(("limited to ",), "Large samples were limited."),
     "removed": Code(("of the flux removed",), "Lights were removed."),
     "removed-part": Code(("so only the seen part was removed",), "A light was cut off.", True),
+    "few-samples": Code(
+        ("the flux of small lights are uncertain",), "Few samples lie on a light.", True
+    ),
     "clipped-flux": Code(
-        ("so the lights there are a lower bound",), "Clipping lost light; see `repaired`.", True
+        ("so the lights there are a lower bound",),
+        "Clipping lost light; see `with_sun` and `repaired`.",
+        True,
     ),
     "repaired": Code(
         (" for the clipped light: ", "nothing was added: no pixel is clipped"),
@@ -100,9 +107,13 @@ CODES = {
 
 
 class Note(str):
-    """Remark on an assumption or a change: text, with the `code` of its kind."""
+    """Remark on an assumption or a change: text on one line, with the `code` of its kind."""
 
     __slots__ = ()
+
+    def __new__(cls, text: str = "") -> Note:
+        """Make `text` printable: a note of a file neither forges lines nor controls a terminal."""
+        return super().__new__(cls, printable(text))
 
     @property
     def code(self) -> str:
@@ -111,6 +122,11 @@ class Note(str):
             if any(phrase in self for phrase in kind.phrases):
                 return code
         return OTHER
+
+
+def black_note(light: Any, what: str = "map") -> tuple[str, ...]:
+    """Note on a map whose `light`, an array, is 0 everywhere; empty for others."""
+    return () if light.any() else (f"the {what} is black everywhere, so there is no light to find",)
 
 
 def log(notes: Iterable[str]) -> None:

@@ -21,7 +21,8 @@ def progress_bar(
     None: only in a terminal or a notebook, and only after a second. `total` is the number of items
     that have no length.
     """
-    is_seen = sys.stderr.isatty() or _is_notebook()
+    is_terminal = sys.stderr is not None and sys.stderr.isatty()  # pythonw has no stderr
+    is_seen = is_terminal or _is_notebook()
     if not (is_seen if progress is None else progress):
         return items
     # Import tqdm only for a visible bar.

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights._common import html
+from envlights._common.printable import printable
 from envlights._common.tables import Table, frame_of
 
 if TYPE_CHECKING:
@@ -53,16 +54,16 @@ class Result(ABC):
 
     def __str__(self) -> str:
         table = self._table()
-        head = [self.in_short()] if self._is_headed else []
-        parts = [*head, *([] if table is None else [str(table)]), *self._lines()]
-        return "\n".join(parts) or repr(self)
+        head = [printable(self.in_short())] if self._is_headed else []
+        rows = [] if table is None else [str(table)]
+        return "\n".join([*head, *rows, *map(printable, self._lines())]) or repr(self)
 
     def verbose(self) -> str:
         """Text with all details; `str` gives the short one."""
-        return "\n".join([str(self), *self._details()])
+        return "\n".join([str(self), *map(printable, self._details())])
 
     def __repr__(self) -> str:
-        return f"<{type(self).__name__}: {self.in_short()}>"
+        return f"<{type(self).__name__}: {printable(self.in_short())}>"
 
     def _repr_pretty_(self, printer: Any, _: bool) -> None:
         """The whole text for a single object, one line for an element of a list."""
@@ -75,7 +76,7 @@ class Result(ABC):
         """HTML below the line: pictures, table, text."""
         table = self._table()
         is_split = self._is_headed or table is not None
-        text = "\n".join(self._lines()) if is_split else str(self)
+        text = "\n".join(map(printable, self._lines())) if is_split else str(self)
         return (*self._pictures(), "" if table is None else table.html(), html.lines(text))
 
     def __eq__(self, other: object) -> bool:

@@ -50,12 +50,17 @@ def _values(bits: int) -> NDArray[np.float32]:
     return decode_srgb(codes / codes[-1])
 
 
-def look_up(codes: NDArray[Any], table: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Values of codes of 8 or 16 bits, (height, width, channels).
+def look_up(
+    codes: NDArray[Any], table: NDArray[np.float32], values: NDArray[np.float32] | None = None
+) -> NDArray[np.float32]:
+    """Values of codes of 8 or 16 bits, (height, width, channels), in `values` if it is given.
 
     `table` holds the value of each code, (n,), or (channels, n) with one row for each channel.
     """
     tables = np.ascontiguousarray(np.atleast_2d(table))
+    values = np.empty(codes.shape, np.float32) if values is None else values
     if codes.dtype.itemsize == 1:
-        return _native.decode_8(np.ascontiguousarray(codes, dtype=np.uint8), tables)
-    return _native.decode_16(np.ascontiguousarray(codes, dtype=np.uint16), tables)
+        _native.decode_8(np.ascontiguousarray(codes, dtype=np.uint8), tables, values)
+    else:
+        _native.decode_16(np.ascontiguousarray(codes, dtype=np.uint16), tables, values)
+    return values

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights._common.files import as_path, write_content
+from envlights._common.printable import printable
 from envlights._native import EnvLightsError
 
 if TYPE_CHECKING:
@@ -42,9 +43,10 @@ class Table(NamedTuple):
 
     def __str__(self) -> str:
         """Text with aligned columns."""
+        rest = printable(self.rest)
         if not self.rows:
-            return self.rest
-        lines = [self.columns, *self.rows]
+            return rest
+        lines = [[printable(cell) for cell in row] for row in (self.columns, *self.rows)]
         widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
         aligns = [">" if name else "<" for name in self.columns]
         layout = list(zip(aligns, widths, strict=True))
@@ -54,7 +56,7 @@ class Table(NamedTuple):
             )
             for line in lines
         )
-        return "\n".join(filter(None, [*(text.rstrip() for text in texts), self.rest]))
+        return "\n".join(filter(None, [*(text.rstrip() for text in texts), rest]))
 
     def html(self) -> str:
         """HTML table in the colours of its page."""

@@ -13,9 +13,11 @@ from typing import Any
 
 from envlights._common.check import check_choice, check_progress, count, describe
 from envlights._common.files import as_path
+from envlights._common.printable import printable
 from envlights._common.progress import progress_bar
 from envlights._native import EnvLightsError
 from envlights.batches.executors import (
+    KILLED,
     executor_of,
     in_window,
     jobs_of,
@@ -26,7 +28,7 @@ from envlights.batches.journal import Journal
 from envlights.batches.result import Batch
 from envlights.batches.rows import plain
 from envlights.batches.sources import items_of, with_unique_names
-from envlights.batches.work import METHODS, Task, check_options, name_of, work_on
+from envlights.batches.work import METHODS, Task, check_options, files_of, name_of, work_on
 
 #: Tasks that wait for each worker, so that none is idle while a row is written.
 _AHEAD = 2
@@ -47,7 +49,8 @@ def batch(
 
     A map that fails costs its row, which has the reason. With a folder `out`, a batch that was
     killed goes on where it stopped when it is started again: maps of the same content and options
-    are not done again, and those that failed are.
+    are not done again, and those that failed are. A file of the folder that no batch wrote is never
+    replaced: its map fails.
 
     Parameters
     ----------
@@ -84,13 +87,15 @@ def batch(
     Returns
     -------
     Batch
-        Rows of all maps of `out`, sorted by name, and the failures.
+        Rows of the maps of this call, sorted by name, and the failures. The text names other runs
+        in the folder; `Batch.load` has all their rows.
 
     Raises
     ------
     EnvLightsError
         If a folder or pattern has no map, an option is unknown or out of its range, another batch
-        writes to `out`, or a worker process was killed; what is finished stays.
+        writes to `out`, its ``batch.jsonl`` is of another program, the disk is full, or a worker
+        process was killed; what is finished stays.
 
     See Also
     --------
@@ -110,7 +115,7 @@ def batch(
     method = _method(what, suffix, options)
     jobs = jobs_of(executor, None if jobs is None else count("jobs", jobs, least=1, most=1024))
     folder = None if out is None else _folder(out)
-    start = perf_counter()
+    start, calls = perf_counter(), set[str]()
     with threads_restored(), executor_of(executor, jobs) as pool:
         threads = threads_of(executor, jobs)
         journal = Journal(folder)
@@ -121,7 +126,7 @@ def batch(
                 "suffix": suffix,
                 "version": _version(),
             }
-            tasks = _tasks(maps, journal, what, options, folder, suffix, threads, method)
+            tasks = _tasks(maps, journal, what, options, folder, suffix, threads, method, calls)
             done = in_window(pool, work_on, tasks, _AHEAD * jobs)
             counts = [
                 _keep(task, future, journal, head)
@@ -131,7 +136,8 @@ def batch(
         finally:
             journal.close()
     seconds = perf_counter() - start
-    return Batch("" if folder is None else str(folder), text, counts.count(False), seconds)
+    place = "" if folder is None else str(folder)
+    return Batch(place, text, counts.count(False), seconds, frozenset(calls))
 
 
 def _version() -> str:
@@ -170,13 +176,16 @@ def _tasks(
     suffix: str | None,
     threads: int | None,
     method: tuple[str, str, str | None],
+    calls: set[str],
 ) -> Iterator[Task]:
-    """Work on each map, made when a worker is free."""
+    """Work on each map, made when a worker is free; `calls` gets their sources."""
     names = {source: entry.name for source, entry in journal.entries.items()}
     out = None if folder is None else str(folder)
     for name, source, content in with_unique_names(items_of(maps, folder), names):
         known = journal.finished_hash(source, name, method)
-        yield Task(name, source, content, what, options, out, suffix, threads, known)
+        own = journal.claim(name, files_of(name, what, suffix))
+        calls.add(source)
+        yield Task(name, source, content, what, options, out, suffix, threads, known, own)
 
 
 def _keep(task: Task, future: Future[Any], journal: Journal, head: dict[str, Any]) -> bool:
@@ -184,13 +193,10 @@ def _keep(task: Task, future: Future[Any], journal: Journal, head: dict[str, Any
     try:
         row = future.result()
     except BrokenExecutor:
-        raise EnvLightsError(
-            "a worker process was killed, perhaps because the memory was full; start the batch"
-            " again with fewer jobs, and it goes on"
-        ) from None
+        raise EnvLightsError(KILLED) from None
     except Exception as error:  # the executor could not run the task
         row = {"name": task.name, "source": task.source, "sha256": None}
-        row["failure"] = f"{type(error).__name__}: {error}"
+        row["failure"] = f"{type(error).__name__}: {printable(str(error))}"
     if row is not None:
         journal.append({**row, **head})
     return row is not None

@@ -5,12 +5,12 @@ from __future__ import annotations
 import io
 import json
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from importlib import import_module
 from typing import Any
 
 from envlights._common.check import check_choice
-from envlights._common.tables import check_suffix, json_lines, save_table
+from envlights._common.tables import check_suffix, csv_text, json_lines, save_table
 from envlights._native import EnvLightsError
 
 #: Errors of a rig.
@@ -96,7 +96,7 @@ def _values(values: dict[str, Any]) -> dict[str, Any]:
 
 
 #: Suffixes of tables.
-SUFFIXES = (".parquet", ".jsonl")
+SUFFIXES = (".csv", ".jsonl", ".parquet")
 
 
 def save_rows(
@@ -104,9 +104,12 @@ def save_rows(
 ) -> None:
     """Write rows with typed `columns`; further columns get the type of their values."""
     check_table(path)
-    save_table(
-        path, {".parquet": lambda: _parquet(rows, columns), ".jsonl": lambda: json_lines(rows)}
-    )
+    writers: dict[str, Callable[[], str | bytes]] = {
+        ".csv": lambda: _csv(rows, columns),
+        ".jsonl": lambda: json_lines(rows),
+        ".parquet": lambda: _parquet(rows, columns),
+    }
+    save_table(path, writers)
 
 
 def check_table(path: str | os.PathLike[str]) -> None:
@@ -120,8 +123,20 @@ def _arrow() -> Any:
         return import_module("pyarrow")
     except ImportError:
         raise EnvLightsError(
-            "a .parquet table needs pyarrow: pip install 'envlights[table]'; or write .jsonl"
+            "a .parquet table needs pyarrow: pip install 'envlights[table]'; or write .csv"
         ) from None
+
+
+def _names(rows: Sequence[dict[str, Any]], columns: Mapping[str, str]) -> list[str]:
+    """Columns, and those that only some rows have."""
+    return [*columns, *dict.fromkeys(name for row in rows for name in row if name not in columns)]
+
+
+def _csv(rows: Sequence[dict[str, Any]], columns: Mapping[str, str]) -> str:
+    names = _names(rows, columns)
+    cells = ([row.get(name) for name in names] for row in rows)
+    texts = ([json.dumps(c) if isinstance(c, list) else c for c in row] for row in cells)
+    return csv_text([names, *texts])
 
 
 def _parquet(rows: Sequence[dict[str, Any]], columns: Mapping[str, str]) -> bytes:
@@ -133,9 +148,8 @@ def _parquet(rows: Sequence[dict[str, Any]], columns: Mapping[str, str]) -> byte
         "count": arrow.int32(),
         "flag": arrow.bool_(),
     }
-    names = [*columns, *dict.fromkeys(name for row in rows for name in row if name not in columns)]
     arrays = {}
-    for name in names:
+    for name in _names(rows, columns):
         values = [row.get(name) for row in rows]
         kind = types[columns[name]] if name in columns else None
         arrays[name] = _column(arrow, values, kind)

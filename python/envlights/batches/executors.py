@@ -3,24 +3,33 @@
 from __future__ import annotations
 
 import contextlib
+import os
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import (
     FIRST_COMPLETED,
+    BrokenExecutor,
     Executor,
     Future,
     ProcessPoolExecutor,
     ThreadPoolExecutor,
     wait,
 )
-from multiprocessing import get_context
+from multiprocessing import get_context, parent_process
+from threading import Thread
 from typing import Any, TypeVar
 
 from envlights import _native
 from envlights._common.check import check_choice, describe
+from envlights._common.printable import printable
 from envlights._native import EnvLightsError
 
 _Task = TypeVar("_Task")
 
+#: Refusal after a worker died with its pool.
+KILLED = (
+    "a worker process was killed, perhaps because the memory was full; start the batch again with"
+    " fewer jobs, and it goes on"
+)
 #: Executors by name.
 NAMES = ("thread", "process")
 
@@ -49,11 +58,22 @@ def _own(name: str, jobs: int) -> Iterator[Executor]:
     if name == "thread":
         pool: Executor = ThreadPoolExecutor(jobs, "envlights-batch")
     else:
-        pool = ProcessPoolExecutor(jobs, get_context("spawn"))
+        pool = ProcessPoolExecutor(jobs, get_context("spawn"), _end_with_parent)
     try:
         yield pool
     finally:
         pool.shutdown(cancel_futures=True)
+
+
+def _end_with_parent() -> None:
+    """End this worker when its parent is killed; the queue of the pool would wait for ever."""
+
+    def wait_for_parent() -> None:
+        if (parent := parent_process()) is not None:
+            parent.join()
+            os._exit(1)
+
+    Thread(target=wait_for_parent, daemon=True).start()
 
 
 class _Inline(Executor):
@@ -86,7 +106,10 @@ def threads_of(executor: Any, jobs: int) -> int | None:
 
 def _cores(executor: Any) -> int:
     """Cores of all workers of a client of Dask; 0 for other executors."""
-    return sum(executor.ncores().values()) if hasattr(executor, "ncores") else 0
+    try:
+        return sum(executor.ncores().values())
+    except (AttributeError, TypeError):  # no client of Dask
+        return 0
 
 
 @contextlib.contextmanager
@@ -109,7 +132,7 @@ def in_window(
     waiters = ThreadPoolExecutor(width, "envlights-wait")
     try:
         for task in tasks:
-            job = executor.submit(work, task)
+            job = _submit(executor, work, task)
             if not callable(getattr(job, "result", None)):
                 raise EnvLightsError(
                     "submit of the executor must return an object with the method result(); got"
@@ -123,8 +146,22 @@ def in_window(
             yield from _next_futures(pending)
     finally:
         for _, job in pending.values():
-            getattr(job, "cancel", bool)()
+            with contextlib.suppress(Exception):  # jobs of others may not have it
+                job.cancel()
         waiters.shutdown(wait=False, cancel_futures=True)
+
+
+def _submit(executor: Any, work: Callable[[_Task], Any], task: _Task) -> Any:
+    """Job of a task, or a refusal if the executor does not take it."""
+    try:
+        return executor.submit(work, task)
+    except BrokenExecutor:
+        raise EnvLightsError(KILLED) from None
+    except Exception as error:
+        raise EnvLightsError(
+            "submit(f, x) of the executor must accept a function and its argument; it raised"
+            f" {type(error).__name__}: {printable(str(error))}"
+        ) from error
 
 
 def _next_futures(

@@ -4,6 +4,8 @@ A row is one `write` to a file that is open for appending. Once it returns, the 
 so a killed process loses nothing; at most its last line is torn, and the next start cuts it off. A
 crash of the machine may lose the lines of the last seconds; their maps are done again. `fsync` for
 each line would wait for the disk as long as a small fit takes.
+
+A line of claims names files before they are written, so that those of other programs are known.
 """
 
 from __future__ import annotations
@@ -11,11 +13,13 @@ from __future__ import annotations
 import io
 import json
 import os
-from collections.abc import Iterator
+import re
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from time import monotonic
 from typing import IO, Any, NamedTuple
 
+from envlights._common.errors import FileError
 from envlights._common.files import check_writable, write_atomically
 from envlights._common.tables import json_lines
 from envlights._native import EnvLightsError
@@ -27,8 +31,42 @@ except ImportError:  # Windows
 
 #: Name of the file of rows in the folder of a batch.
 JOURNAL = "batch.jsonl"
+#: Name at the beginning of a row, also of a torn one.
+_NAME = re.compile(rb'^\{"name": ("(?:[^"\\]|\\.)*")')
+#: Keys that each row has.
+_KEYS = {"name", "source", "sha256", "what", "options", "suffix"}
 #: Most seconds of rows that a crash of the machine can lose.
 _SYNC_SECONDS = 5.0
+
+
+#: Beginnings of our lines; a killed process may leave a part of one.
+_STARTS = (b'{"name": ', b'{"claims": ')
+
+
+def row_of_line(line: bytes) -> dict[str, Any] | None:
+    """Row of a line; None for claims, and for a line that is damaged or of another program."""
+    try:
+        row = json.loads(line)
+        return row if row.keys() >= _KEYS else None
+    except (ValueError, AttributeError, RecursionError):
+        return None
+
+
+def _is_json(line: bytes) -> bool:
+    try:
+        json.loads(line)
+    except (ValueError, RecursionError):
+        return False
+    return True
+
+
+def _claims_of_line(line: bytes) -> list[str] | None:
+    """Names of files that a line claims; None for other lines."""
+    try:
+        data = json.loads(line)
+        return [str(each) for each in data["claims"]] if data.keys() == {"claims"} else None
+    except (ValueError, AttributeError, TypeError, RecursionError):
+        return None
 
 
 class Entry(NamedTuple):
@@ -51,34 +89,72 @@ class Journal:
 
     def __init__(self, folder: Path | None) -> None:
         self._folder = folder
-        self._file = io.BytesIO() if folder is None else _lock_file(folder / JOURNAL)
+        self._path = Path(JOURNAL) if folder is None else folder / JOURNAL
+        self._file = io.BytesIO() if folder is None else _lock_file(self._path)
+        self._end = 0
+        self._claims: set[str] = set()
+        self._torn: set[bytes] = set()
         self._synced = monotonic()
         self.entries: dict[str, Entry] = {}
         """Last row of each source."""
-        self._recover()
+        try:
+            self._recover()
+        except EnvLightsError:
+            self.close()
+            raise
 
     def _recover(self) -> None:
-        """Read the rows of earlier runs, and cut off a torn line."""
+        """Read the rows of earlier runs, and cut off a torn line of ours."""
         self._file.seek(0)
-        whole = 0
+        whole, others = 0, 0
         for line in self._file:
             if not line.endswith(b"\n"):
+                is_torn = any(line.startswith(each[: len(line)]) for each in _STARTS)
+                others += not is_torn or _is_json(line)
+                self._torn.update(_NAME.findall(line))
                 break
-            self._note(line, whole)
+            if not self._note(line, whole):
+                # A crash of the machine damages lines; one of another program is whole.
+                others += _is_json(line) or not (self.entries or self._claims)
+                self._torn.update(_NAME.findall(line))
             whole += len(line)
+        if others:
+            raise FileError(
+                f"{self._path} has lines that are no rows of a batch, so it may be the file of"
+                " another program; give another folder, or move it away"
+            )
         self._file.truncate(whole)
-        self._file.seek(whole)
+        self._end = whole
 
-    def _note(self, line: bytes, start: int) -> None:
-        """Keep the place of a row; a line that is damaged is left out, so its map is done again."""
-        try:
-            row = json.loads(line)
-            sha256 = None if row.get("failure") else row["sha256"]
-            method = (row["what"], row["options"], row["suffix"])
-            entry = Entry(row["name"], sha256, method, row.get("file"), start, len(line))
-            self.entries[row["source"]] = entry
-        except (ValueError, KeyError, TypeError, AttributeError):
-            return
+    def _note(self, line: bytes, start: int) -> bool:
+        """Keep the place of a row, or claims; False for a line that is none of ours."""
+        if (claims := _claims_of_line(line)) is not None:
+            self._claims.update(claims)
+            return True
+        if (row := row_of_line(line)) is None:
+            return False
+        sha256 = None if row.get("failure") else row["sha256"]
+        method = (row["what"], row["options"], row["suffix"])
+        entry = Entry(row["name"], sha256, method, row.get("file"), start, len(line))
+        self.entries[row["source"]] = entry
+        self._claims.update([entry.file] if entry.file else [])
+        return True
+
+    def claim(self, name: str, files: Iterable[str]) -> frozenset[str]:
+        """Files of a map that are ours: claimed before, or not there yet."""
+        if self._folder is None:
+            return frozenset()
+        if json.dumps(name).encode() in self._torn:
+            self._claims.update(files)
+        new = [
+            file
+            for file in files
+            if file not in self._claims and not os.path.lexists(self._folder / file)
+        ]
+        if new:
+            self._write(json_lines([{"claims": new}]).encode())
+            self._claims.update(new)
+        return frozenset(file for file in files if file in self._claims)
 
     def finished_hash(
         self, source: str, name: str, method: tuple[str, str, str | None]
@@ -93,20 +169,33 @@ class Journal:
     def append(self, row: dict[str, Any]) -> None:
         """Write a row as a whole line; the file of its map is on the disk already."""
         line = json_lines([row]).encode()
-        start = self._file.tell()
-        self._file.write(line)
-        self._file.flush()
+        start = self._end
+        self._write(line)
         self._note(line, start)
-        if self._folder is not None and monotonic() - self._synced > _SYNC_SECONDS:
-            os.fsync(self._file.fileno())
-            self._synced = monotonic()
+
+    def _write(self, line: bytes) -> None:
+        """Write a line at the end at once, or refuse if the disk is full."""
+        sink = getattr(self._file, "raw", self._file)  # a buffer would be written again at the end
+        try:
+            sink.seek(0, io.SEEK_END)
+            rest = memoryview(line)
+            while rest:
+                rest = rest[sink.write(rest) :]
+            if self._folder is not None and monotonic() - self._synced > _SYNC_SECONDS:
+                os.fsync(self._file.fileno())
+                self._synced = monotonic()
+        except OSError as error:
+            raise FileError(
+                f"cannot write {self._path}: {error.strerror}; what is finished stays, so start"
+                " the batch again when there is room"
+            ) from None
+        self._end += len(line)
 
     def lines(self) -> Iterator[bytes]:
         """Last row of each source, sorted by name."""
         for entry in sorted(self.entries.values()):
             self._file.seek(entry.start)
             yield self._file.read(entry.length)
-        self._file.seek(0, io.SEEK_END)
 
     def finish(self) -> bytes:
         """Write the last row of each source alone, sorted by name; the rows if in memory."""
@@ -116,8 +205,13 @@ class Journal:
         return b""
 
     def _write_lines(self, path: Path) -> None:
+        """Write the rows, and claims of files that no row names."""
+        named = {entry.file for entry in self.entries.values()}
+        others = sorted(self._claims - named)
+        claims = [each for each in others if self._folder and (self._folder / each).exists()]
         with path.open("wb") as file:
             file.writelines(self.lines())
+            file.write(json_lines([{"claims": claims}] if claims else []).encode())
 
     def close(self) -> None:
         """Close the file, so that another batch can use the folder."""

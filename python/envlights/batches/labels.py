@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._common.check import count, describe
+from envlights._common.check import count, describe, named_arguments
 from envlights._common.result import Result
 from envlights._native import EnvLightsError
 from envlights.batches.result import Batch
 from envlights.batches.rows import row_of
+from envlights.export.capabilities import HARMONIC_MEAN
 from envlights.kernels.image import LUMINANCE
 from envlights.rigs.lights import Lights
 from envlights.rigs.lobes import SphericalGaussians, lobes
@@ -46,7 +47,13 @@ class LabelArrays(Result):
     """Radiance along the axis of the spherical Gaussian, linear RGB, (n, k, 3)."""
 
     ambient: NDArray[np.float32]
-    """Mean radiance of the ambient term, linear RGB, (n, 3); 0 for lights without one."""
+    """Mean radiance of the ambient term, linear RGB, (n, 3).
+
+    For lights of `detect` or `split`, that of the map without them; 0 for lights without either."""
+
+    ambient_harmonics: NDArray[np.float32]
+    """Ambient term in the harmonics of `Rig.ambient`, (n, 9, 3); a constant one has only the first.
+    """
 
     left_out: NDArray[np.float32]
     """Fraction of the luminance of the lights that have no place, (n,)."""
@@ -72,6 +79,7 @@ class LabelArrays(Result):
         return {name: getattr(self, name) for name in self.__dataclass_fields__}
 
 
+@named_arguments()
 def label_arrays(labels: Batch | Iterable[Rig | Lights], lights: int) -> LabelArrays:
     r"""Lights of many maps as arrays of one size, to train networks on.
 
@@ -113,7 +121,7 @@ def label_arrays(labels: Batch | Iterable[Rig | Lights], lights: int) -> LabelAr
     if any("lights" not in row for row in rows):
         raise EnvLightsError("labels must hold lights: fit, detect or split the maps of the batch")
     n = len(rows)
-    mask = np.zeros((n, places), bool)
+    mask, harmonics = np.zeros((n, places), bool), np.zeros((n, 9, 3))
     direction, irradiance = np.zeros((2, n, places, 3))
     radius, left_out, ambient = np.zeros((n, places)), np.zeros(n), np.zeros((n, 3))
     for number, row in enumerate(rows):
@@ -127,8 +135,11 @@ def label_arrays(labels: Batch | Iterable[Rig | Lights], lights: int) -> LabelAr
         luminance = every @ LUMINANCE
         left_out[number] = luminance[places:].sum() / (luminance.sum() or 1.0)
         ambient[number] = row.get("ambient") or (0, 0, 0)
+        harmonics[number, 0] = ambient[number] / HARMONIC_MEAN
+        if row.get("ambient_harmonics"):
+            harmonics[number] = row["ambient_harmonics"]
     gaussians = _gaussians(mask, direction, irradiance, radius)
-    arrays = (direction, irradiance, radius, *gaussians, ambient, left_out)
+    arrays = (direction, irradiance, radius, *gaussians, ambient, harmonics, left_out)
     names = tuple(row.get("name", "") for row in rows)
     return LabelArrays(names, mask, *(array.astype(np.float32) for array in arrays))
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import json
 import os
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -12,16 +12,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from envlights._common.errors import MissingFileError
+from envlights._common.errors import DamagedFileError, FileError, MissingFileError
 from envlights._common.files import as_path
-from envlights._common.printable import printable
 from envlights._common.result import Result
 from envlights._common.tables import MOST_ROWS, frame_of
 from envlights._common.words import percent, quantity
-from envlights._native import EnvLightsError
 from envlights.batches import columns
 from envlights.batches.columns import save_rows
-from envlights.batches.journal import JOURNAL
+from envlights.batches.journal import JOURNAL, row_of_line
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -48,6 +46,9 @@ class Batch(Result):
     seconds: float = field(default=0.0, compare=False)
     """Wall time of the batch."""
 
+    sources: frozenset[str] | None = field(default=None, compare=False)
+    """Sources of the maps of the call; None for all rows of the folder."""
+
     @classmethod
     def load(cls, folder: str | os.PathLike[str]) -> Batch:
         """Rows of the folder of an earlier batch.
@@ -60,21 +61,37 @@ class Batch(Result):
         path = as_path(folder).absolute()
         if not (path / JOURNAL).is_file():
             raise MissingFileError(f"no batch is in the folder '{folder}': it has no {JOURNAL}")
-        return cls(str(path))
+        batch = cls(str(path))
+        if (path / JOURNAL).stat().st_size and not len(batch):
+            raise DamagedFileError(f"no batch is in '{folder}': its {JOURNAL} has no row of one")
+        return batch
 
     def rows(self) -> Iterator[dict[str, Any]]:
-        """Row of each map: a dict of plain values, with a list of its `lights`."""
+        """Row of each map of the call: a dict of plain values, with a list of its `lights`."""
+        return (row for row in self._rows() if self._is_of_call(row))
+
+    def _rows(self) -> Iterator[dict[str, Any]]:
+        """All rows of the folder; torn and damaged lines are left out."""
         if not self.folder:
-            yield from map(json.loads, self.lines.splitlines())
+            yield from filter(None, map(row_of_line, self.lines.splitlines()))
             return
         path = Path(self.folder) / JOURNAL
         try:
             with path.open("rb") as file:
-                yield from map(json.loads, file)
+                yield from filter(None, map(row_of_line, file))
         except FileNotFoundError:
             raise MissingFileError(f"the rows of the batch are gone: there is no {path}") from None
-        except (OSError, ValueError) as error:
-            raise EnvLightsError(f"cannot read {path}: {printable(str(error))}") from None
+        except OSError as error:
+            raise FileError(f"cannot read {path}: {error.strerror}") from None
+
+    def _is_of_call(self, row: dict[str, Any]) -> bool:
+        return self.sources is None or row["source"] in self.sources
+
+    @cached_property
+    def _other_runs(self) -> Counter[str]:
+        """Number of rows of each other run in the folder, by its work and options."""
+        others = (row for row in self._rows() if not self._is_of_call(row))
+        return Counter(f"{row['what']} {row['options']}" for row in others)
 
     @cached_property
     def _summary(self) -> tuple[int, dict[str, str], dict[str, float]]:
@@ -119,7 +136,11 @@ class Batch(Result):
         failures = [f"failed: {name}: {reason}" for name, reason in self.failures.items()]
         more = len(failures) - MOST_ROWS
         rest = [f"{more} more failed"] if more > 0 else []
-        return [*medians, *failures[:MOST_ROWS], *rest]
+        runs = [
+            f"not listed: {quantity(number, 'row')} of another run in the folder: {run}"
+            for run, number in self._other_runs.most_common(MOST_ROWS)
+        ]
+        return [*medians, *failures[:MOST_ROWS], *rest, *runs]
 
     def to_dict(self) -> dict[str, Any]:
         """Counts, medians and failures; `rows` has the numbers of each map."""
@@ -129,6 +150,7 @@ class Batch(Result):
             "unchanged": self.unchanged,
             "medians": dict(self.medians),
             "failures": dict(self.failures),
+            "other_runs": dict(self._other_runs),
         }
 
     def table(self, of: str = "lights") -> Iterator[dict[str, Any]]:
@@ -142,12 +164,13 @@ class Batch(Result):
         return frame_of({name: _array([row.get(name) for row in rows]) for name in names})
 
     def save(self, path: str | os.PathLike[str], of: str = "lights") -> None:
-        """Write a table as ``.parquet`` (with pyarrow) or ``.jsonl``; a failure leaves no file.
+        """Write a table as ``.csv``, ``.jsonl`` or ``.parquet``; a failure leaves no file.
 
         Parameters
         ----------
         path : path-like
-            A file with the suffix ``.parquet`` or ``.jsonl``.
+            A file with one of these suffixes; ``.parquet`` needs pyarrow. In ``.csv``, lists are
+            texts of JSON, and what is missing is empty.
         of : {"lights", "maps"}
             A row for each light, or for each map, also for those that failed.
         """

@@ -10,6 +10,8 @@ from envlights._common.fields import plain as plain_values
 from envlights._common.result import Result
 from envlights._native import EnvLightsError
 from envlights.detection.lights import DetectedLights
+from envlights.environment.envmap import EnvMap
+from envlights.environment.light import mean_radiance
 from envlights.export.capabilities import HARMONIC_MEAN
 from envlights.rigs.lights import Lights
 from envlights.rigs.rig import Rig
@@ -23,8 +25,7 @@ def row_of(result: Any) -> dict[str, Any]:
         return _of_lights(result)
     lights = getattr(result, "lights", None)
     if isinstance(lights, Lights):  # a split, or an excess
-        remainder = getattr(result, "remainder", None)
-        return {**_of_lights(lights), "notes": note_codes(getattr(remainder, "notes", ()))}
+        return _of_lights(lights) | _of_remainder(getattr(result, "remainder", None))
     if isinstance(result, Mapping):
         return {"values": plain(result)}
     if isinstance(result, Result) and hasattr(result, "to_dict"):
@@ -43,12 +44,14 @@ def note_codes(notes: Iterable[Any]) -> list[str]:
 def _of_rig(rig: Rig) -> dict[str, Any]:
     report = rig.report
     lights = _each_light(rig.lights, tolerances=report.direction_tolerances)
-    mean = HARMONIC_MEAN * rig.ambient[0] if rig.ambient.ndim == 2 else rig.ambient
+    harmonics = rig.ambient if rig.ambient.ndim == 2 else None
+    mean = rig.ambient if harmonics is None else HARMONIC_MEAN * harmonics[0]
     return {
         "error": rig.error,
         "shadow_error": report.shadow_error,
         "gloss_error": report.gloss_error(),
         "ambient": mean.tolist(),
+        "ambient_harmonics": None if harmonics is None else harmonics.tolist(),
         "units": rig.units,
         "notes": note_codes(rig.notes),
         "lights": lights,
@@ -58,7 +61,17 @@ def _of_rig(rig: Rig) -> dict[str, Any]:
 def _of_lights(lights: Lights) -> dict[str, Any]:
     report = getattr(lights, "report", None)
     notes = lights.notes if report is None else report.notes
-    return {"units": lights.units, "notes": note_codes(notes), "lights": _each_light(lights)}
+    row = {"units": lights.units, "notes": note_codes(notes), "lights": _each_light(lights)}
+    remainder = getattr(report, "remainder", None)
+    return row if remainder is None else {**row, "ambient": [*remainder]}
+
+
+def _of_remainder(env: EnvMap | None) -> dict[str, Any]:
+    """Notes and mean radiance of a map without the lights."""
+    if env is None:
+        return {"notes": []}
+    mean = mean_radiance(env.radiance, env.is_border_sampled, env.coverage_fraction)
+    return {"notes": note_codes(env.notes), "ambient": mean.tolist()}
 
 
 def _each_light(lights: Lights, tolerances: Iterable[float] = ()) -> list[dict[str, Any]]:

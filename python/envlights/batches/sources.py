@@ -15,7 +15,7 @@ import numpy as np
 
 from envlights._common.check import describe
 from envlights._common.errors import MissingFileError
-from envlights._common.files import MAPS, matches
+from envlights._common.files import MAPS, matches, read_text
 from envlights._common.printable import printable
 from envlights._native import EnvLightsError
 from envlights.environment.decoders.source import ADDRESS
@@ -145,11 +145,10 @@ def _addresses(text: str) -> list[str]:
 
 def _items_of_list(path: Path) -> Iterator[Item]:
     """Maps of a list with a path on each line, or an object with `path` and perhaps `name`."""
-    with path.open(encoding="utf-8") as lines:
-        for number, line in enumerate(lines, 1):
-            text = line.strip()
-            if text and not text.startswith("#"):
-                yield from _items_of_line(path, number, text)
+    for number, line in enumerate(read_text(path).splitlines(), 1):
+        text = line.strip()
+        if text and not text.startswith("#"):
+            yield from _items_of_line(path, number, text)
 
 
 def _items_of_line(path: Path, number: int, text: str) -> Iterator[Item]:

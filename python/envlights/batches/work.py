@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import inspect
-import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
@@ -55,6 +54,9 @@ class Task(NamedTuple):
 
     known: str | None
     """SHA-256 of the content whose row is there already."""
+
+    own: frozenset[str] = frozenset()
+    """Files in the folder that this batch may write."""
 
 
 def work_on(task: Task) -> dict[str, Any] | None:
@@ -128,18 +130,30 @@ def _parts(content: Any) -> Iterator[Any]:
         yield array.view(np.uint8) if array.dtype != object and array.size else b""
 
 
+def files_of(name: str, what: str | Callable[..., Any], suffix: str | None) -> list[str]:
+    """Files in the folder that the work on a map may write; the last one is that of the result."""
+    has_map = suffix not in MAP_SUFFIXES and (what == "split" or callable(what))
+    suffixes = [*([MAP_SUFFIXES[0]] if has_map else []), suffix]
+    return [f"{name}{each}" for each in suffixes if each is not None] if suffix else []
+
+
 def _save(task: Task, result: Any) -> str | None:
     """Save the result in the folder; name of its file, or None if there is none."""
     if task.folder is None or task.suffix is None or not hasattr(result, "save"):
         return None
-    path = Path(task.folder) / f"{task.name}{task.suffix}"
-    path.parent.mkdir(parents=True, exist_ok=True)
-    paths = [path]
-    if isinstance(getattr(result, "remainder", None), EnvMap) and task.suffix not in MAP_SUFFIXES:
-        paths.insert(0, path.with_name(f"{Path(task.name).name}{MAP_SUFFIXES[0]}"))
+    has_map = isinstance(getattr(result, "remainder", None), EnvMap)
+    files = files_of(task.name, task.what, task.suffix)[0 if has_map else -1 :]
+    paths = [Path(task.folder, file) for file in files]
+    paths[0].parent.mkdir(parents=True, exist_ok=True)
     _check_source_stays(task.source, paths)
+    for file in files:
+        if file not in task.own:
+            raise EnvLightsError(
+                f"{Path(task.folder, file)} exists, and no batch in this folder wrote it; give"
+                " another folder, or move it away"
+            )
     result.save(*paths)
-    return os.path.relpath(path, task.folder)
+    return files[-1]
 
 
 def _check_source_stays(source: str, paths: Iterable[Path]) -> None:

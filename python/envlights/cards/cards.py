@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from envlights import _native
 from envlights._common.arrays import seal
 from envlights._common.check import amount, count, flag, reals, rotation, texts
+from envlights._common.notes import Note
 from envlights._common.result import Result
 from envlights._common.tables import MOST_ROWS, Table
 from envlights._common.units import OWN_SCALE, checked_units
@@ -119,7 +120,7 @@ class Cards(Result):
             ),
             "overlap": seal(overlaps(self.overlap, len(matrix))[order]),
             "angular_radius": seal(angular_radii(self.angular_radius, order, matrix, shape)),
-            "notes": tuple(texts("notes", self.notes)),
+            "notes": tuple(map(Note, texts("notes", self.notes))),
         }
         for name, value in values.items():
             object.__setattr__(self, name, value)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import errno
+import sys
 from collections.abc import Iterator
 from importlib import import_module
 from typing import Any
@@ -10,6 +12,7 @@ from typing import Any
 import click
 
 from envlights._common.errors import FileError
+from envlights._common.printable import printable
 from envlights._native import EnvLightsError
 from envlights.cli.examples import with_examples
 from envlights.cli.quiet import with_quiet
@@ -75,11 +78,20 @@ class _Main(click.Group):
 
     def parse_args(self, context: click.Context, args: list[str]) -> list[str]:
         context.meta[_GIVEN] = [*args]
-        return super().parse_args(context, args)
+        with _printable_usage():
+            return super().parse_args(context, args)
+
+    def main(self, *args: Any, **keywords: Any) -> Any:
+        try:
+            return super().main(*args, **keywords)
+        except OSError as error:  # of a help that cannot be printed
+            click.echo(f"envlights: cannot print the answer: {error.strerror}", err=True)
+            sys.exit(1)
 
     def invoke(self, context: click.Context) -> Any:
         try:
-            return super().invoke(context)
+            with _printable_usage():
+                return super().invoke(context)
         except EnvLightsError as refusal:
             command = self.get_command(context, context.invoked_subcommand or "")
             named = _subcommands(command or self)
@@ -91,6 +103,16 @@ class _Main(click.Group):
                 raise  # `| head`: click ends quietly
             click.echo(f"envlights: cannot print the answer: {error.strerror}", err=True)
             context.exit(1)
+
+
+@contextlib.contextmanager
+def _printable_usage() -> Iterator[None]:
+    """Make refusals of click printable: an argument may be the name of a stranger's file."""
+    try:
+        yield
+    except click.ClickException as refusal:
+        vars(refusal)["message"] = printable(refusal.message)  # final for type checkers
+        raise
 
 
 @click.group(cls=_Main, context_settings={"help_option_names": ["-h", "--help"]})

@@ -17,7 +17,12 @@ from envlights.cli.outputs import default_of, say_written
 from envlights.environment.envmap import EnvMap
 from envlights.environment.files.image_output import COMPRESSIONS, MAP_SUFFIXES
 from envlights.environment.layouts.picture import check_picture_path
-from envlights.environment.layouts.records import REGISTRATIONS
+from envlights.environment.layouts.projections import (
+    PROJECTIONS,
+    REGISTRATIONS,
+    Layout,
+    with_target_arguments,
+)
 from envlights.environment.pixels import PROJECTION
 
 
@@ -25,11 +30,10 @@ def layout_option(what: str) -> Callable[[Any], Any]:
     """Option ``--to``; its value is for `write_map`."""
     return click.option(
         "--to",
-        "layout",
+        "target",
         default=PROJECTION,
         show_default=True,
-        help=f"Layout of {what}: equirectangular, cube, octahedral, octahedral-equal-area, angular,"
-        " mirror-ball, fisheye, cylinder, planar, or source, which is that of MAP.",
+        help=f"Layout of {what}: {', '.join(PROJECTIONS)}, or source, which is that of MAP.",
     )
 
 
@@ -79,7 +83,7 @@ def layout_option(what: str) -> Callable[[Any], Any]:
 def command(
     map_file: MapFile,
     output: str,
-    layout: str,
+    target: str,
     width: int | None,
     rotate: float | None,
     order: str,
@@ -94,41 +98,37 @@ def command(
     """Write MAP in another layout to OUT (.exr, .hdr, .tif, .png; sky_{face}.exr for six files)."""
     check_picture_path(output)
     saving = {"half": half, "compression": compression}
-    shape: dict[str, Any] = {
-        "width": width,
-        "faces": order,
-        "registration": to_registration,
-        "mapping": to_mapping,
-        "fov": view,
-        "forward": None if to_forward is None else numbers("--to-forward", to_forward, "0,0,1"),
-    }
+    layout = with_target_arguments(
+        target,
+        faces=order,
+        registration=to_registration,
+        mapping=to_mapping,
+        fov=view,
+        forward=None if to_forward is None else numbers("--to-forward", to_forward, "0,0,1"),
+    )
     env = map_file.open()
     if rotate is not None:
         env = _rotate(env, math.radians(rotate))
     if limit is not None:
         env = env.limited(limit)
-    say_written(write_map(env, output, layout, saving, **shape))
+    say_written(write_map(env, output, layout, saving, width))
 
 
 def write_map(
     env: EnvMap,
     output: str,
-    layout: str,
+    layout: str | Layout,
     saving: Mapping[str, Any] = MappingProxyType({}),
-    *,
     width: int | None = None,
-    registration: str | None = None,
-    **options: Any,
 ) -> list[str]:
     """Write a map in a layout of `EnvMap.to`; return the names of the files.
 
     `saving` holds options of `EnvMap.save`.
     """
-    is_map = layout == PROJECTION and Path(output).suffix.lower() in MAP_SUFFIXES
-    if is_map and registration is None:
+    if layout == PROJECTION and Path(output).suffix.lower() in MAP_SUFFIXES:
         (env if width is None else env.resized(width)).save(output, **saving)
         return [output]
-    picture = env.to(layout, width=width, registration=registration, **options)
+    picture = env.to(layout, width=width)
     return [str(path) for path in picture.save(output, **saving)]
 
 

@@ -21,7 +21,7 @@ def _table() -> str:
     lines = ["\b", "Targets, and the parts of a rig that each shows:"]
     for target in TARGETS:
         lines.append(f"  {target.name}: {target.title} ({', '.join(target.suffixes)})")
-        lines += [f"      {line}" for line in target.shows.lines()]
+        lines += [f"      {line}" for line in target.lines()]
     return "\n".join(lines)
 
 

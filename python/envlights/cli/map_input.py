@@ -11,7 +11,13 @@ import click
 
 from envlights.cli.numbers import numbers
 from envlights.environment.envmap import EnvMap
-from envlights.environment.layouts.records import REGISTRATIONS
+from envlights.environment.layouts.projections import (
+    ARGUMENTS,
+    EYES,
+    PROJECTIONS,
+    REGISTRATIONS,
+    Layout,
+)
 
 #: Heading of the options on how a file is read, in the help.
 _HEADING = "Options on how MAP is read"
@@ -26,20 +32,20 @@ class MapFile(NamedTuple):
     path: str
     """Path; "-" is the standard input."""
 
-    layout: Mapping[str, Any] = MappingProxyType({})
-    """Options of `EnvMap.open` by hand."""
+    options: Mapping[str, Any] = MappingProxyType({})
+    """Options of `EnvMap.open` that were given."""
 
     readings: Mapping[str, Any] = MappingProxyType({})
     """Options of `EnvMap.calibrated`."""
 
     def open(self, fill: Any = None) -> EnvMap:
         """Map of the file, calibrated if there is a reading."""
-        env = EnvMap.open(self.path, **self.layout)
+        env = EnvMap.open(self.path, **self.options)
         return env.calibrated(**self.readings, fill=fill) if self.readings else env
 
     def unread(self, fill: Any = None) -> str | EnvMap:
         """Path, which is read by rows; the map itself if options say how to read it."""
-        return self.open(fill) if self.layout or self.readings else self.path
+        return self.open(fill) if self.options or self.readings else self.path
 
 
 class _MapOption(click.Option):
@@ -76,6 +82,9 @@ def map_argument(function: Callable[..., None]) -> Callable[..., None]:
                 given[name] = numbers(f"--{name}", given[name], example)
         if "channels" in given:
             given["channels"] = given["channels"].split(",")
+        layout = {name: given.pop(name) for name in ARGUMENTS if name in given}
+        if layout:
+            given["layout"] = Layout(**layout)
         readings = {name: given.pop(name) for name in _READINGS if name in given}
         if "map_width" in given:
             given["width"] = given.pop("map_width")
@@ -105,8 +114,7 @@ _OPTIONS: dict[str, dict[str, Any]] = {
     },
     "projection": {
         "metavar": "LAYOUT",
-        "help": "Layout of MAP if it cannot be recognised: equirectangular, cube, octahedral,"
-        " octahedral-equal-area, angular, mirror-ball, fisheye, cylinder or planar.",
+        "help": f"Layout of MAP if it cannot be recognised: {', '.join(PROJECTIONS)}.",
     },
     "faces": {"metavar": "ORDER", "help": "Order of the faces of a cube: opengl, ..."},
     "registration": {
@@ -131,7 +139,7 @@ _OPTIONS: dict[str, dict[str, Any]] = {
         "metavar": "X,Y,Z",
         "help": "Direction of the centre of a circle or a photograph; +z else.",
     },
-    "eye": {"type": click.Choice(["left", "right"]), "help": "Half of a stereo panorama."},
+    "eye": {"type": click.Choice(EYES), "help": "Half of a stereo panorama."},
     "map_width": {
         "type": int,
         "metavar": "COLUMNS",
@@ -145,7 +153,7 @@ _OPTIONS: dict[str, dict[str, Any]] = {
     "max_pixels": {"type": int, "metavar": "COUNT", "help": "Largest number of pixels to read."},
     "any_format": {
         "is_flag": True,
-        "help": "Try all formats of OpenImageIO; not for files of strangers.",
+        "help": "Try all formats of OpenImageIO (extra `formats`); not for files of strangers.",
     },
     "lux": {
         "type": float,

@@ -5,8 +5,10 @@ from __future__ import annotations
 import contextlib
 import inspect
 import json
+import os
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -65,7 +67,7 @@ def print_losses(*, strict: bool = False) -> Iterator[None]:
         except UserWarning as loss:
             raise FileError(f"--strict refuses a file: {loss}") from None
     for each in caught:
-        click.echo(f"warning: {each.message}", err=True)
+        click.echo(f"warning: {printable(str(each.message))}", err=True)
 
 
 def check_output(output: str, suffixes: tuple[str, ...], inputs: Mapping[str, str]) -> None:
@@ -115,6 +117,11 @@ def check_can_draw(output: str) -> None:
     """Refuse an output with pictures if Matplotlib is not installed."""
     if not can_draw():
         raise EnvLightsError(f"cannot write {output}: a picture {NO_MATPLOTLIB}")
+    if os.environ.get("MPLBACKEND"):
+        try:
+            import_module("matplotlib")
+        except ValueError as error:
+            raise EnvLightsError(f"cannot write {output}: MPLBACKEND is wrong: {error}") from None
 
 
 def check_source(output: str, inputs: Mapping[str, str]) -> None:

@@ -63,5 +63,5 @@ def _setting(text: str, of: str, is_known: Callable[[str], bool]) -> tuple[str, 
         raise EnvLightsError(f"--set must be NAME=VALUE of an option of the {of}; got {text}")
     try:
         return name, json.loads(value)
-    except ValueError:
+    except (ValueError, RecursionError):
         return name, value

@@ -100,7 +100,7 @@ def command(
     sun: AnySun | None,
     irradiance: float | None,
     ratio: float | None,
-    layout: str,
+    target: str,
     outputs: Sequence[str],
     verbose: bool,
     as_json: bool,
@@ -117,7 +117,7 @@ def command(
     parts = _parts(env, lights, fraction, maximum, found, readings, shapes, options)
     parts = _at_place(parts, distance, radius)
     draw = partial(_draw, env, parts, found)
-    written = _write(parts, map_file.path, outputs, layout, draw)
+    written = _write(parts, map_file.path, outputs, target, draw)
     removed = parts.lights
     print_result(removed, as_json, verbose)
     say_written(written)
@@ -167,12 +167,12 @@ def _at_place(parts: _Parts, distance: float | None, radius: float | None) -> _P
 
 
 def _write(
-    parts: _Parts, source: str, outputs: Sequence[str], layout: str, draw: Callable[[str], None]
+    parts: _Parts, source: str, outputs: Sequence[str], target: str, draw: Callable[[str], None]
 ) -> list[str]:
     """Write all outputs; paths of all files, with the maps that scenes bring."""
     pictures = [output for output in outputs if Path(output).suffix.lower() in PICTURES]
     # Programs read panoramas alone, so scenes name no map of another layout.
-    maps = [output for output in outputs if layout != PROJECTION and _is_map(output)]
+    maps = [output for output in outputs if target != PROJECTION and _is_map(output)]
     scenes = [output for output in outputs if output not in (*pictures, *maps)]
     written = list(map(str, paths_of(plan(parts.remainder, scenes, parts.lights))))
     for path in written:
@@ -180,7 +180,7 @@ def _write(
     with print_losses():
         save_with_map(parts.lights, parts.remainder, scenes)
     for output in maps:
-        written += write_map(parts.remainder, output, layout)
+        written += write_map(parts.remainder, output, target)
     for output in pictures:
         draw(output)
     return [*written, *pictures]

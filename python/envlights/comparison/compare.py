@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._common.check import amount
+from envlights._common.check import amount, named_arguments
+from envlights._common.notes import black_note
 from envlights._common.result import Result
 from envlights._common.tables import Table
 from envlights._common.words import degrees, percent
@@ -30,8 +31,9 @@ from envlights.comparison.lighting import (
 from envlights.comparison.protocol import Protocol, as_protocol, tone
 from envlights.comparison.spheres import products_of, sphere_errors
 from envlights.comparison.wording import (
+    brightness,
     note_of_black,
-    note_of_lights,
+    notes_of_lights,
     notes_of_protocol,
     notes_of_size,
     notes_of_units,
@@ -55,7 +57,9 @@ class Comparison(Result):
     """Errors of each sphere; "diffuse", "matte" and "mirror", unless the protocol has others."""
 
     lights: LightSetDifference
-    """Difference of the lights: those of rigs, and those that `detect` finds in maps."""
+    """Difference of the lights: those of rigs, and those that `detect` finds in maps.
+
+    Lights of a rig and those found in a map have no ratio of fluxes; `scale` is the brightness."""
 
     vector_angle: float | None
     """Angle between the irradiance vectors in degrees; see `envlights.comparison.vector_angle`."""
@@ -65,6 +69,15 @@ class Comparison(Result):
 
     notes: tuple[str, ...] = ()
     """Remarks on size, tone, means, black pixels and what else decides the numbers."""
+
+    @property
+    def scale(self) -> float | None:
+        """Factor by which the guess fits best on the diffuse sphere, of the linear maps.
+
+        It is 2 for a guess that is half as bright, and None for a black one.
+        """
+        products = products_of(self.by_degree, spectra.lambertian())
+        return products.squares()[2] if products.guess > 0 else None
 
     @property
     def probe_error(self) -> float:
@@ -110,14 +123,17 @@ class Comparison(Result):
         errors = (*names, ("gloss", self.gloss_error()))
         line = ", ".join(f"{name} error {percent(value)}" for name, value in errors)
         vector = degrees(self.vector_angle)
-        lights = f"lights: {self.lights.in_short()}; irradiance vectors: {vector}"
-        return [line, lights, *self.notes]
+        # The flux of lights is not the brightness, which has a line of its own.
+        angle = "no lights to compare" if self.lights.angle is None else degrees(self.lights.angle)
+        lights = f"angle of the lights: {angle}; of the irradiance vectors: {vector}"
+        return [brightness(self.scale), line, lights, *self.notes]
 
     def to_dict(self) -> dict[str, Any]:
         """Plain numbers, texts and lists, for example for JSON."""
         return {
             "protocol": self.protocol.name,
             "spheres": {name: each.to_dict() for name, each in self.spheres.items()},
+            "scale": self.scale,
             "probe_error": self.probe_error,
             "shadow_error": self.shadow_error,
             "gloss_error": self.gloss_error(),
@@ -127,6 +143,7 @@ class Comparison(Result):
         }
 
 
+@named_arguments()
 def compare(
     truth: AnyLighting, guess: AnyLighting, protocol: str | Protocol = "exact"
 ) -> Comparison:
@@ -189,9 +206,10 @@ def compare(
     spheres = {
         name: sphere_errors(toned, material, rules) for name, material in rules.materials.items()
     }
-    lights = compare_lights(linear.truth.lights, linear.guess.lights)
+    lights = _light_set_difference(linear)
+    notes += black_note(linear.guess.radiance, "guess")
     notes += notes_of_protocol(rules, factors)
-    notes += [*note_of_black(spheres, rules.black), *note_of_lights(lights)]
+    notes += [*note_of_black(spheres, rules.black), *notes_of_lights(lights, linear)]
     return Comparison(
         rules,
         spheres,
@@ -200,6 +218,13 @@ def compare(
         linear.by_degree,
         tuple(notes),
     )
+
+
+def _light_set_difference(pair: Pair) -> LightSetDifference:
+    """Difference of the lights; those of a rig and those that `detect` finds differ in flux."""
+    difference = compare_lights(pair.truth.lights, pair.guess.lights)
+    are_alike = (pair.truth.given is None) == (pair.guess.given is None)
+    return difference if are_alike else replace(difference, flux_ratio=None)
 
 
 def _open(name: str, what: Any) -> EnvMap | Rig | Lights:

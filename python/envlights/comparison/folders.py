@@ -11,9 +11,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from envlights._common.check import named_arguments
 from envlights._common.errors import FileError, MissingFileError
 from envlights._common.fields import plain
 from envlights._common.files import MAPS, as_path
+from envlights._common.printable import printable
 from envlights._common.progress import progress_bar
 from envlights._common.result import Result
 from envlights._common.tables import Table, csv_text, frame_of, json_text, save_table
@@ -131,6 +133,7 @@ def _numbers(comparison: Comparison) -> dict[str, float]:
         for what in _OF_SPHERE
     }
     errors = {
+        "scale": comparison.scale,
         "probe_error": comparison.probe_error,
         "shadow_error": comparison.shadow_error,
         "gloss_error": comparison.gloss_error(),
@@ -140,6 +143,7 @@ def _numbers(comparison: Comparison) -> dict[str, float]:
     return {name: float(value) for name, value in numbers.items() if value is not None}
 
 
+@named_arguments()
 def compare_folders(
     truth: str | os.PathLike[str],
     guess: str | os.PathLike[str],
@@ -193,7 +197,7 @@ def compare_folders(
             paths = _only(sides[0], name, "truth"), _only(sides[1], name, "guess")
             comparisons[name] = compare(paths[0], paths[1], rules)
         except (EnvLightsError, OSError) as refusal:
-            failures[name] = str(refusal)
+            failures[name] = printable(str(refusal))
     return FolderComparison(rules, comparisons, failures)
 
 
@@ -208,7 +212,7 @@ def _files(name: str, folder: str | os.PathLike[str]) -> dict[str, list[Path]]:
     files: dict[str, list[Path]] = {}
     for each in paths:
         if each.suffix.lower() in _SUFFIXES and each.is_file():
-            files.setdefault(each.stem, []).append(each)
+            files.setdefault(printable(each.stem), []).append(each)
     if not files:
         raise EnvLightsError(f"{name} has no map: the folder '{folder}' holds no file with one of"
                              f" the suffixes {', '.join(_SUFFIXES)}")  # fmt: skip

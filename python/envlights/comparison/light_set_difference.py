@@ -44,7 +44,9 @@ class LightSetDifference(Result):
     """Angle in degrees between the strongest lights of both sets."""
 
     flux_ratio: float | None = None
-    """Binary logarithm of the total luminance of the guess over that of the truth."""
+    """Binary logarithm of the total luminance of these lights in the guess over the truth.
+
+    None also for lights of a rig and lights that `detect` found in a map."""
 
     colour_angle: float | None = None
     """Angle in degrees between the total RGB irradiances."""
@@ -77,11 +79,14 @@ class LightSetDifference(Result):
         """Mean angle and ratio of the fluxes."""
         if self.angle is None:
             return "no lights to compare"
-        return f"{degrees(self.angle)} on average, flux x {_ratio(self.flux_ratio)}"
+        flux = (
+            "" if self.flux_ratio is None else f", flux of the lights x {_ratio(self.flux_ratio)}"
+        )
+        return f"{degrees(self.angle)} on average{flux}"
 
     def _details(self) -> list[str]:
         """Largest movements of the plan."""
-        return ["", str(self.table())] if self.plan else []
+        return ["", *str(self.table()).split("\n")] if self.plan else []
 
     def table(self) -> Table:
         """Table of the dozen largest movements, and a summary of the others."""
@@ -102,7 +107,7 @@ class LightSetDifference(Result):
         lines = [
             f"mean angle of the flux     {degrees(self.angle)}",
             f"between the strongest      {degrees(self.peak_angle)}",
-            f"flux of guess over truth   {_ratio(self.flux_ratio)}",
+            f"flux of the lights, ratio  {_ratio(self.flux_ratio)}",
             f"angle between the colours  {degrees(self.colour_angle)}",
             f"difference of the radii    {degrees(self.size)}",
             f"moved more than {UNMATCHED_DEG:.0f}°        {percent(self.unmatched)}",

@@ -68,7 +68,7 @@ def compare_lights(truth: Lights, guess: Lights, *, strongest: int = 256) -> Lig
     >>> print(difference)
     mean angle of the flux     1°
     between the strongest      1°
-    flux of guess over truth   0.5
+    flux of the lights, ratio  0.5
     angle between the colours  0°
     difference of the radii    0°
     moved more than 30°        0 %

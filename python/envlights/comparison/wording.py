@@ -6,8 +6,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from envlights._common.words import percent, quantity
 from envlights.comparison.image_errors import ImageErrors
 from envlights.comparison.light_set_difference import LightSetDifference
+from envlights.comparison.lighting import Lighting, Pair
 from envlights.comparison.protocol import Protocol
 from envlights.environment.envmap import EnvMap
 from envlights.rigs.lights import Lights
@@ -80,11 +82,30 @@ def note_of_black(spheres: Mapping[str, ImageErrors], black: str) -> list[str]:
     shares = {name: each.black for name, each in spheres.items() if each.black > 0}
     if not shares:
         return []
-    texts = ", ".join(f"{100 * fraction:.2g} % of '{name}'" for name, fraction in shares.items())
+    texts = ", ".join(f"{percent(fraction)} of '{name}'" for name, fraction in shares.items())
     rule = "left out of the angle" if black == "left out" else "counted as perfect in the angle"
     return [f"black pixels are {rule}: {texts}"]
 
 
-def note_of_lights(lights: LightSetDifference) -> list[str]:
-    """Notes on the lights, named as such."""
-    return [f"lights: {note}" for note in lights.notes]
+def notes_of_lights(lights: LightSetDifference, pair: Pair) -> list[str]:
+    """Notes on the lights: where those of each side are from, and remarks on them."""
+    sources = (
+        _source(name, side) for name, side in zip(("truth", "guess"), pair.sides, strict=True)
+    )
+    return [f"lights: {note}" for note in ("; ".join(sources), *lights.notes)]
+
+
+def _source(name: str, side: Lighting) -> str:
+    number = quantity(len(side.lights), "light")
+    if side.given is not None:
+        return f"{number} of the {name} as given"
+    fraction = percent(float(side.lights.fraction.sum()))
+    return f"{number} found by `detect` in the {name}, with {fraction} of its light"
+
+
+def brightness(scale: float | None) -> str:
+    """Line on the brightness of the guess."""
+    if scale is None:
+        return "brightness: the guess is black"
+    ratio = f"{1 / scale:.3g} times as bright as the truth" if scale else "unlike the truth"
+    return f"brightness: the guess is {ratio} (best scale on the diffuse sphere {scale:.3g})"

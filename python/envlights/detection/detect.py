@@ -11,13 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _native
-from envlights._common.check import LARGEST_COUNT, amount, count
+from envlights._common.check import LARGEST_COUNT, amount, count, named_arguments
+from envlights._common.notes import black_note
 from envlights.detection import wording
 from envlights.detection.colour_casts import colour_cast_notes
 from envlights.detection.lights import DetectedLights, DetectionReport
 from envlights.detection.members import Members
 from envlights.environment.clip_level import checked_clip_level
 from envlights.environment.envmap import AnyMap, EnvMap, apply_to_map
+from envlights.environment.light import mean_radiance
 
 #: Smallest number of columns of the reduced map.
 _LEAST_COLUMNS = 16
@@ -38,6 +40,7 @@ class TreeOptions(NamedTuple):
     clip_level: float | None
 
 
+@named_arguments()
 def detect(
     env: AnyMap,
     *,
@@ -168,9 +171,17 @@ def detect_with_luminance(
 
     world, detection = apply_to_map(arguments.args[0], detection_in)
     casts = colour_cast_notes(world, detection.peak_direction, detection.peak_luminance)
-    notes = (*world.notes, *casts)
-    lights = _lights(detection, notes, time.perf_counter() - start, world.units)
+    notes = (*black_note(detection.luminance), *world.notes, *casts)
+    lights = _lights(detection, notes, time.perf_counter() - start, world)
     return lights, detection.luminance
+
+
+def _remainder(world: EnvMap, flux: NDArray[np.float64]) -> tuple[float, ...]:
+    """Mean radiance of the map without the flux of its lights, not negative."""
+    seen = world.coverage_fraction
+    mean = mean_radiance(world.radiance, world.is_border_sampled, seen)
+    mean -= flux.sum(axis=0) / (4 * np.pi * (seen or 1.0))
+    return tuple(np.maximum(mean, 0.0).tolist())
 
 
 def _options(given: dict[str, Any]) -> TreeOptions:
@@ -195,7 +206,7 @@ def _options(given: dict[str, Any]) -> TreeOptions:
 
 
 def _lights(
-    detection: _native.TreeDetection, notes: tuple[str, ...], seconds: float, units: str
+    detection: _native.TreeDetection, notes: tuple[str, ...], seconds: float, world: EnvMap
 ) -> DetectedLights:
     clipped = detection.clipped
     report = DetectionReport(
@@ -206,6 +217,7 @@ def _lights(
         clip_level=clipped and clipped.clip_level,
         skipped=wording.dropped_by_tree(detection),
         notes=(*wording.joined_panes(detection), *wording.cut_lights(detection), *notes),
+        remainder=_remainder(world, detection.flux),
         details=wording.details_of_tree(detection),
         seconds={"detect": seconds},
     )
@@ -225,5 +237,5 @@ def _lights(
         weight=clipped and clipped.weight,
         direction_uncertainty=clipped and clipped.direction_uncertainty,
         is_cut=detection.is_cut,
-        units=units,
+        units=world.units,
     )

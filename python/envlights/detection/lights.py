@@ -68,6 +68,9 @@ class DetectionReport(Result):
     notes: tuple[str, ...] = ()
     """Remarks on the map and on single lights."""
 
+    remainder: tuple[float, ...] | None = None
+    """Mean radiance of the map without the lights, linear RGB; None for the article."""
+
     details: tuple[str, ...] = ()
     """Numbers for authors of detectors, which ``envlights detect --verbose`` prints."""
 
@@ -91,7 +94,8 @@ class DetectionReport(Result):
         clipped = (
             "; clipped map: lights are separated by the depth of their clipped regions, and ordered"
             " by an estimate of their brightness; the light of clipped ones is a lower bound:"
-            " `envlights repair` or `repaired` first estimates what was cut off"
+            " `envlights split --sun` or `with_sun` finds a clipped sun, and `envlights repair` or"
+            " `repaired` estimates other light that was cut off"
         )
         return [
             f"threshold {self.threshold:.3g} ({self.reason}){clipped if self.clip_level else ''}",

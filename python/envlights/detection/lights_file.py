@@ -7,7 +7,9 @@ import json
 import os
 from collections.abc import Callable
 
-from envlights._common.files import as_path
+from envlights._common.errors import FileError
+from envlights._common.files import MAPS, as_path
+from envlights._common.printable import printable
 from envlights.detection.lights import DetectedLights
 from envlights.export.formats.csv_table import read_csv
 from envlights.rigs.lights import Lights
@@ -24,7 +26,13 @@ _READERS: dict[str, Callable[[str | os.PathLike[str]], Lights]] = {
 
 def load_lights(path: str | os.PathLike[str]) -> Rig | Lights:
     """Rig or lights of a file; `Rig.load` refuses all other files."""
-    if as_path(path).suffix.lower() == ".csv":
+    suffix = as_path(path).suffix.lower()
+    if suffix in MAPS:
+        raise FileError(
+            f"{printable(str(path))} is a picture, not a rig: `envlights fit` or `el.fit` makes a"
+            " rig of it, which can then be exported"
+        )
+    if suffix == ".csv":
         return Lights.load(path) if read_csv(path).ambient is None else Rig.load(path)
     kind = None
     with contextlib.suppress(OSError, ValueError, RecursionError, AttributeError):

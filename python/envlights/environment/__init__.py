@@ -4,6 +4,7 @@
 |--------------------------------------------------------|--------------------------------|
 | the six steps of opening, in order                     | `open.py`                      |
 | decode the bytes of a file                             | `decoders/`                    |
+| read one picture, or six faces by their names          | `picture_files.py`             |
 | choose the channels, place the picture, write pictures | `files/`                       |
 | convert samples to linear Rec.709                      | `colour/`                      |
 | recognise the layout                                   | `layouts/`                     |

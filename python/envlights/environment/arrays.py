@@ -15,7 +15,7 @@ from envlights.environment.clip_level import clip_level_of_codes
 from envlights.environment.coverage import checked_coverage, multiply_by_coverage
 from envlights.environment.files.hints import NO_HINTS
 from envlights.environment.files.images import Image
-from envlights.environment.layouts.sources import faces_of_mapping
+from envlights.environment.picture_files import faces_of_mapping
 
 
 class _Samples(NamedTuple):

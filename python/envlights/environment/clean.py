@@ -12,13 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _native
-from envlights._native import EnvLightsError
 
-_LARGEST_HALF = 65504.0
-#: Largest radiance that the kernels can sum.
-_LARGEST = 1e38
-#: NaN is in the brightest light if its neighbours reach this fraction of the largest sample.
-_BRIGHT = 0.5
+#: Numbers of NaN, infinite and negative samples, the level of infinite ones, and true for a NaN in
+#: the brightest light.
+Cleaned = tuple[int, int, int, float | None, bool]
 
 
 def clean(
@@ -28,29 +25,24 @@ def clean(
 
     The outer pixels of a row are neighbours if `wrap` is true, as in a map.
     """
-    nan, infinite, negative, finite = _native.unusable(radiance)
-    if not (nan or infinite or negative):
+    done = _native.clean(radiance, wrap)
+    if done is None:
         return radiance, None
-    if finite is None:
-        raise EnvLightsError("the image holds no finite sample; is it damaged?")
-    largest = max(finite, 0.0)
-    level = _LARGEST_HALF if largest < _LARGEST_HALF else min(2 * largest, _LARGEST)
-    level = max(level, largest)
-    cleaned, of_nan = _native.clean(radiance, level, wrap)
-    if negative:
-        notes.append(note_of_negative(negative))
+    samples, cleaned = done
+    notes += notes_of_cleaning(cleaned)
+    return samples, cleaned[3]
+
+
+def notes_of_cleaning(cleaned: Cleaned) -> list[str]:
+    """Notes on samples that were replaced."""
+    nan, infinite, negative, level, is_nan_bright = cleaned
+    notes = [f"{_samples(negative, 'negative')} set to 0"] if negative else []
     if infinite:
         notes.append(f"{_samples(infinite, 'infinite')} set to {level:g} and counted as clipped")
     if nan:
-        is_bright = of_nan > _BRIGHT * (level if infinite else largest)
-        where = " in the brightest light" if is_bright else ""
+        where = " in the brightest light" if is_nan_bright else ""
         notes.append(f"{_samples(nan, 'NaN')}{where} set to the mean of the neighbours")
-    return cleaned, level if infinite else None
-
-
-def note_of_negative(count: int) -> str:
-    """Note on negative samples."""
-    return f"{_samples(count, 'negative')} set to 0"
+    return notes
 
 
 def _samples(count: int, kind: str) -> str:

@@ -1,27 +1,34 @@
-"""A map in other layouts: rotation, size, pictures in any projection, a limit of the radiance."""
+"""A map in another form: rotated, resized, limited, as a picture in any projection, in a file."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import Any
+import os
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights._common.check import amount, check_choice, count, rotation
+from envlights._common.check import amount, count, rotation
 from envlights._common.notes import Note
 from envlights._native import EnvLightsError
 from envlights.environment import resample
+from envlights.environment.files.image_output import COMPRESSIONS, map_suffix, write_exr, write_hdr
 from envlights.environment.files.images import MOST_PIXELS
-from envlights.environment.layouts import layout as layouts
-from envlights.environment.layouts.conventions import CONVENTIONS, CROSSES
-from envlights.environment.layouts.layout import MAPPINGS, Layout
+from envlights.environment.layouts import picture_layout as layouts
+from envlights.environment.layouts.conventions import CROSSES
 from envlights.environment.layouts.picture import Picture, picture_of, straight
-from envlights.environment.layouts.records import REGISTRATIONS
+from envlights.environment.layouts.picture_layout import PictureLayout
+from envlights.environment.layouts.projections import (
+    PROJECTIONS,
+    SOURCE,
+    Layout,
+    complete,
+    layout_of,
+    place,
+)
 from envlights.environment.peaks import spread_peaks
-from envlights.environment.pixels import MapPixels
+from envlights.environment.pixels import PROJECTION, MapPixels
 
 
 def checked_width(width: int) -> int:
@@ -59,26 +66,20 @@ def limit(pixels: MapPixels, maximum: float) -> MapPixels:
     return replace(below, notes=(*below.notes, *notes))
 
 
-def to(
-    pixels: MapPixels,
-    projection: str,
-    width: int | None,
-    faces: str,
-    **options: Any,
-) -> Picture:
-    """Picture in another projection; see `EnvMap.to`, whose other options are `options`."""
-    check_choice("projection", projection, (*_TARGETS, SOURCE))
-    check_choice("faces", faces, tuple(CONVENTIONS))
-    given = options | ({"width": width} if projection == SOURCE else {})
-    _check_options(projection, [name for name, value in given.items() if value is not None])
-    if projection == SOURCE:
+def to(pixels: MapPixels, layout: str | Layout, width: int | None) -> Picture:
+    """Picture in another layout; see `EnvMap.to`."""
+    if layout == SOURCE:
+        if width is not None:
+            raise EnvLightsError("width is no argument of the layout 'source'")
         return _in_layout_of_source(pixels)
-    request = _Request(projection, faces=faces, **options)
-    columns = _width_of(pixels, request) if width is None else count("width", width, least=2)
-    layout = request.layout(columns)
-    if layout.height * layout.width > MOST_PIXELS:
+    target = complete(layout_of(layout, SOURCE))
+    columns = _width_of(pixels, target) if width is None else count("width", width, least=2)
+    if target.projection == PROJECTION:
+        checked_width(columns)
+    made = _target(target, columns)
+    if made.height * made.width > MOST_PIXELS:
         raise EnvLightsError(f"width must give at most {MOST_PIXELS} pixels; got {columns}")
-    return _picture(pixels, layout, faces)
+    return _picture(pixels, made, target.faces or "")
 
 
 def view(
@@ -95,6 +96,24 @@ def view(
     return _picture(pixels, layout, "opengl")
 
 
+def save(pixels: MapPixels, path: str | os.PathLike[str], *, half: bool, compression: str) -> None:
+    """Write a map to a file; see `EnvMap.save`."""
+    if map_suffix(path) == ".hdr":
+        if half or compression != COMPRESSIONS[0]:
+            raise EnvLightsError(f"cannot save {path}: half and compression are of .exr files")
+        write_hdr(path, pixels.cells(), comments=pixels.notes)
+        return
+    write_exr(
+        path,
+        pixels.radiance,
+        half=half,
+        compression=compression,
+        environment="latlong" if pixels.is_border_sampled else "",
+        comments=pixels.notes,
+        units=pixels.units,
+    )
+
+
 def _below_clip_level(
     pixels: MapPixels,
     radiance: NDArray[np.float32],
@@ -107,7 +126,9 @@ def _below_clip_level(
     return pixels.changed(radiance, coverage, pixels.notes, is_border_sampled=is_border)
 
 
-def _picture(pixels: MapPixels, layout: Layout, faces: str, arrangement: str = "stack") -> Picture:
+def _picture(
+    pixels: MapPixels, layout: PictureLayout, faces: str, arrangement: str = "stack"
+) -> Picture:
     image, coverage = pixels.radiance, pixels.coverage
     if layout != pixels.layout:
         image, coverage = resample.resample(image, coverage, pixels.layout, layout)
@@ -131,122 +152,14 @@ def _in_layout_of_source(pixels: MapPixels) -> Picture:
     return straight(_picture(pixels, layout, source.faces, arrangement))
 
 
-def _width_of(pixels: MapPixels, request: _Request) -> int:
+def _width_of(pixels: MapPixels, layout: Layout) -> int:
     """Columns of a picture whose mean pixel is as large as a cell of the equator."""
     trial = 64
-    width = trial * int(pixels.radiance.shape[1]) / resample.default_width(request.layout(trial))
+    width = trial * int(pixels.radiance.shape[1]) / resample.default_width(_target(layout, trial))
     return max(2 * round(width / 2), 2)
 
 
-def _check_options(projection: str, given: list[str]) -> None:
-    """Refuse options that a projection does not take."""
-    taken = _OPTIONS[projection]
-    if others := [name for name in given if name not in taken]:
-        allowed = f"it takes {', '.join(taken)}" if taken else "it takes none of them"
-        raise EnvLightsError(
-            f"{', '.join(others)} is no argument of the projection {projection!r}; {allowed}"
-        )
-
-
-@dataclass(frozen=True)
-class _Request:
-    """Layout that a user asks for, in any size."""
-
-    projection: str
-    faces: str
-    registration: str | None
-    mapping: str | None
-    fov: float | None
-    forward: ArrayLike | None
-
-    @property
-    def border_sampled(self) -> bool:
-        """True if the outer samples of each face lie on its edges."""
-        if self.registration is None:
-            return CONVENTIONS[self.faces].border_sampled
-        check_choice("registration", self.registration, REGISTRATIONS)
-        return self.registration == REGISTRATIONS[1]
-
-    def layout(self, width: int) -> Layout:
-        """Layout with a number of columns."""
-        return _TARGETS[self.projection](self, width)
-
-    def axes(self, default: layouts.Axes = layouts.FRONT) -> layouts.Axes:
-        """Axes of the picture."""
-        return default if self.forward is None else layouts.looking(self.forward)
-
-    def view(self, default: float | None) -> float:
-        """Field of view in radians, or a refusal if it is missing."""
-        if self.fov is None and default is None:
-            raise EnvLightsError(f"the projection {self.projection!r} needs fov=, in degrees")
-        return math.radians(amount("fov", default if self.fov is None else self.fov, 0.1, 360))
-
-
-def _equirectangular(request: _Request, width: int) -> Layout:
-    return layouts.equirectangular(checked_width(width) // 2)
-
-
-def _cube(request: _Request, width: int) -> Layout:
-    return layouts.cube(width, border_sampled=request.border_sampled)
-
-
-def _octahedral(request: _Request, width: int) -> Layout:
-    return layouts.octahedral(width, axes=request.axes(layouts.UP))
-
-
-def _equal_area(request: _Request, width: int) -> Layout:
-    return layouts.octahedral(width, equal_area=True, axes=request.axes(layouts.PBRT))
-
-
-def _angular(request: _Request, width: int) -> Layout:
-    return layouts.angular_map(width, axes=request.axes())
-
-
-def _mirror_ball(request: _Request, width: int) -> Layout:
-    return layouts.mirror_ball(width)
-
-
-def _fisheye(request: _Request, width: int) -> Layout:
-    mapping = MAPPINGS[0] if request.mapping is None else request.mapping
-    return layouts.fisheye(width, mapping, request.view(180), axes=request.axes())
-
-
-def _cylinder(request: _Request, width: int) -> Layout:
-    view = request.view(360)
-    # Elevations of up to 45 degrees.
-    return layouts.cylinder(max(round(2 * width / view), 1), width, field_of_view=view)
-
-
-def _planar(request: _Request, width: int) -> Layout:
-    height = max(round(width / 1.5), 1)
-    return layouts.planar(height, width, field_of_view=request.view(None), axes=request.axes())
-
-
-#: Name of the layout of a map's source.
-SOURCE = "source"
-#: Layouts by the name of their projection.
-_TARGETS: dict[str, Callable[[_Request, int], Layout]] = {
-    "equirectangular": _equirectangular,
-    "cube": _cube,
-    "octahedral": _octahedral,
-    "octahedral-equal-area": _equal_area,
-    "angular": _angular,
-    "mirror-ball": _mirror_ball,
-    "fisheye": _fisheye,
-    "cylinder": _cylinder,
-    "planar": _planar,
-}
-
-#: Options of each projection, beside its width and the faces of a cube.
-_OPTIONS: dict[str, tuple[str, ...]] = {
-    "equirectangular": (),
-    "cube": ("registration",),
-    "octahedral": ("forward",),
-    "octahedral-equal-area": ("forward",),
-    "angular": ("forward",),
-    "mirror-ball": (),
-    "fisheye": ("mapping", "fov", "forward"),
-    "cylinder": ("fov",),
-    "planar": ("fov", "forward"),
-    SOURCE: (),
-}
+def _target(layout: Layout, width: int) -> PictureLayout:
+    """Layout of a picture with a number of columns."""
+    rows = PROJECTIONS[layout.projection or ""].rows(width, layout)
+    return place(layout, (rows, width))[0]

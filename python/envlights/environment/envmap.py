@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights._common.arrays import convert as convert_array
 from envlights._common.check import describe, texts
-from envlights._common.former import former_arguments, former_attributes
+from envlights._common.former import former_arguments, former_attributes, former_parts
 from envlights._common.notes import Note
 from envlights._common.units import OWN_SCALE, checked_units
 from envlights._native import EnvLightsError, UnusableSamplesError
@@ -22,11 +22,16 @@ from envlights.environment.files.image_output import COMPRESSIONS
 from envlights.environment.files.images import MOST_PIXELS
 from envlights.environment.fill import Fill
 from envlights.environment.layouts.picture import Picture
-from envlights.environment.layouts.records import Arguments, Source
-from envlights.environment.layouts.sources import PictureSource, is_picture_source
+from envlights.environment.layouts.projections import (
+    ARGUMENTS,
+    Layout,
+    with_arguments,
+    with_target_arguments,
+)
+from envlights.environment.layouts.records import Origin
 from envlights.environment.open import map_of_array, map_of_exposures, open_map, unchecked_map
+from envlights.environment.picture_files import PictureSource, is_picture_source
 from envlights.environment.pixels import PROJECTION, MapPixels, are_equal
-from envlights.environment.save import save_map
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -58,31 +63,12 @@ class EnvMap:
         change. A C-contiguous float32 array without such samples is not copied, so do
         not change it afterwards. Other layouts have other shapes; the faces of a cube may be an
         array (6, n, n, 3), or a mapping from names like "px" to arrays.
-    projection : str, optional
+    layout : str or Layout, optional
         "equirectangular", "cube", "octahedral", "octahedral-equal-area", "angular" (light probe),
-        "mirror-ball", "fisheye", "cylinder" or "planar" (a photograph). When left out, shape and
+        "mirror-ball", "fisheye", "cylinder" or "planar" (a photograph), or a `Layout` with more
+        arguments: ``el.io.Layout.fisheye(mapping="equisolid", fov=180)``. When left out, shape and
         content decide, or a refusal lists the candidates. Other layouts than equirectangular are
         converted to it; see `source`.
-    faces : str, optional
-        Order of the faces of a cube: "opengl" (also of DirectX, Vulkan, Unity), "openexr",
-        "py360convert", "pannellum", "directxtex", or the name of a cross. When left out, their
-        edges decide.
-    registration : {"cell-centred", "border-sampled"}, optional
-        "cell-centred": a pixel covers the cell around its centre, as in most files.
-        "border-sampled": the outer pixels lie on the seam and the poles, as in OpenEXR files with
-        the `envmap` attribute.
-    mapping : {"equidistant", "equisolid", "stereographic", "orthographic"}, optional
-        Mapping of a fisheye.
-    fov : float, optional
-        Field of view in degrees: horizontally, or across the circle of a fisheye.
-    horizon : float, optional
-        Row of elevation 0 in a cylinder or a part of a panorama; the middle when left out.
-    circle : array_like, shape (3,), optional
-        Centre x, centre y and radius of a fisheye or mirror ball, in pixels.
-    forward : array_like, shape (3,), optional
-        Direction of the centre of a circle or a photograph; +z when left out.
-    eye : {"left", "right"}, optional
-        Half of a stereo panorama.
     width : int, optional
         Columns of the map. When left out, 4 times the side of a cube's face, or such that its cells
         are as large as the pixels of the picture.
@@ -113,20 +99,19 @@ class EnvMap:
     array([[3.142, 3.142, 3.142]])
     """
 
-    @former_arguments(white="clip_level", towards="forward", seen="coverage")
+    @former_parts(
+        "layout",
+        with_arguments,
+        ARGUMENTS,
+        white="clip_level",
+        towards="forward",
+        seen="coverage",
+    )
     def __init__(
         self,
         radiance: ArrayLike | Mapping[str, ArrayLike],
         *,
-        projection: str | None = None,
-        faces: str | None = None,
-        registration: str | None = None,
-        mapping: str | None = None,
-        fov: float | None = None,
-        horizon: float | None = None,
-        circle: ArrayLike | None = None,
-        forward: ArrayLike | None = None,
-        eye: str | None = None,
+        layout: str | Layout | None = None,
         width: int | None = None,
         notes: str | Iterable[str] = (),
         clip_level: float | None = None,
@@ -141,7 +126,7 @@ class EnvMap:
         self._pixels = map_of_array(
             radiance,
             coverage,
-            Arguments(projection, faces, registration, mapping, fov, horizon, circle, forward, eye),
+            layout,
             width,
             clip_level,
             texts("notes", notes),
@@ -156,20 +141,12 @@ class EnvMap:
         return env
 
     @classmethod
-    @former_arguments(white="clip_level", towards="forward")
+    @former_parts("layout", with_arguments, ARGUMENTS, white="clip_level", towards="forward")
     def open(
         cls,
         path: PictureSource,
         *,
-        projection: str | None = None,
-        faces: str | None = None,
-        registration: str | None = None,
-        mapping: str | None = None,
-        fov: float | None = None,
-        horizon: float | None = None,
-        circle: ArrayLike | None = None,
-        forward: ArrayLike | None = None,
-        eye: str | None = None,
+        layout: str | Layout | None = None,
         width: int | None = None,
         clip_level: float | None = None,
         colour: ColourArgument | None = None,
@@ -189,9 +166,10 @@ class EnvMap:
             Integers without a statement are sRGB. What alpha or a crop hides is black; see
             `coverage`.
             Six faces of a cube: a list, a mapping, a folder, or a name like ``sky_{face}.hdr``.
-        projection, faces, registration, mapping, fov, horizon, circle, forward, eye, width
-            Layout of the picture; see `EnvMap`. When left out, the statement of `Picture.save` or
-            other metadata of the file decide, then names, shape and content.
+        layout, width
+            Layout of the picture, and columns of the map; see `EnvMap`. When left out, the
+            statement of `Picture.save` or other metadata of the file decide, then names, shape and
+            content.
         clip_level : float, optional
             Clip level; see `EnvMap`. Known for files of integers, from their own histogram.
         colour : str, bytes or path-like, optional
@@ -206,8 +184,8 @@ class EnvMap:
             Files with more pixels are refused before memory is allocated. The default is
             32768x16384.
         any_format : bool
-            True: try all formats of OpenImageIO on other files, DDS among them. Not for files of
-            strangers, because these readers had memory faults.
+            True: try all formats of OpenImageIO (extra ``formats``) on other files, DDS among them.
+            Not for files of strangers, because these readers had memory faults.
 
         Returns
         -------
@@ -222,7 +200,7 @@ class EnvMap:
         """
         pixels = open_map(
             path,
-            Arguments(projection, faces, registration, mapping, fov, horizon, circle, forward, eye),
+            layout,
             width,
             clip_level,
             colour=colour,
@@ -288,7 +266,7 @@ class EnvMap:
 
     @property
     def radiance(self) -> NDArray[np.float32]:
-        """Linear RGB, (height, width, 3), read-only."""
+        """Linear RGB, (height, width, 3), read-only; ``radiance.copy()`` can be written."""
         return self._pixels.radiance
 
     @property
@@ -297,7 +275,7 @@ class EnvMap:
         return PROJECTION
 
     @property
-    def source(self) -> Source:
+    def source(self) -> Origin:
         """Picture from which the map was made: its layout, and how it was recognised."""
         return self._pixels.source
 
@@ -739,40 +717,21 @@ class EnvMap:
         """
         return self._changed(convert.limit(self._pixels, maximum))
 
-    def to(
-        self,
-        projection: str,
-        *,
-        width: int | None = None,
-        faces: str = "opengl",
-        registration: str | None = None,
-        mapping: str | None = None,
-        fov: float | None = None,
-        forward: ArrayLike | None = None,
-    ) -> Picture:
-        """Picture of the map in another projection.
+    @former_parts("layout", with_target_arguments, ARGUMENTS)
+    def to(self, layout: str | Layout, *, width: int | None = None) -> Picture:
+        """Picture of the map in another layout.
 
         Parameters
         ----------
-        projection : str
+        layout : str or Layout
             "cube", "octahedral", "octahedral-equal-area", "angular", "mirror-ball", "fisheye",
-            "cylinder", "planar", "equirectangular", or "source": the layout of `EnvMap.source`,
-            with its size, faces, orientation and field of view, as for the rest of `split`.
+            "cylinder", "planar", "equirectangular", or a `Layout` with more arguments:
+            ``el.io.Layout.planar(fov=65, forward=(1, 0, 0))``. "source" is the layout of
+            `EnvMap.source`, with its size, faces, orientation and field of view, as for the rest of
+            `split`.
         width : int, optional
             Columns; of a cube, those of one face. When left out, the pixels are as large as those
             of the map on its equator.
-        faces : str
-            Order of the faces of a cube: "opengl" (also of DirectX, Vulkan, Unity), "openexr",
-            "py360convert", "pannellum", "directxtex".
-        registration : {"cell-centred", "border-sampled"}, optional
-            Positions of the samples of a cube's face. When left out, that of its order.
-        mapping : {"equidistant", "equisolid", "stereographic", "orthographic"}, optional
-            Mapping of a fisheye.
-        fov : float, optional
-            Field of view in degrees: across the circle of a fisheye, horizontally of a photograph
-            or a cylinder.
-        forward : array_like, shape (3,), optional
-            Direction of the centre of a circle, a square or a photograph.
 
         Returns
         -------
@@ -782,8 +741,8 @@ class EnvMap:
         Raises
         ------
         EnvLightsError
-            If the projection is not known, or an argument is missing, out of its range or of
-            another projection.
+            If the layout is not known, or an argument of it is missing, out of its range or of
+            pictures that exist, such as `circle`.
 
         Examples
         --------
@@ -791,8 +750,7 @@ class EnvMap:
         >>> el.EnvMap(np.ones((64, 128, 3))).to("cube", width=32)
         Picture(32x192 cube, cell-centred, faces in the order of OpenGL)
         """
-        options = {"registration": registration, "mapping": mapping, "fov": fov, "forward": forward}
-        return convert.to(self._pixels, projection, width, faces, **options)
+        return convert.to(self._pixels, layout, width)
 
     def view(
         self,
@@ -854,7 +812,7 @@ class EnvMap:
         The notes of the map become comments of the file. `open` reads those on estimates, such as
         that of `repaired`.
         """
-        save_map(self._pixels, path, half=half, compression=compression)
+        convert.save(self._pixels, path, half=half, compression=compression)
 
     def with_radiance(
         self, radiance: NDArray[np.float32], notes: Iterable[str], *, keeps_clip_level: bool = True

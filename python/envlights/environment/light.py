@@ -20,6 +20,7 @@ from envlights.environment.harmonics import CONVENTIONS, in_convention, map_harm
 from envlights.environment.pixels import MapPixels
 from envlights.kernels.image import LUMINANCE
 from envlights.kernels.probe import irradiance
+from envlights.kernels.sphere import pixel_solid_angles
 
 #: Vector that an upward surface faces.
 _UP = np.array([0.0, 1.0, 0.0])
@@ -40,6 +41,20 @@ def harmonics(pixels: MapPixels, degree: int, convention: str, fill: Fill) -> ND
     radiance = with_fill(pixels, fill).radiance
     rows = in_convention(map_harmonics(radiance, pixels.is_border_sampled), convention)
     return rows[: (degree + 1) ** 2]
+
+
+def mean_radiance(
+    radiance: NDArray[np.float32], border_sampled: bool, coverage_fraction: float = 1.0
+) -> NDArray[np.float64]:
+    """Mean radiance over the seen part of the sphere, (3,)."""
+    height, width, _ = radiance.shape
+    rows = pixel_solid_angles(height, 2, border_sampled=border_sampled).sum(axis=1)
+    columns = np.ones(width)
+    if border_sampled:
+        columns[[0, -1]] = 0.5  # the seam
+    sums = rows.astype(np.float32) @ radiance.reshape(height, -1)
+    mean: NDArray[np.float64] = columns @ sums.reshape(width, 3) / columns.sum()
+    return mean / (4 * np.pi * (coverage_fraction or 1.0))
 
 
 def with_fill(pixels: MapPixels, fill: Fill, albedo: float = 0.25) -> MapPixels:

@@ -35,33 +35,28 @@ from envlights.environment.coverage import multiply_by_coverage
 from envlights.environment.exposures import merge_exposures
 from envlights.environment.files.hints import Hints
 from envlights.environment.files.images import Image
-from envlights.environment.layouts.layout import equirectangular
+from envlights.environment.layouts.picture_layout import equirectangular
+from envlights.environment.layouts.projections import REGISTRATIONS, Layout, layout_of
 from envlights.environment.layouts.recognition import recognise, refusal_of_discs
-from envlights.environment.layouts.records import (
-    NO_ARGUMENTS,
-    REGISTRATIONS,
-    Arguments,
-    ArrangedPicture,
-    Source,
-)
-from envlights.environment.layouts.sources import PictureSource, read_picture
+from envlights.environment.layouts.records import ArrangedPicture, Origin
+from envlights.environment.picture_files import PictureSource, read_picture
 from envlights.environment.pixels import PROJECTION, MapPixels, with_coverage
 from envlights.kernels.probe import WORKING_COLUMNS
 
 
 def open_map(
     path: PictureSource,
-    arguments: Arguments,
+    layout: str | Layout | None,
     width: int | None,
     clip_level: float | None,
     **options: Any,
 ) -> MapPixels:
     """Map of a file, or of six; see `EnvMap.open`, whose other options are `options`."""
-    arguments.check()
+    wanted = layout_of(layout)
     level = None if clip_level is None else checked_clip_level(clip_level)
     image = read_picture(path, **options)  # bytes, samples, linear light
     try:
-        pixels = map_of_image(image, arguments, width, level)
+        pixels = map_of_image(image, wanted, width, level)
     except FileError:
         raise
     except EnvLightsError as refusal:
@@ -73,16 +68,16 @@ def open_map(
 
 def map_of_image(
     image: Image,
-    arguments: Arguments = NO_ARGUMENTS,
+    layout: Layout = Layout(),  # noqa: B008, it is frozen
     width: int | None = None,
     clip_level: float | None = None,
 ) -> MapPixels:
     """Map of a linear image in any layout."""
     columns = None if width is None else checked_width(width)
-    picture = recognise(image.pixels, image.hints, arguments, image.coverage)
+    picture = recognise(image.pixels, image.hints, layout, image.coverage)
     notes = [*image.notes, *picture.notes]
     radiance, infinite = clean(_seen(picture), notes)
-    if arguments.projection is None and not image.hints.layout:
+    if layout.projection is None and not image.hints.layout:
         _check_discs(radiance, picture)
     known = (level for level in (clip_level, image.clip_level, infinite) if level is not None)
     pixels = MapPixels(
@@ -100,18 +95,18 @@ def map_of_image(
 def map_of_array(
     array: ArrayLike | Mapping[str, ArrayLike],
     coverage: ArrayLike | None,
-    arguments: Arguments,
+    layout: str | Layout | None,
     width: int | None,
     clip_level: float | None,
     notes: list[str],
     units: str,
 ) -> MapPixels:
     """Map of an array, or of six; see `EnvMap`."""
-    arguments.check()
+    wanted = layout_of(layout)
     level = None if clip_level is None else checked_clip_level(clip_level)
     image = image_of_array(array, coverage, known_level=level)
     image = replace(image, notes=(*notes, *image.notes), units=units)
-    return map_of_image(image, arguments, width, level)
+    return map_of_image(image, wanted, width, level)
 
 
 def map_of_exposures(pictures: Any, times: Any, response: Any) -> MapPixels:
@@ -129,7 +124,7 @@ def unchecked_map(array: ArrayLike) -> MapPixels:
     if image.pixels.ndim != 3 or width != 2 * height:
         return map_of_image(image)
     layout = equirectangular(height, width)
-    source = Source(PROJECTION, (height, width), "", REGISTRATIONS[0], "shape", layout)
+    source = Origin(PROJECTION, (height, width), "", REGISTRATIONS[0], "shape", layout)
     picture = ArrangedPicture(image.pixels, image.coverage, layout, source, ())
     pixels = MapPixels(_seen(picture), False, source, None, image.clip_level, image.notes)
     return with_coverage(pixels, image.coverage)
@@ -165,7 +160,7 @@ def _on_sphere(pixels: MapPixels, picture: ArrangedPicture, columns: int | None)
     return with_coverage(pixels, coverage)
 
 
-def _note_of_conversion(source: Source, image: NDArray[np.float32]) -> str:
+def _note_of_conversion(source: Origin, image: NDArray[np.float32]) -> str:
     """Note on the layout and the size of the picture from which a map was made."""
     (rows, columns), (height, width) = source.size, image.shape[:2]
     return f"{source.projection} of {columns}x{rows} pixels, converted to {width}x{height} cells"

@@ -19,8 +19,9 @@ from envlights.environment.coverage import (
     multiply_by_coverage,
     note_of_coverage,
 )
-from envlights.environment.layouts.layout import Layout, equirectangular
-from envlights.environment.layouts.records import REGISTRATIONS, Source
+from envlights.environment.layouts.picture_layout import PictureLayout, equirectangular
+from envlights.environment.layouts.projections import REGISTRATIONS
+from envlights.environment.layouts.records import Origin
 
 #: Projection of the pixels of every map.
 PROJECTION = "equirectangular"
@@ -36,7 +37,7 @@ class MapPixels:
     is_border_sampled: bool
     """True if the outer pixels lie on the seam and the poles."""
 
-    source: Source
+    source: Origin
     """Picture from which the map was made."""
 
     coverage: NDArray[np.float32] | None = None
@@ -69,7 +70,7 @@ class MapPixels:
         return REGISTRATIONS[self.is_border_sampled]
 
     @property
-    def layout(self) -> Layout:
+    def layout(self) -> PictureLayout:
         """Layout of the pixels for the kernels."""
         size = self.radiance.shape[:2]
         return equirectangular(*size, border_sampled=self.is_border_sampled)

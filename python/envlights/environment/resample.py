@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from envlights import _native
 from envlights._common.blocks import in_blocks
-from envlights.environment.layouts import layout as layouts
-from envlights.environment.layouts.layout import Layout
+from envlights.environment.layouts import picture_layout as layouts
+from envlights.environment.layouts.picture_layout import PictureLayout
 from envlights.kernels import sphere
 
 #: Rotation that leaves everything in its place.
@@ -47,8 +47,8 @@ def rotate(
 def resample(
     radiance: NDArray[np.float32],
     coverage: NDArray[np.float32] | None,
-    source: Layout,
-    target: Layout,
+    source: PictureLayout,
+    target: PictureLayout,
     matrix: NDArray[np.float64] = UNTURNED,
 ) -> tuple[NDArray[np.float32], NDArray[np.float32] | None]:
     """Picture in another layout, with light from d coming from ``matrix @ d``.
@@ -59,7 +59,7 @@ def resample(
         Multiplied by `coverage`.
     coverage : ndarray of float32, shape (source.height, source.width), optional
         Share of each pixel that is seen.
-    source, target : Layout
+    source, target : PictureLayout
         Layouts; `target` has cells if it is equirectangular.
     matrix : ndarray, shape (3, 3)
         A rotation.
@@ -81,7 +81,7 @@ def resample(
     return image, None if fraction is None or (fraction == 1).all() else fraction.clip(0, 1)
 
 
-def _share_cells(source: Layout, target: Layout) -> bool:
+def _share_cells(source: PictureLayout, target: PictureLayout) -> bool:
     """True for two parts of a panorama, or a part and the whole, with the same cells."""
     if source.kind != "equirectangular" or target.kind != source.kind or source.axes != target.axes:
         return False
@@ -92,8 +92,8 @@ def _share_cells(source: Layout, target: Layout) -> bool:
 def _same_cells(
     radiance: NDArray[np.float32],
     coverage: NDArray[np.float32] | None,
-    source: Layout,
-    target: Layout,
+    source: PictureLayout,
+    target: PictureLayout,
 ) -> tuple[NDArray[np.float32], NDArray[np.float32] | None]:
     """Cells of a part of a panorama in another part, unchanged."""
     columns = (source.whole or (source.height, source.width))[1]
@@ -108,7 +108,7 @@ def _same_cells(
     return image, None if (fraction == 1).all() else fraction
 
 
-def default_width(layout: Layout) -> int:
+def default_width(layout: PictureLayout) -> int:
     """Columns of a map whose cells on the equator are as large as the mean pixel of a picture.
 
     Photographs and discs give at most 8192: a camera's 24 megapixels would give a map of 6 GB.
@@ -126,7 +126,7 @@ def default_width(layout: Layout) -> int:
 def on_sphere(
     radiance: NDArray[np.float32],
     coverage: NDArray[np.float32] | None,
-    layout: Layout,
+    layout: PictureLayout,
     width: int | None,
 ) -> tuple[NDArray[np.float32], NDArray[np.float32] | None, bool]:
     """Equirectangular radiance and seen share of any picture, and True if it is border-sampled.

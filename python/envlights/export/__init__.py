@@ -2,7 +2,7 @@
 
 | step                                                     | file           |
 |----------------------------------------------------------|----------------|
-| table of targets: suffixes, and what each can show       | `targets.py`   |
+| table of targets: suffixes, axes, units, and what each can show | `targets.py` |
 | error of a rig as a target shows it                      | `capabilities.py` |
 | format of a suffix, and warnings about losses            | `saving.py`    |
 | several files with one map                               | `links.py`     |
@@ -22,10 +22,10 @@ is imported when it is first used.
 
 from typing import TYPE_CHECKING
 
-from envlights.export.axes import AXES, Axes
+from envlights.export.axes import Axes
 from envlights.export.formats.csv_table import read_csv
 from envlights.export.saving import save
-from envlights.export.targets import TARGETS, Target, function_named, target_of
+from envlights.export.targets import AXES, TARGETS, Target, function_named, target_of
 
 if TYPE_CHECKING:
     from envlights.export.formats.blender import add_to_blender, blender, save_blender

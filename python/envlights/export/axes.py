@@ -1,10 +1,11 @@
-"""Axes of each target, in one table that every exporter uses.
+"""Axes of a target, and the rotations between them and ours.
 
 Ours is right-handed with +y up; the centre of a map looks along +z, its left quarter along +x.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -12,32 +13,17 @@ from numpy.typing import ArrayLike, NDArray
 
 Matrix = tuple[tuple[int, int, int], ...]
 
-_SAME: Matrix = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
-#: Our x, y, z become y, z, x: +y becomes +z, and the centre of the map +x.
-_CYCLE: Matrix = ((0, 0, 1), (1, 0, 0), (0, 1, 0))
-
-
-#: Axes of an equirectangular map in three.js: its centre along +x, its left quarter along -z.
-_THREE: Matrix = ((0, 0, 1), (0, 1, 0), (-1, 0, 0))
-
-#: Axes of a map in pbrt's `imgtool makeequiarea`: +z up, the centre along -x, the left quarter
-#: along +y. The matrix mirrors, because pbrt's frame is left-handed.
-_PBRT: Matrix = ((0, 0, -1), (1, 0, 0), (0, 1, 0))
-#: Unity: +x to the right; our +x is on the left of the map.
-_MIRRORED_X: Matrix = ((-1, 0, 0), (0, 1, 0), (0, 0, 1))
-#: Unity's Skybox/Panoramic: u = 0.5 - atan2(z, x) / 2 pi, so the centre looks along +x.
-_PANORAMIC: Matrix = ((0, 0, 1), (0, 1, 0), (1, 0, 0))
-#: Unreal: x forward, y to the right, z up.
-_UNREAL: Matrix = ((0, 0, 1), (-1, 0, 0), (0, 1, 0))
-
 
 class Axes(NamedTuple):
     """Axes of a target.
 
     Examples
     --------
-    >>> AXES["blender"].to_target([[0, 1, 0]])
+    >>> import envlights as el
+    >>> el.export.AXES["blender"].to_target([[0, 1, 0]])
     array([[0., 0., 1.]])
+    >>> el.export.AXES["blender"].names
+    ('+y', '+z', '+x')
     """
 
     matrix: Matrix
@@ -53,6 +39,16 @@ class Axes(NamedTuple):
     def handedness(self) -> int:
         """1 for a right-handed target, -1 for a left-handed one."""
         return round(float(np.linalg.det(self.matrix)))
+
+    @property
+    def hand(self) -> str:
+        """Handedness as a word."""
+        return "right" if self.handedness > 0 else "left"
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Name of each of our axes in the target."""
+        return tuple(map(_axis_name, zip(*self.matrix, strict=True)))
 
     def to_target(self, direction: ArrayLike) -> NDArray[np.float64]:
         """Directions, (n, 3), in the target's frame."""
@@ -72,18 +68,7 @@ class Axes(NamedTuple):
         return turn
 
 
-#: Axes by the name of the target.
-AXES = {
-    "csv": Axes(_SAME),
-    "mitsuba": Axes(_SAME, _SAME),
-    "usd": Axes(_SAME, _SAME),
-    "blender": Axes(_CYCLE, _CYCLE),
-    "gltf": Axes(_SAME),
-    "three": Axes(_THREE, _THREE),
-    "radiance": Axes(_CYCLE, _CYCLE),
-    "pbrt": Axes(_PBRT, _PBRT),
-    "mujoco": Axes(_CYCLE),
-    "godot": Axes(_SAME, _SAME),
-    "unity": Axes(_MIRRORED_X, _PANORAMIC),
-    "unreal": Axes(_UNREAL),
-}
+def _axis_name(direction: Iterable[int]) -> str:
+    """Name of a direction along an axis, such as "+x"."""
+    signs = zip(direction, "xyz", strict=True)
+    return next(("+" if sign > 0 else "-") + axis for sign, axis in signs if sign)

@@ -49,17 +49,14 @@ class Capabilities(NamedTuple):
     cards: bool = False
     """True if cards are planes in space; False if they are discs like other lights."""
 
-    units: str = "those of the map"
-    """Meaning of the numbers in the file."""
-
     remark: str = ""
     """Losses in other words, and settings to make by hand."""
 
     source: str = ""
     """Document or source code that these fields are from."""
 
-    def lines(self) -> list[str]:
-        """Text for the help."""
+    def in_short(self) -> str:
+        """Parts of a rig that it shows, in words."""
         sizes = {"spread": "sizes", "soften": "sizes in shadows alone", "none": "no sizes"}
         harmonics = {
             "exact": "harmonics",
@@ -75,7 +72,7 @@ class Capabilities(NamedTuple):
             "map" if self.environment else "no map",
             *(["cards"] if self.cards else []),
         )
-        return [f"shows {', '.join(shown)}; units: {self.units}", *filter(None, [self.remark])]
+        return ", ".join(shown)
 
     def ambients(self) -> tuple[str, ...]:
         """Ambient terms that a fit may choose, the simplest first."""

@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights.environment.envmap import EnvMap
-from envlights.export.axes import AXES
 from envlights.export.look_up import looked_up
-from envlights.export.targets import target_named
+from envlights.export.targets import AXES, target_named
 
 #: Least rows and columns of a texture that shows the map behind a card of one colour.
 _HIDDEN_TEXELS = 16

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
 from typing import Any, NamedTuple, Protocol
 
@@ -11,15 +10,12 @@ from numpy.typing import NDArray
 
 from envlights._common.blocks import in_blocks
 from envlights._common.check import describe
-from envlights._common.printable import printable
-from envlights._common.units import PHOTOMETRIC
 from envlights._native import EnvLightsError
 from envlights.environment.decoders.source import is_source
 from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
 from envlights.export.capabilities import HARMONIC_MEAN, ROWS
 from envlights.export.panels import Panel, distant_and_panels
-from envlights.export.targets import TARGETS
-from envlights.export.units import UNITS
+from envlights.export.targets import TARGETS, target_named
 from envlights.kernels.ambient import ambient_rows
 from envlights.kernels.sphere import pixel_solid_angles
 
@@ -91,7 +87,9 @@ class Scene(NamedTuple):
     """Cell-centred map that replaces the constant."""
 
     statement: str
-    """Sentence for the file on the units of all numbers, and on estimates among them."""
+    """Sentence for the file on the units of all numbers, and on estimates among them.
+
+    One line without control characters; each writer quotes it by the syntax of its format."""
 
     term: NDArray[np.float64]
     """Ambient term of the rig, (3,) or harmonics, (9, 3); zeros if there is a map in its place."""
@@ -124,7 +122,7 @@ def scene_of(rig: Exportable, environment: AnyMap | None = None, *, target: str)
     environment : EnvMap or array_like, optional
         Map that replaces the ambient term; an array has the units of the lights.
     target : str
-        Name in `units.UNITS`.
+        Name of the target.
 
     Returns
     -------
@@ -144,7 +142,7 @@ def scene_of(rig: Exportable, environment: AnyMap | None = None, *, target: str)
         ambient, env, term, floor = None, _environment(lights, environment), np.zeros(3), False
         units = env.units
     statement = statement_of(lights, units, target)
-    factor = UNITS[target].factor if units == PHOTOMETRIC else 1.0
+    factor = target_named(target).units.factor_of(units)
     panels: tuple[Panel, ...] = ()
     if target in PANELS:
         lights, panels = distant_and_panels(rig, env, factor)
@@ -153,13 +151,7 @@ def scene_of(rig: Exportable, environment: AnyMap | None = None, *, target: str)
 
 def statement_of(lights: Discs, units: str, target: str) -> str:
     """Sentence for the file of a target: units, and the notes of the lights."""
-    return "; ".join([UNITS[target].statement(units), *map(_plain, lights.notes)])
-
-
-def _plain(note: str) -> str:
-    """Note for the comments and strings of any format: without quotes, escapes and line breaks."""
-    text = printable(note).replace('"', "'").replace("\\", "/").replace("*/", "* /")
-    return re.sub("--+", "-", text)
+    return "; ".join([target_named(target).units.statement(units), *lights.notes])
 
 
 def _environment(lights: Discs, environment: AnyMap) -> EnvMap:

@@ -1,4 +1,8 @@
-"""Table of the targets: suffixes, textures, and the parts of a rig that each can show."""
+"""Table of the targets: all that other places need to know about each, in one row.
+
+A new target is a row here, a file in `formats/`, and its names in `__init__.py`. The help, the
+tables of the documentation and the tests follow from its row.
+"""
 
 from __future__ import annotations
 
@@ -9,16 +13,34 @@ from typing import Any, NamedTuple
 from envlights._common.check import check_choice, describe
 from envlights._common.files import PICTURES, as_path
 from envlights._native import EnvLightsError
+from envlights.export.axes import Axes, Matrix
 from envlights.export.capabilities import Capabilities, common
 from envlights.export.files import AnyPath
-from envlights.export.units import UNITS
+from envlights.export.units import TargetUnits
 
 #: End of the name of a map that a program reads as a panorama in our axes.
 PANORAMA = ".ambient.exr"
 #: Lights that cast shadows, the brightest, in renderers that draw the scene again for each of them.
 CASTERS = 3
-#: Files in `export.formats` that do not have the name of their target.
-_FILES = {"json": "own_json", "unity": "engine", "unreal": "engine"}
+
+_SAME: Matrix = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
+#: Our x, y, z become y, z, x: +y becomes +z, and the centre of the map +x.
+_CYCLE: Matrix = ((0, 0, 1), (1, 0, 0), (0, 1, 0))
+#: Axes of an equirectangular map in three.js: its centre along +x, its left quarter along -z.
+_THREE: Matrix = ((0, 0, 1), (0, 1, 0), (-1, 0, 0))
+#: Axes of a map in pbrt's `imgtool makeequiarea`: +z up, the centre along -x, the left quarter
+#: along +y. The matrix mirrors, because pbrt's frame is left-handed.
+_PBRT: Matrix = ((0, 0, -1), (1, 0, 0), (0, 1, 0))
+#: Unity: +x to the right; our +x is on the left of the map.
+_MIRRORED_X: Matrix = ((-1, 0, 0), (0, 1, 0), (0, 0, 1))
+#: Unity's Skybox/Panoramic: u = 0.5 - atan2(z, x) / 2 pi, so the centre looks along +x.
+_PANORAMIC: Matrix = ((0, 0, 1), (0, 1, 0), (1, 0, 0))
+#: Unreal: x forward, y to the right, z up.
+_UNREAL: Matrix = ((0, 0, 1), (-1, 0, 0), (0, 1, 0))
+#: Lumens per watt: the maximum of the photopic eye (SI), and that of white light in Radiance.
+_SI, _RADIANCE = 683.0, 179.0
+#: Units of our own files.
+_OURS = TargetUnits("`scale` in the file")
 
 
 class Crops(NamedTuple):
@@ -53,6 +75,12 @@ class Target(NamedTuple):
     suffixes: tuple[str, ...]
     """Suffixes in lower case, the usual one first."""
 
+    axes: Axes
+    """Its axes."""
+
+    units: TargetUnits
+    """Units of the numbers in its files."""
+
     shows: Capabilities
     """Parts of a rig that it can show."""
 
@@ -64,36 +92,53 @@ class Target(NamedTuple):
     crop: Crops | None = None
     """Textures of cards beside a file; None if there are none."""
 
+    file: str = ""
+    """Name of its file in `export.formats`, if that is not its own name."""
+
     def save(self, rig: Any, path: AnyPath, *environment: Any, **options: Any) -> None:
         """Write a rig or lights, with an `environment` map if the target shows one."""
         function_named(f"save_{self.name}")(rig, path, *environment, **options)
+
+    def lines(self) -> list[str]:
+        """Text for the help."""
+        shown = f"shows {self.shows.in_short()}; units: {self.units.in_short()}"
+        return [shown, *filter(None, [self.shows.remark])]
 
 
 def function_named(name: str) -> Callable[..., Any]:
     """Public function of a target, such as "usd" or "save_usd"; its file is imported now."""
     target = name.removeprefix("save_").removeprefix("add_to_")
-    module = import_module(f"envlights.export.formats.{_FILES.get(target, target)}")
+    files = {each.name: each.file for each in TARGETS}
+    module = import_module(f"envlights.export.formats.{files.get(target) or target}")
     function: Callable[..., Any] = getattr(module, name)
     return function
 
 
-_TARGETS = (
+#: Targets in the order of the help.
+TARGETS = (
     Target(
         "json",
         "envlights itself",
         (".json",),
+        Axes(_SAME),
+        _OURS,
         Capabilities(environment=False, remark="lossless"),
+        file="own_json",
     ),
     Target(
         "csv",
         "a table of numbers",
         (".csv",),
+        Axes(_SAME),
+        _OURS,
         Capabilities(environment=False, remark="without report and notes"),
     ),
     Target(
         "gltf",
         "glTF 2.0",
         (".gltf",),
+        Axes(_SAME),
+        TargetUnits("KHR_lights_punctual: directional lights use illuminance in lux"),
         Capabilities(
             sizes="none",
             harmonics="none",
@@ -107,6 +152,8 @@ _TARGETS = (
         "three",
         "three.js",
         (".three.json",),
+        Axes(_THREE, _THREE),
+        TargetUnits("three.js from release 155: DirectionalLight.intensity is in lux"),
         Capabilities(
             sizes="none",
             cards=True,
@@ -118,6 +165,8 @@ _TARGETS = (
         "usd",
         "OpenUSD",
         (".usda", ".usdc", ".usd"),
+        Axes(_SAME, _SAME),
+        TargetUnits("UsdLuxLightAPI: nits at exposure 0; normalized distant light: lux"),
         Capabilities(
             harmonics="map",
             cards=True,
@@ -131,6 +180,8 @@ _TARGETS = (
         "mitsuba",
         "Mitsuba 3",
         (".xml",),
+        Axes(_SAME, _SAME),
+        TargetUnits("Mitsuba 3 passes the numbers on: pixels of an image are in cd/m2"),
         Capabilities(
             harmonics="map",
             cards=True,
@@ -144,6 +195,8 @@ _TARGETS = (
         "blender",
         "Blender, a script",
         (".py",),
+        Axes(_CYCLE, _CYCLE),
+        TargetUnits("as in Blender's glTF importer", "W/m2", "W/(m2 sr)", _SI),
         Capabilities(
             harmonics="map",
             cards=True,
@@ -157,6 +210,8 @@ _TARGETS = (
         "radiance",
         "Radiance",
         (".rad",),
+        Axes(_CYCLE, _CYCLE),
+        TargetUnits("WHTEFFICACY of Radiance", "W/m2", "W/(m2 sr)", _RADIANCE),
         Capabilities(harmonics="map", source="Radiance, The RADIANCE Lighting Simulation: source"),
         ".ambient.hdr",  # mantissas rounded as Radiance reads them
     ),
@@ -164,6 +219,8 @@ _TARGETS = (
         "pbrt",
         "pbrt-v4",
         (".pbrt",),
+        Axes(_PBRT, _PBRT),
+        TargetUnits("pbrt-v4, lights.cpp: an RGB of 1 is scaled to 1 nit or 1 lux"),
         Capabilities(
             harmonics="map",
             cards=True,
@@ -177,6 +234,10 @@ _TARGETS = (
         "mujoco",
         "MuJoCo",
         (".mujoco.xml",),
+        Axes(_CYCLE),
+        TargetUnits(
+            "MuJoCo's lights have no units", "lux, times its scale", "cd/m2, times its scale"
+        ),
         Capabilities(
             sizes="none",
             harmonics="none",
@@ -191,6 +252,8 @@ _TARGETS = (
         "godot",
         "Godot 4",
         (".tscn",),
+        Axes(_SAME, _SAME),
+        TargetUnits("Godot 4: energies have no units by default", "lux (energy: over pi)"),
         Capabilities(
             sizes="soften",
             harmonics="map",
@@ -205,17 +268,22 @@ _TARGETS = (
         "unity",
         "Unity",
         (".unity.json",),
+        Axes(_MIRRORED_X, _PANORAMIC),
+        TargetUnits("Unity HDRP, Light component: directional lights are in lux"),
         Capabilities(
             sizes="soften",
             remark="other pipelines than HDRP use `intensity_without_pi`",
             source="Unity manual, HDRP: Light, Angular Diameter",
         ),
         PANORAMA,
+        file="engine",
     ),
     Target(
         "unreal",
         "Unreal Engine",
         (".unreal.json",),
+        Axes(_UNREAL),
+        TargetUnits("Unreal Engine, Physical Lighting Units: directional lights are in lux"),
         Capabilities(
             sizes="soften",
             harmonics="map",
@@ -223,19 +291,12 @@ _TARGETS = (
             source="Unreal Engine documentation: Directional Light, Source Angle",
         ),
         PANORAMA,
+        file="engine",
     ),
 )
 
-
-def _with_units(target: Target) -> Target:
-    """`target` with its units; our own files keep those of the map."""
-    if target.name not in UNITS:
-        return target
-    return target._replace(shows=target.shows._replace(units=UNITS[target.name].in_short()))
-
-
-#: Targets in the order of the help.
-TARGETS = tuple(map(_with_units, _TARGETS))
+#: Axes by the name of the target.
+AXES = {target.name: target.axes for target in TARGETS}
 
 #: Suffixes of all targets.
 SUFFIXES = tuple(suffix for target in TARGETS for suffix in target.suffixes)

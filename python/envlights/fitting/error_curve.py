@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._common.check import counts
+from envlights._common.check import counts, named_arguments
 from envlights._common.fields import fields_of
 from envlights._common.result import TableResult
 from envlights._common.tables import Table, csv_of, json_text, save_table
@@ -98,14 +98,15 @@ class ErrorCurve(TableResult):
         return f"{self.lights[0]} to {self.lights[-1]} lights; at the end {each}"
 
     def _lines(self) -> list[str]:
-        """Lines below the table: the metal, and rising errors with shadows."""
+        """Lines below the table: the metal, rising errors with shadows, and notes."""
         each = (
             f"{percent(before)} with {fewer} to {percent(after)} with {more}"
             for fewer, before, more, after in self._rises()
         )
         rises = "; ".join(each)
-        note = [f"note: more lights raise the error with shadows: {rises}"] if rises else []
-        return [f"gloss: metal of roughness {self.roughness:g}", *note]
+        notes = [f"note: more lights raise the error with shadows: {rises}"] if rises else []
+        notes += [f"note: {note}" for rig in self.rigs[-1:] for note in rig.notes]
+        return [f"gloss: metal of roughness {self.roughness:g}", *notes]
 
     def _rises(self) -> list[tuple[int, float, int, float]]:
         """Neighbouring numbers of lights between which the printed error with shadows rises."""
@@ -127,6 +128,7 @@ class ErrorCurve(TableResult):
         return Table(names, rows)
 
 
+@named_arguments()
 def error_curve(
     env: AnyMap,
     lights: Iterable[int] = range(9),

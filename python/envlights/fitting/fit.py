@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from envlights import _native
-from envlights._common.check import check_choice, reals
+from envlights._common.check import check_choice, named_arguments, reals
+from envlights._common.notes import black_note
 from envlights._common.times import Clock
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import AnyMap
@@ -30,6 +31,7 @@ from envlights.sun.choice import AnySun
 from envlights.sun.sun_split import with_sun
 
 
+@named_arguments()
 def fit(
     env: AnyMap,
     lights: int | None = None,
@@ -194,6 +196,7 @@ def fit(
     return fit_with_sun(with_sun(env, sun), arguments)
 
 
+@named_arguments()
 def fit_probe(
     normals: ArrayLike,
     irradiance: ArrayLike,
@@ -276,6 +279,7 @@ def fit_probe(
         answer,
         request,
         scale=scale,
+        notes=black_note(irradiance, "measured irradiance"),
         # The report shares this dictionary, which gets its last entry below.
         seconds=clock.laps,
         measured_on=f"the {len(normals)} fitted normals",

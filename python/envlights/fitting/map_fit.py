@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from envlights import _native
 from envlights._common.check import check_choice, flag
-from envlights._common.notes import LOG, log
+from envlights._common.notes import LOG, black_note, log
 from envlights._common.times import Clock
 from envlights._native import FitAnswer
 from envlights.environment.envmap import AnyMap, EnvMap, apply_to_map
@@ -210,10 +210,12 @@ def _rig(plan: _Plan, reduction: Reduction, answers: Answers, seconds: dict[str,
     chosen = request.best_of(answers, RENDERING_ERROR) if plan.is_auto else plan.ambients[0]
     answer = answers[chosen]
     compared = {name: (one.lights, one.error) for name, one in answers.items()}
+    # Fits to a map have samples.
+    irradiance = answer.map_samples[2]  # type: ignore[index]
     return rig_of(
         answer,
         request,
-        notes=(*reduction.notes, *wording.clipping(reduction.clipped_flux_fraction)),
+        notes=_notes(reduction, irradiance, floor),
         units=reduction.units,
         floor=floor,
         sized_error=answer.error if plan.has_sized_error and answer.lights else None,
@@ -233,6 +235,12 @@ def _rig(plan: _Plan, reduction: Reduction, answers: Answers, seconds: dict[str,
             *wording.channels(answer),
         ),
     )
+
+
+def _notes(reduction: Reduction, irradiance: NDArray[np.float64], floor: bool) -> tuple[str, ...]:
+    """Notes of a rig, from the irradiance of its map."""
+    black = black_note(irradiance, "map above the horizon" if floor else "map")
+    return (*black, *reduction.notes, *wording.clipping(reduction.clipped_flux_fraction))
 
 
 def continue_rig(
@@ -264,7 +272,7 @@ def continue_rig(
             measured_on=wording.measured_on(len(samples[1]), arguments.floor),
             ambient=ambient,
         ),
-        (*reduction.notes, *wording.clipping(reduction.clipped_flux_fraction)),
+        _notes(reduction, samples[2], arguments.floor),
         arguments.floor,
     )
     return rig, MapSamples(*samples)

@@ -19,6 +19,7 @@ from envlights.environment.fill import (
     choice_of,
     share_above_horizon,
 )
+from envlights.environment.layouts.projections import Layout
 from envlights.environment.reduced_file import reduce_file
 from envlights.kernels.probe import WORKING_COLUMNS, relative_rms, working_irradiance
 from envlights.kernels.sampling import icosphere
@@ -76,9 +77,8 @@ def above_horizon(env: EnvMap) -> EnvMap:
         env.radiance.shape,
         lambda rows: np.where(towards[rows, :, 1:2] < 0, np.float32(0), env.radiance[rows]),
     )
-    return EnvMap(
-        radiance, registration=env.registration, clip_level=env.clip_level, coverage=env.coverage
-    )
+    layout = Layout.equirectangular(registration=env.registration)
+    return EnvMap(radiance, layout=layout, clip_level=env.clip_level, coverage=env.coverage)
 
 
 #: Fraction of the flux of a channel from which a cell of the reduced map becomes a point source.
@@ -144,7 +144,7 @@ def reduction_of_file(path: str | os.PathLike[str] | bytes, floor: bool) -> Redu
 
     It equals that of `EnvMap.open`.
     """
-    reduced = reduce_file(path, WORKING_COLUMNS, POINT_SHARE, floor)
-    if reduced is None or reduced.width < LEAST_COLUMNS:
+    reduced = reduce_file(path, WORKING_COLUMNS, POINT_SHARE, floor, LEAST_COLUMNS)
+    if reduced is None:
         return None
     return Reduction(*reduced[:-1], units=reduced.units)

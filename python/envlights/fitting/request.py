@@ -228,8 +228,10 @@ def request_of(
     check_choice("start", start, starts)
     goals = {"error": error, "shadow_error": shadow_error, "gloss_error": gloss_error}
     for name, value in goals.items():
-        if value is not None:
-            amount(name, value, most=1.0)
+        if value is not None and amount(name, value, most=1.0) == 1:
+            raise EnvLightsError(
+                f"{name} must be below 1 (1 is 100 %, the error without any light); got {value}"
+            )
     roughness = gloss.checked_roughness(roughness)
     has_goal = any(value is not None for value in goals.values())
     placed = len(fixed_directions) + len(start_directions)

@@ -11,13 +11,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _native
-from envlights._common.check import amount, count
+from envlights._common.check import amount, count, named_arguments
 from envlights._common.former import former_settings
+from envlights._common.notes import black_note
+from envlights._common.tables import MOST_ROWS
+from envlights._common.words import quantity
 from envlights.detection.lights import DetectionReport
 from envlights.environment import thumbnails
 from envlights.environment.colour.choice import ColourArgument
-from envlights.environment.layouts import layout as layouts
-from envlights.environment.layouts.layout import Layout
+from envlights.environment.layouts import picture_layout as layouts
+from envlights.environment.layouts.picture_layout import PictureLayout
 from envlights.kernels import image as images
 from envlights.kernels import loghin
 from envlights.papers.loghin_steps import (
@@ -35,6 +38,7 @@ from envlights.papers.loghin_steps import (
 )
 from envlights.papers.photograph_lights import PhotographLights, PhotographSamples
 from envlights.papers.photograph_pixels import AnyPhotograph, PhotographPixels, photograph_pixels
+from envlights.rigs.lights import brightest_first
 
 #: Narrowest and widest field of view in degrees; no photograph of a plane shows 180.
 _VIEWS_DEG = (0.05, 179.0)
@@ -70,6 +74,7 @@ class _Levels(NamedTuple):
 
 
 @former_settings(max_lights="lights")
+@named_arguments()
 def detect_photograph(
     image: AnyPhotograph,
     fov: float | None = None,
@@ -112,7 +117,8 @@ def detect_photograph(
         Brightest first, with places in pixels. Each of n samples has ``height * width / n`` pixels
         at its first position, and with a field of view their solid angle. The sum over
         samples is right on average, and inaccurate for lights smaller than the distance between
-        samples. No background is subtracted, because the article has none.
+        samples: a note states their uncertainty. No background is subtracted, because the article
+        has none.
 
     Raises
     ------
@@ -122,8 +128,8 @@ def detect_photograph(
     See Also
     --------
     papers.loghin.detect : the same for maps.
-    detect : with `EnvMap(image, projection="planar", fov=...)` the component tree for photographs,
-        which is more exact on linear pictures.
+    detect : with `EnvMap(image, layout=el.io.Layout.planar(fov=65))` the component tree for
+        photographs, which is more exact on linear pictures.
 
     Examples
     --------
@@ -149,7 +155,7 @@ def detect_photograph(
         reason=levels.reason,
         working_size=steps.size,
         details=steps.details,
-        notes=(*photograph.notes, *notes),
+        notes=(*black_note(luminance, "photograph"), *photograph.notes, *notes),
         seconds={"detect": time.perf_counter() - start},
     )
     found = _measure(photograph, camera, float(luminance.sum(dtype=np.float64)), steps, report)
@@ -205,7 +211,7 @@ def _means_of_all(steps: Steps) -> NDArray[np.float64]:
 
 def _camera(
     photograph: PhotographPixels, fov: float | None
-) -> tuple[Layout | None, tuple[str, ...]]:
+) -> tuple[PictureLayout | None, tuple[str, ...]]:
     """Layout for a horizontal field of view in degrees, or that of the file, with a note on it."""
     height, width, _ = photograph.radiance.shape
     if fov is not None:
@@ -248,7 +254,7 @@ def _levels(working: NDArray[np.float32], clip_level: float | None, settings: Se
 
 def _measure(
     photograph: PhotographPixels,
-    camera: Layout | None,
+    camera: PictureLayout | None,
     luminance: float,
     steps: Steps,
     report: DetectionReport,
@@ -263,6 +269,7 @@ def _measure(
     flux = each * merged.sums(values)
     # A sample may stand for more pixels than are bright around it.
     total = max(luminance, float((flux @ images.LUMINANCE).sum()))
+    report = replace(report, notes=(*_uncertain(steps, flux, each), *report.notes))
     position = ((merged.means + 0.5) * scale)[:, ::-1]
     peaks, reach = steps.pixels_in(shape), steps.reach_in(shape)
     arrays: dict[str, Any] = {
@@ -292,8 +299,29 @@ def _measure(
     )
 
 
+def _uncertain(steps: Steps, flux: NDArray[np.float64], each: float) -> tuple[str, ...]:
+    """Note on lights whose flux may be wrong by a factor of 2; a sample has `each` pixels.
+
+    The number of samples on a light scatters by its root, so 95 % are within two of those.
+    """
+    is_bright = steps.first_luminance > steps.threshold
+    samples = np.bincount(steps.merged.light[is_bright], minlength=len(flux))
+    texts = []
+    for number, hits in enumerate(samples[brightest_first(flux)].tolist(), 1):
+        factor = math.exp(2 / math.sqrt(hits)) if hits else math.inf
+        by = f"a factor of {factor:.2g}" if hits else "unknown"
+        texts += [f"light {number} {by} ({quantity(hits, 'sample')})"] if factor > 2 else []
+    if not texts:
+        return ()
+    more = f"; and {len(texts) - MOST_ROWS} more" if len(texts) > MOST_ROWS else ""
+    return (
+        f"the irradiance and the flux of small lights are uncertain, with {each:.3g} pixels for one"
+        f" sample: {'; '.join(texts[:MOST_ROWS])}{more}",
+    )
+
+
 def _solid_angles(
-    camera: Layout, pixel: NDArray[np.int64], size: tuple[int, int], each: float
+    camera: PictureLayout, pixel: NDArray[np.int64], size: tuple[int, int], each: float
 ) -> NDArray[np.float64]:
     """Solid angle of `each` pixels of the photograph at pixels of the working image.
 

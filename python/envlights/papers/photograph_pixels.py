@@ -18,7 +18,7 @@ from envlights.environment.files.focal_length import FocalLength, focal_length
 from envlights.environment.files.hints import Hints
 from envlights.environment.files.images import Image, OpenImage, open_image, whole_image
 from envlights.environment.layouts.attribute import with_statement
-from envlights.environment.layouts.records import NO_ARGUMENTS
+from envlights.environment.layouts.projections import Layout
 
 #: Path, bytes or file object of a photograph, or its samples.
 AnyPhotograph = AnySource | ArrayLike
@@ -82,7 +82,7 @@ def _check_plane(file: OpenImage) -> None:
 def _of_layout(hints: Hints, height: int, width: int, notes: list[str]) -> FocalLength | None:
     """Focal length of a picture of our own, by its statement on the layout."""
     try:
-        stated, _ = with_statement(NO_ARGUMENTS, hints, (height, width))
+        stated, _ = with_statement(Layout(), hints, (height, width))
     except EnvLightsError as refusal:
         notes.append(str(refusal))
         return None

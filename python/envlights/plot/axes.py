@@ -6,9 +6,8 @@ import numpy as np
 from matplotlib import rcParams
 from matplotlib.axes import Axes as Panel
 from matplotlib.figure import Figure
-from numpy.typing import ArrayLike
 
-from envlights.export.axes import AXES, Axes
+from envlights.export.axes import Axes
 from envlights.export.targets import TARGETS
 from envlights.plot.page import Placement, Unpack, open_page, placed_picture
 
@@ -33,31 +32,30 @@ def axes_picture(**where: Unpack[Placement]) -> Figure:
 
     Examples
     --------
-    >>> len(axes_picture().axes) == len(AXES)
-    True
+    >>> [panel.get_title().partition(chr(10))[0] for panel in axes_picture().axes][:3]
+    ['envlights itself', 'glTF 2.0', 'three.js']
     """
-    titles = {target.name: target.title.partition(",")[0] for target in TARGETS}
-    titles["csv"] = "envlights"
-    rows = -(-len(AXES) // _COLUMNS)
+    targets = [target for target in TARGETS if target.name != "csv"]  # it has the axes of JSON
+    rows = -(-len(targets) // _COLUMNS)
     cells = np.arange(rows * _COLUMNS)
-    cells[len(AXES) :] = -1
+    cells[len(targets) :] = -1
     page = open_page(where, cells.reshape(rows, -1), (2.1 * _COLUMNS, 2.5 * rows))
     for panel in page.panels:
         panel.set(xlim=(-1.5, 1.5), ylim=(-0.95, 1.45), aspect="equal")
         panel.set_axis_off()
-    for panel, (name, axes) in zip(page.panels, AXES.items(), strict=True):
-        _draw(panel, axes)
-        hand = "right-handed" if axes.handedness > 0 else "left-handed"
-        panel.set_title(f"{titles[name]}\n{hand}", fontsize="small")
+    for panel, target in zip(page.panels, targets, strict=True):
+        _draw(panel, target.axes)
+        title = target.title.partition(",")[0]
+        panel.set_title(f"{title}\n{target.axes.hand}-handed", fontsize="small")
     return page.figure
 
 
 def _draw(panel: Panel, axes: Axes) -> None:
-    for column, (drawn, colour) in enumerate(zip(_DRAWN, _COLOURS, strict=True)):
+    for drawn, colour, name in zip(_DRAWN, _COLOURS, axes.names, strict=True):
         panel.annotate(
             "", drawn, (0, 0), arrowprops={"arrowstyle": "-|>", "color": colour, "lw": 2}
         )
-        label = axis_name(np.array(axes.matrix)[:, column])
+        label = name.replace("-", "−")
         x, y = 1.22 * drawn
         panel.text(x, y, label, color=colour, ha="center", va="center", fontsize="medium")
     if axes.map is not None and axes.map != axes.matrix:
@@ -66,10 +64,3 @@ def _draw(panel: Panel, axes: Axes) -> None:
         panel.annotate("", 0.75 * centre, (0, 0), arrowprops=style)
         x, y = 0.9 * centre
         panel.text(x, y, "map", ha="center", va="center", fontsize="small")
-
-
-def axis_name(direction: ArrayLike) -> str:
-    """Name of a direction along an axis, such as "+x"."""
-    values = np.asarray(direction)
-    axis = int(np.argmax(np.abs(values)))
-    return ("+" if values[axis] > 0 else "−") + "xyz"[axis]

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from envlights.cards import geometry
@@ -71,14 +72,22 @@ def draw_cards(axes: Axes, env: AnyMap, cards: Cards) -> str:
     """Draw a map and outlines of cards; return a sentence that states the exposure."""
     exposure = draw_map(axes, as_envmap(env))
     for card in cards:
-        axes.plot(*_outline(card).T, color=_COLOURS[card.shape], lw=1.4)
+        axes.plot(*_outline(card).T, color=_COLOURS[card.shape], lw=1.4, path_effects=_edge(2.4))
     at = degrees(cards.direction)
     draw_numbers(axes, at, np.zeros(len(cards)))
     drawn = [shape for shape in _COLOURS if shape in cards.shape]
-    entries = [Line2D([], [], color=_COLOURS[shape], lw=2, label=shape) for shape in drawn]
+    entries = [
+        Line2D([], [], color=_COLOURS[shape], lw=2, label=shape, path_effects=_edge(3.4))
+        for shape in drawn
+    ]
     if entries:
         draw_legend(axes, entries)
     return exposure
+
+
+def _edge(width: float) -> list[withStroke]:
+    """Dark edge of a line, so that a white one is seen on a white lamp and a white page."""
+    return [withStroke(linewidth=width, foreground="#404040")]
 
 
 @placed_picture

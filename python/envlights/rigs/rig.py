@@ -286,7 +286,7 @@ class Rig(Result):
         return [*self.lights._lines(), *(line for line in lines if line)]
 
     def _details(self) -> list[str]:
-        return ["", self.report.verbose()]
+        return ["", *self.report.verbose().split("\n")]
 
     def in_short(self) -> str:
         """Ambient term, number of lights and error."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from envlights._common.words import fill_template
-from envlights.export.axes import AXES
+from envlights.export.targets import AXES
 from envlights.sequence.frame_rig import FrameRig
 from envlights.sequence.light_tracks import tracks_of
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterable, Iterator
 
-from envlights._common.check import check_choice, check_progress, count
+from envlights._common.check import check_choice, check_progress, count, named_arguments
 from envlights._common.progress import progress_bar
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import AnyMap
@@ -53,6 +53,7 @@ class RigStream(Iterator[FrameRig]):
         return RigSequence(tuple(rigs), steadiness=self.steadiness, fps=self.fps)
 
 
+@named_arguments()
 def follow(
     frames: AnyFrames,
     lights: int | None = 4,
@@ -116,8 +117,9 @@ def follow(
     Notes
     -----
     A step of the light is a change of the irradiance by more than 1 % and more than 5 times the
-    median change of the last 12 frames, as of a lamp that is switched. The window does not reach
-    across it, so the rig changes in the same frame as the scene.
+    median change of the last 12 frames, as of a lamp that is switched; the same holds for what
+    remains of the change at the best scale of each channel, which flicker of the exposure does not
+    hide. The window does not reach across it, so the rig changes in the same frame as the scene.
 
     Lights are paired with those of earlier frames by the least sum of costs: the angle to the
     expected direction over 5 degrees, and the logarithm of the ratio of the fluxes to the base 4.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -10,9 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights._common.check import describe
-from envlights._common.units import PHOTOMETRIC
 from envlights._native import EnvLightsError
-from envlights.export.units import UNITS
+from envlights.export.targets import target_named
 from envlights.sequence.frame_rig import FrameRig
 from envlights.sequence.steadiness import frame_rate
 
@@ -68,11 +67,10 @@ def tracks_of(rigs: Iterable[FrameRig], target: str, fps: float | None) -> Light
             f"a sequence for {target} must have a constant ambient term or none; got harmonics."
             " Follow the frames with ambient='constant', or save .jsonl"
         )
-    units = rigs[0].units
-    factor = UNITS[target].factor if units == PHOTOMETRIC else 1.0
-    ids = sorted({identity for rig in rigs for identity in rig.ids})
-    lights = tuple(_track(rigs, identity, factor) for identity in ids)
-    statement = UNITS[target].statement(units)
+    units = target_named(target).units
+    factor = units.factor_of(rigs[0].units)
+    lights = _tracks(rigs, factor)
+    statement = units.statement(rigs[0].units)
     ambient = factor * np.array([rig.ambient for rig in rigs])
     return LightTracks(tuple(rig.frame for rig in rigs), fps, lights, ambient, statement)
 
@@ -90,24 +88,44 @@ def checked_rigs(rigs: Iterable[FrameRig]) -> list[FrameRig]:
     return found
 
 
-def _track(rigs: list[FrameRig], identity: int, factor: float) -> LightTrack:
-    present = [frame for frame, rig in enumerate(rigs) if identity in rig.ids]
-    lights = [rigs[frame].light(identity) for frame in present]
-    irradiance = np.zeros((len(rigs), 3))
-    irradiance[present] = factor * np.concatenate([each.irradiance for each in lights])
-    intensity = irradiance.max(axis=1)
-    nearest = _nearest(present, len(rigs))
+def _tracks(rigs: list[FrameRig], factor: float) -> tuple[LightTrack, ...]:
+    """Curve of each light, from the frames that have it."""
+    present: dict[int, list[int]] = {}
+    rows: dict[int, list[NDArray[np.float64]]] = {}
+    for frame, rig in enumerate(rigs):
+        lights = rig.lights
+        table = np.column_stack([lights.direction, lights.irradiance, lights.angular_radius])
+        for identity, row in zip(rig.ids, table, strict=True):
+            present.setdefault(identity, []).append(frame)
+            rows.setdefault(identity, []).append(row)
+    return tuple(
+        _track(each, np.array(present[each]), np.array(rows[each]), factor, len(rigs))
+        for each in sorted(present)
+    )
 
-    def hold(values: Callable[[Any], Any]) -> NDArray[np.float64]:
-        """Values of the light, and those of the nearest frame where it is absent."""
-        return np.concatenate([values(each) for each in lights])[nearest]
 
-    colour = hold(lambda light: light.irradiance / (light.irradiance.max() or 1.0))
-    direction = hold(lambda light: light.direction)
-    return LightTrack(identity, direction, intensity, colour, hold(lambda x: x.angular_radius))
+def _track(
+    identity: int,
+    present: NDArray[np.intp],
+    rows: NDArray[np.float64],
+    factor: float,
+    frames: int,
+) -> LightTrack:
+    """Curve of a light; where it is absent, it is black and as in the nearest frame."""
+    irradiance = rows[:, 3:6]
+    most = irradiance.max(axis=1)
+    intensity = np.zeros(frames)
+    intensity[present] = factor * most
+    colour = irradiance / np.where(most > 0, most, 1)[:, None]
+    nearest = _nearest(present, frames)
+    return LightTrack(identity, rows[nearest, :3], intensity, colour[nearest], rows[nearest, 6])
 
 
-def _nearest(present: list[int], count: int) -> NDArray[np.intp]:
-    distances = np.abs(np.arange(count)[:, None] - np.array(present))
-    nearest: NDArray[np.intp] = distances.argmin(axis=1)
+def _nearest(present: NDArray[np.intp], count: int) -> NDArray[np.intp]:
+    """Number of the nearest frame in `present` for each frame, the earlier one of two."""
+    frames = np.arange(count)
+    after = np.minimum(np.searchsorted(present, frames), len(present) - 1)
+    before = np.maximum(after - 1, 0)
+    is_before = np.abs(frames - present[before]) <= np.abs(frames - present[after])
+    nearest: NDArray[np.intp] = np.where(is_before, before, after)
     return nearest

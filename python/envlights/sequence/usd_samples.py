@@ -7,15 +7,16 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights.export.formats.usd import light_matrix
-from envlights.export.formats.usd_text import prim
+from envlights._common.words import fill_template
+from envlights.export.formats.usd import QUANTITIES, light_matrix
+from envlights.export.formats.usd_text import prim, string
 from envlights.sequence.frame_rig import FrameRig
 from envlights.sequence.light_tracks import LightTrack, tracks_of
 
 _HEAD = """#usda 1.0
 (
     defaultPrim = "rig"
-    doc = "Lights: irradiance at normal incidence; dome: radiance; linear Rec.709 RGB; @UNITS@"
+    doc = @UNITS@
     endTimeCode = @END@
     metersPerUnit = 1
     startTimeCode = @START@
@@ -59,15 +60,13 @@ def usd(rigs: Iterable[FrameRig], fps: float | None = None) -> str:
         most = tracks.ambient.max(axis=1)
         colour = tracks.ambient / np.where(most > 0, most, 1)[:, None]
         prims.append(prim("DomeLight", "ambient", _colour(colour, most, tracks.frames)))
-    marks = {
-        "@UNITS@": tracks.statement,
-        "@START@": str(tracks.frames[0]),
-        "@END@": str(tracks.frames[-1]),
-        "@RATE@": repr(tracks.fps),
-    }
-    head = _HEAD
-    for mark, text in marks.items():
-        head = head.replace(mark, text)
+    head = fill_template(
+        _HEAD,
+        units=string(f"{QUANTITIES}{tracks.statement}"),
+        start=str(tracks.frames[0]),
+        end=str(tracks.frames[-1]),
+        rate=repr(tracks.fps),
+    )
     return head + "\n".join(prims) + "}\n"
 
 

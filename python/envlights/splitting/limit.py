@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._common.check import amount
+from envlights._common.check import amount, named_arguments
 from envlights._common.former import former_attributes
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
@@ -32,6 +32,7 @@ class Limit(NamedTuple):
         return f"{self.lights}\n\n{self.remainder}"
 
 
+@named_arguments()
 def limit(env: AnyMap, maximum: float) -> Limit:
     r"""Limit the samples of a map, and return the excess as lights.
 

@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _native
-from envlights._common.check import amount, count, describe, flag
+from envlights._common.check import amount, count, describe, flag, named_arguments
 from envlights._common.former import former_attributes
 from envlights._native import EnvLightsError
 from envlights.cards.card_split import CardSplit
 from envlights.cards.cut import cut
-from envlights.detection.detect import detect_with_luminance
+from envlights.detection.detect import detect, detect_with_luminance
 from envlights.detection.lights import DetectedLights, DetectionReport
 from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
 from envlights.export.links import LinkedParts
@@ -94,6 +94,7 @@ def split(
 ) -> CardSplit: ...
 
 
+@named_arguments(detect)
 def split(
     env: AnyMap,
     lights: int | DetectedLights | None = None,

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights._common.check import amount, reals
+from envlights._common.check import amount, named_arguments, reals
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
 from envlights.sun.brightness import INTERVAL, WIDE_INTERVAL, sun_irradiance
@@ -27,6 +27,7 @@ _NO_GROUND = "too little unclipped ground: the irradiance is from the sky alone"
 _UNSEEN = "parts of the sphere are not seen and count as black"
 
 
+@named_arguments()
 def find_sun(
     env: AnyMap, *, direction: ArrayLike | None = None, elevation: float | None = None
 ) -> Sun:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from envlights._common.check import amount
+from envlights._common.check import amount, named_arguments
 from envlights._common.former import former_attributes
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
@@ -88,6 +88,7 @@ def _check_seen(env: EnvMap, lights: Lights) -> None:
         )
 
 
+@named_arguments()
 def with_sun(
     env: AnyMap,
     sun: AnySun = AUTO,

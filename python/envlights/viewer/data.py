@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights._common.srgb import encode_srgb
+from envlights._native import EnvLightsError
 from envlights.environment import thumbnails
 from envlights.environment.envmap import EnvMap
 from envlights.environment.harmonics import FACTORS
@@ -112,8 +113,13 @@ def picture(env: EnvMap) -> dict[str, Any]:
 
 def address(codes: NDArray[np.uint8]) -> str:
     """A picture as an address that holds it: WebP, or JPEG where the image library lacks it."""
-    from PIL import Image, features
-
+    try:
+        from PIL import Image, features
+    except ImportError:
+        raise EnvLightsError(
+            "view needs Pillow for the picture of the map: pip install 'envlights[models]', or pip"
+            " install pillow"
+        ) from None
     kind = "webp" if features.check("webp") else "jpeg"
     image, content = Image.fromarray(codes), b""
     for quality in _QUALITIES:

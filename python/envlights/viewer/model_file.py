@@ -16,6 +16,7 @@ from envlights._common import check
 from envlights._common.errors import MissingFileError
 from envlights._common.srgb import decode_srgb
 from envlights._native import EnvLightsError
+from envlights.viewer.gltf_size import check_size
 
 #: Largest number of triangles: 8 MB in the page, 11 MB as text.
 MOST_TRIANGLES = 200_000
@@ -25,6 +26,8 @@ ALBEDO = 0.7
 SUFFIXES = (".glb", ".gltf", ".obj", ".off", ".ply", ".stl")
 #: Largest number of meshes in a scene: trimesh needs the square of it if they hang on each other.
 _MOST_MESHES = 1000
+#: Memory for arrays of a small file: a kilobyte for each triangle.
+_MOST_BYTES = MOST_TRIANGLES * 1024
 #: Files whose colours are linear, as glTF has them; others hold sRGB.
 _LINEAR = (".glb", ".gltf")
 
@@ -103,7 +106,10 @@ def _library() -> Any:
 
 def _load(trimesh: Any, path: str | os.PathLike[str]) -> Any:
     """Scene of a file, with the vertices as they are."""
-    return trimesh.load_scene(Path(os.fsdecode(path)), process=False)
+    file = Path(os.fsdecode(path))
+    if file.suffix.lower() in _LINEAR:
+        check_size(file, _MOST_BYTES)
+    return trimesh.load_scene(file, process=False)
 
 
 def _parts(trimesh: Any, given: Any, is_linear: bool) -> Iterator[Part]:
@@ -156,8 +162,12 @@ def _of_material(material: Any, uv: Any, triangles: NDArray[np.int64]) -> NDArra
 
 def _texels(image: Any, uv: NDArray[np.float64]) -> NDArray[np.float64]:
     """Codes from 0 to 1 of a texture that repeats, (n, 3), at coordinates from its lower left."""
+    (width, height), most = image.size, import_module("PIL.Image").MAX_IMAGE_PIXELS
+    if most and width * height > most:
+        raise EnvLightsError(
+            f"a texture may have up to {most} pixels; got {width} x {height}; scale it down"
+        )
     pixels = np.asarray(image.convert("RGB"))
-    height, width, _ = pixels.shape
     place = np.nan_to_num(uv % 1.0)
     columns = np.minimum((place[:, 0] * width).astype(np.int64), width - 1)
     rows = np.minimum(((1 - place[:, 1]) * height).astype(np.int64), height - 1)

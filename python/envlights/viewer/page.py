@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from envlights._common.check import describe, flag
+from envlights._common.check import describe, flag, named_arguments
 from envlights._common.files import as_path
 from envlights._common.words import fill_template
 from envlights._native import EnvLightsError
@@ -110,6 +110,7 @@ class View:
         return f"<View: {self.data['title']}, {len(self.html) / 1000:.0f} kB>"
 
 
+@named_arguments()
 def view(
     env: AnyMap | Rig,
     rig: Rig | None = None,

@@ -1,72 +1,56 @@
 //! Header of a Radiance picture: lines of text, an empty line, and the resolution.
 
 use crate::error::Result;
+use crate::formats::header::{Header, SampleType, channels};
 use crate::formats::input::damage;
 
-/// Statements of a Radiance picture.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Header {
-    /// Number of lines.
-    pub height: usize,
-    /// Pixels of a line.
-    pub width: usize,
-    /// EXIF orientation, 1 to 8.
-    pub orientation: u8,
-    /// True if the samples are CIE XYZ.
-    pub is_xyz: bool,
-    /// Product of all exposures and colour corrections; samples divided by it are radiance.
-    pub exposure: [f64; 3],
-    /// The x and y of red, green, blue and white, if the file gives them.
-    pub primaries: Option<[f64; 8]>,
-    /// Place of the first line of pixels.
-    pub(super) start: usize,
+/// Header of a Radiance picture while its lines are read.
+pub(super) struct Reader<'a> {
+    bytes: &'a [u8],
+    /// Place of the next line; at the end, that of the first line of pixels.
+    pub place: usize,
+    pub header: Header,
 }
 
-impl Header {
+impl<'a> Reader<'a> {
     /// Header at the start of `bytes`.
     ///
     /// # Errors
     ///
     /// If it is incomplete, or its FORMAT is missing or unknown.
-    pub fn read(bytes: &[u8]) -> Result<Self> {
+    pub fn read(bytes: &'a [u8]) -> Result<Self> {
         if !bytes.starts_with(b"#?") {
             return Err(damage("a Radiance file starts with #?"));
         }
-        let mut header = Self {
-            height: 0,
-            width: 0,
-            orientation: 1,
-            is_xyz: false,
-            exposure: [1.0; 3],
-            primaries: None,
-            start: 0,
-        };
+        let header = Header::plain("radiance", 0, 0, channels("RGB", SampleType::F32));
+        let mut reader = Self { bytes, place: 0, header };
         let mut format = None;
-        header.line(bytes)?;
+        reader.line()?;
         loop {
-            let line = header.line(bytes)?;
+            let line = reader.line()?;
             if line.is_empty() {
                 break;
             }
             if let Some(value) = value(line, b"FORMAT") {
                 format = Some(value);
             } else {
-                header.statement(line);
+                reader.statement(line);
             }
         }
-        header.is_xyz = is_xyz(format)?;
-        let resolution = header.line(bytes)?;
-        header.set_resolution(resolution)?;
-        Ok(header)
+        reader.header.colour.is_xyz = is_xyz(format)?;
+        reader.header.description = description(bytes, reader.place);
+        let resolution = reader.line()?;
+        reader.set_resolution(resolution)?;
+        Ok(reader)
     }
 
     /// Next line, without its end.
-    fn line<'a>(&mut self, bytes: &'a [u8]) -> Result<&'a [u8]> {
-        let rest = &bytes[self.start..];
+    fn line(&mut self) -> Result<&'a [u8]> {
+        let rest = &self.bytes[self.place..];
         let length = rest.iter().position(|&byte| byte == b'\n').ok_or_else(|| {
             damage("the Radiance header is incomplete; wanted an empty line and the resolution")
         })?;
-        self.start += length + 1;
+        self.place += length + 1;
         Ok(rest[..length].strip_suffix(b"\r").unwrap_or(&rest[..length]))
     }
 
@@ -78,15 +62,15 @@ impl Header {
             self.multiply(factors);
         } else if let Some(primaries) = value(line, b"PRIMARIES").and_then(numbers::<8>) {
             let is_named = primaries.iter().any(|&number| number != 0.0);
-            self.primaries = is_named.then_some(primaries);
+            self.header.colour.chromaticities = is_named.then_some(primaries);
         }
     }
 
     /// Multiply the exposure by `factors`, unless one of them is not a positive finite number.
     fn multiply(&mut self, factors: [f64; 3]) {
-        let product: [f64; 3] = std::array::from_fn(|i| self.exposure[i] * factors[i]);
+        let product: [f64; 3] = std::array::from_fn(|i| self.header.exposure[i] * factors[i]);
         if product.iter().all(|product| product.is_normal() && *product > 0.0) {
-            self.exposure = product;
+            self.header.exposure = product;
         }
     }
 
@@ -101,7 +85,7 @@ impl Header {
         let text = std::str::from_utf8(line).map_err(|_| wrong())?;
         let words: Vec<&str> = text.split_ascii_whitespace().collect();
         let [one, height, other, width] = words[..] else { return Err(wrong()) };
-        self.orientation = match (one, other) {
+        self.header.orientation = match (one, other) {
             ("-Y", "+X") => 1,
             ("-Y", "-X") => 2,
             ("+Y", "-X") => 3,
@@ -112,10 +96,17 @@ impl Header {
             ("+X", "+Y") => 8,
             _ => return Err(wrong()),
         };
-        self.height = height.parse().map_err(|_| wrong())?;
-        self.width = width.parse().map_err(|_| wrong())?;
+        self.header.height = height.parse().map_err(|_| wrong())?;
+        self.header.width = width.parse().map_err(|_| wrong())?;
+        self.header.block = 1;
         Ok(())
     }
+}
+
+/// Lines before the `end` of the header, or the first ones of a long header.
+fn description(bytes: &[u8], end: usize) -> String {
+    const LONGEST: usize = 1 << 16;
+    String::from_utf8_lossy(&bytes[..end.min(LONGEST)]).into_owned()
 }
 
 /// True for samples in CIE XYZ, by the value of FORMAT.

@@ -1,6 +1,5 @@
 //! Start and end of each line of pixels, found by one pass over the packets.
 
-use super::header::Header;
 use crate::error::{Error, Result};
 use crate::formats::input::damage;
 
@@ -18,14 +17,13 @@ pub(super) struct Line {
 /// Widths that planes of packets may have.
 const PLANAR_WIDTHS: std::ops::Range<usize> = 8..32768;
 
-/// All lines of a picture.
+/// All lines of a picture of this size, whose first line is at `start`.
 ///
 /// # Errors
 ///
 /// If the file ends early, or the runs of a line have another length than its pixels.
-pub(super) fn find_lines(bytes: &[u8], header: &Header) -> Result<Vec<Line>> {
-    let (height, width) = (header.height, header.width);
-    let available = bytes.len() - header.start;
+pub(super) fn find_lines(bytes: &[u8], start: usize, height: usize, width: usize) -> Result<Vec<Line>> {
+    let available = bytes.len() - start;
     // The shortest line has one pixel of four bytes.
     if height > available / 4 {
         return Err(damage(format!(
@@ -33,7 +31,7 @@ pub(super) fn find_lines(bytes: &[u8], header: &Header) -> Result<Vec<Line>> {
         )));
     }
     let mut lines = Vec::with_capacity(height);
-    let mut at = header.start;
+    let mut at = start;
     for index in 0..height {
         let line = line(bytes, at, width).map_err(|reason| refusal(reason, index, width))?;
         at = line.to;

@@ -4,8 +4,8 @@
 //! light is clipped if several of its pixels hold the map's largest sample, a flat top. In an evenly lit window, only one
 //! pixel is the brightest.
 
-/// Samples of this fraction of the largest value are clipped: code 254 of 255, because JPEG compression blurs them.
-pub const LEAST_WHITE: f64 = 0.985;
+use crate::kernels::image::LEAST_WHITE;
+
 /// A top of this many pixels or more is flat.
 const FLAT_TOP_PIXELS: usize = 4;
 

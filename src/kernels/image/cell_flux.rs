@@ -3,14 +3,14 @@
 use std::array::from_fn;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use ndarray::{Array3, Axis, s};
+use ndarray::{Array3, ArrayView3, Axis, s};
 use rayon::prelude::*;
 
 use super::block_layout::BlockLayout;
 use super::block_rows::BlockRow;
 use super::buffers::Buffers;
 use super::grid::Grid;
-use super::pixel_rows::PixelRows;
+use super::samples::{check_samples, rows_of_map};
 use crate::error::Result;
 use crate::kernels::sphere::band_heights;
 
@@ -29,7 +29,7 @@ pub(super) struct CellFlux {
 
 impl CellFlux {
     /// Integrals over the blocks of a map's pixels.
-    pub fn of_map(map: &impl PixelRows, layout: &BlockLayout) -> Result<Self> {
+    pub fn of_map(map: ArrayView3<'_, f32>, layout: &BlockLayout) -> Result<Self> {
         let widths = layout.pixels.widths();
         let (rows, columns) = layout.blocks();
         let mut cells = Array3::zeros((rows, columns, 3));
@@ -38,15 +38,24 @@ impl CellFlux {
             let rows = layout.pixel_rows(row);
             let edges = &layout.pixels.theta_edges[rows.start..=rows.end];
             buffers.lend(|buffer| {
-                let pixels = BlockRow::of_samples(map.samples(rows, buffer), edges, layout.block);
+                let pixels = BlockRow::of_samples(rows_of_map(map, rows, buffer), edges, layout.block);
                 add_across(cells, &pixels, &widths, layout.block)
             })
         });
         let (is_unusable, rows): (Vec<bool>, Vec<[f64; 3]>) = rows.unzip();
         if is_unusable.contains(&true) {
-            map.check_samples()?;
+            check_samples(map)?;
         }
         Ok(Self { cells, rows })
+    }
+
+    /// Set the integrals over a row of cells, and their sum.
+    pub fn set_row(&mut self, row: usize, cells: &[[f64; 3]], sum: [f64; 3]) {
+        let places = self.cells.index_axis_mut(Axis(0), row);
+        for (place, cell) in places.into_iter().zip(cells.as_flattened()) {
+            *place = *cell;
+        }
+        self.rows[row] = sum;
     }
 
     /// Remove the part of each row below the horizon.

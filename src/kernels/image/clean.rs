@@ -6,9 +6,64 @@
 use ndarray::{ArrayView3, ArrayViewMut3};
 use rayon::prelude::*;
 
-use super::samples::{check_rgb, largest_usable};
-use crate::error::Result;
+use super::samples::{Unusable, check_rgb, largest_usable};
+use crate::error::{Error, Result};
 use crate::interrupt;
+
+/// Largest half float: the level of infinite samples above smaller finite ones.
+pub(super) const LARGEST_HALF: f64 = 65504.0;
+/// Largest radiance that the kernels can sum.
+const MOST: f64 = 1e38;
+/// NaN is in the brightest light if its neighbours reach this fraction of the largest sample.
+const BRIGHT: f64 = 0.5;
+
+/// Samples that were replaced in a map.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Cleaning {
+    /// Samples of each kind.
+    pub unusable: Unusable,
+    /// Level of the infinite samples, which are clipped there; none without such samples.
+    pub level: Option<f64>,
+    /// True if a NaN was in the brightest light.
+    pub is_nan_bright: bool,
+}
+
+impl Cleaning {
+    /// Cleaning of a map with these samples, before its NaN are replaced.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NoFiniteSample`].
+    pub fn of(unusable: Unusable) -> Result<Self> {
+        let largest = f64::from(unusable.largest.ok_or(Error::NoFiniteSample)?.max(0.0));
+        let beyond = if largest < LARGEST_HALF { LARGEST_HALF } else { (2.0 * largest).min(MOST) };
+        let level = (unusable.infinite > 0).then_some(beyond.max(largest));
+        Ok(Self { unusable, level, is_nan_bright: false })
+    }
+
+    /// Level of the infinite samples, or of the largest one.
+    fn top(&self) -> f64 {
+        self.level.unwrap_or(f64::from(self.unusable.largest.unwrap_or(0.0).max(0.0)))
+    }
+
+    /// Write usable samples for `radiance`, which may be some rows of the map, into `cleaned`.
+    ///
+    /// The outer pixels of a row are neighbours if `wraps`, as in a map.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NotAMap`] when the array is not (height, width, 3).
+    pub fn apply(
+        &mut self,
+        radiance: ArrayView3<'_, f32>,
+        wraps: bool,
+        cleaned: ArrayViewMut3<'_, f32>,
+    ) -> Result<()> {
+        let of_nan = replace(radiance, self.top(), wraps, cleaned)?;
+        self.is_nan_bright |= of_nan > BRIGHT * self.top();
+        Ok(())
+    }
+}
 
 /// Largest distance in pixels to finite neighbours from which an infinite pixel takes its hue.
 const REACH: usize = 64;
@@ -18,12 +73,8 @@ type Place = (usize, usize, usize);
 
 /// Write usable samples for `radiance` into `cleaned`, and return the largest one that replaces a NaN.
 ///
-/// Infinite samples become `level`. The outer pixels of a row are neighbours if `wraps`, as in a map.
-///
-/// # Errors
-///
-/// [`crate::error::Error::NotAMap`] when the array is not (height, width, 3).
-pub fn clean(
+/// Infinite samples become `level`.
+fn replace(
     radiance: ArrayView3<'_, f32>,
     level: f64,
     wraps: bool,
@@ -142,7 +193,7 @@ mod tests {
 
     fn run(map: &Array3<f32>, wraps: bool) -> (Array3<f32>, f64) {
         let mut out = Array3::zeros(map.dim());
-        let largest = clean(map.view(), 100.0, wraps, out.view_mut()).unwrap();
+        let largest = replace(map.view(), 100.0, wraps, out.view_mut()).unwrap();
         (out, largest)
     }
 
@@ -164,5 +215,15 @@ mod tests {
         let (out, largest) = run(&map, true);
         assert_eq!((out[[1, 0, 1]], largest), (3.0, 3.0));
         assert!((run(&map, false).0[[1, 0, 1]] - 3.0 / 7.0).abs() < 1e-6);
+    }
+
+    #[test]
+    #[allow(clippy::float_cmp, reason = "exact values are expected")]
+    fn infinite_samples_lie_above_all_finite_ones() {
+        let of = |largest| Cleaning::of(Unusable { infinite: 1, largest, ..Unusable::default() });
+        let level = |largest| of(Some(largest)).unwrap().level.unwrap();
+        assert_eq!([-3.0, 7.0, 1e6].map(level), [65504.0, 65504.0, 2e6]);
+        assert_eq!(level(2e38), f64::from(2e38_f32));
+        assert_eq!(of(None), Err(Error::NoFiniteSample));
     }
 }

@@ -12,7 +12,6 @@
 //! | a smaller working map, bright cells as points | `reduce.rs`    |
 //! | - integrals over its cells                    | `cell_flux.rs` |
 //! | - bright cells in parts                       | `parts.rs`     |
-//! | - from rows that are decoded on demand        | `pixel_rows.rs` |
 //! | - from rows that arrive in order              | `row_reducer/`   |
 //! | - buffers of decoded rows                     | `buffers.rs`   |
 //! | - samples in the type of a file               | `sample_types.rs` |
@@ -35,7 +34,6 @@ mod colour;
 mod grid;
 mod luminance;
 mod parts;
-mod pixel_rows;
 mod reduce;
 mod resample;
 mod row_reducer;
@@ -49,19 +47,18 @@ mod white;
 
 pub use area_means::area_means;
 pub(crate) use block_rows::{BlockRow, block_fractions, samples_of};
-pub use clean::clean;
+pub use clean::Cleaning;
 pub use codes::{decode, widen};
 pub use colour::apply_matrix;
 pub use grid::{CellCentres, Grid};
 pub use luminance::{LUMINANCE, LUMINANCE_F32, luminance, luminance_f32};
 pub use parts::{MOST_PARTS, Part};
-pub use pixel_rows::PixelRows;
-pub use reduce::{WorkingMap, reduce, reduce_rows};
+pub use reduce::{WorkingMap, reduce};
 pub use resample::{SourcePicture, resample};
-pub use row_reducer::{ReducedRows, ReductionOptions, RowReducer};
+pub use row_reducer::{ReducedRows, ReductionOptions, RowReducer, RowReduction};
 pub use sample_types::Sample;
 pub use samples::{Unusable, unusable};
 pub(crate) use samples::{check_rgb, check_samples};
 pub use seen_part::SeenPart;
 pub use two_discs::has_two_discs;
-pub use white::{CODES, code_histogram, white_of};
+pub use white::{CODES, LEAST_WHITE, code_histogram, white_of};

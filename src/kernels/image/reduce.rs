@@ -8,8 +8,7 @@ use super::block_layout::BlockLayout;
 use super::cell_flux::CellFlux;
 use super::grid::Grid;
 use super::parts::{BrightCell, PART_SHARE, Part, Pixel, parts};
-use super::pixel_rows::PixelRows;
-use super::samples::check_rgb;
+use super::samples::{check_rgb, rows_of_map};
 use super::two_discs::are_two_discs;
 use crate::error::Result;
 use crate::kernels::sphere::{Registration, angles};
@@ -70,37 +69,26 @@ pub fn reduce(
     has_floor: bool,
 ) -> Result<WorkingMap> {
     check_rgb(radiance)?;
-    reduce_rows(&radiance, registration, columns, source_fraction, has_floor)
-}
-
-/// Reduce a map whose rows are decoded when they are needed; see [`reduce`].
-///
-/// # Errors
-///
-/// [`crate::error::Error::UnusableSamples`].
-pub fn reduce_rows(
-    map: &impl PixelRows,
-    registration: Registration,
-    columns: usize,
-    source_fraction: f64,
-    has_floor: bool,
-) -> Result<WorkingMap> {
-    let (height, width) = map.size();
+    let (height, width, _) = radiance.dim();
     let layout = BlockLayout::new(height, width, registration, columns);
-    let flux = CellFlux::of_map(map, &layout)?;
+    let flux = CellFlux::of_map(radiance, &layout)?;
     let reduced = ReducedFlux::new(flux, &layout, source_fraction, has_floor);
-    let pixels = pixels_of_cells(map, &layout, &reduced.cells());
+    let pixels = pixels_of_cells(radiance, &layout, &reduced.cells());
     Ok(reduced.with_parts(&layout, has_floor, pixels))
 }
 
-/// Samples of each of these cells; each row of blocks is decoded once.
-fn pixels_of_cells(map: &impl PixelRows, layout: &BlockLayout, cells: &[(usize, usize)]) -> Vec<Vec<f32>> {
+/// Samples of each of these cells.
+fn pixels_of_cells(
+    map: ArrayView3<'_, f32>,
+    layout: &BlockLayout,
+    cells: &[(usize, usize)],
+) -> Vec<Vec<f32>> {
     let mut in_order: Vec<usize> = (0..cells.len()).collect();
     in_order.sort_by_key(|&i| cells[i]);
     let rows: Vec<&[usize]> = in_order.chunk_by(|&a, &b| cells[a].0 == cells[b].0).collect();
     let of_row = |buffer: &mut Vec<f32>, row: &&[usize]| {
         let rows = layout.pixel_rows(cells[row[0]].0);
-        let samples = map.samples(rows, buffer);
+        let samples = rows_of_map(map, rows, buffer);
         row.iter().map(|&i| (i, layout.copy(samples, cells[i]))).collect::<Vec<_>>()
     };
     let copies: Vec<_> = rows.par_iter().map_init(Vec::new, of_row).collect();
@@ -173,11 +161,27 @@ mod tests {
     use crate::kernels::sphere::{band_heights, direction};
 
     #[test]
+    fn arrays_of_any_order_give_the_same_bits() {
+        let mut map = Array3::from_shape_fn((37, 75, 3), |(y, x, c)| ((y * 7 + x * 3 + c) % 11) as f32);
+        for (y, x) in [(0, 0), (36, 74), (20, 74), (21, 0), (21, 33)] {
+            map.slice_mut(s![y, x, ..]).fill(900.0);
+        }
+        for registration in [Registration::CellCentred, Registration::BorderSampled] {
+            let flipped = map.slice(s![..;-1, .., ..]).to_owned();
+            let [one, other] = [map.view(), flipped.slice(s![..;-1, .., ..])]
+                .map(|map| format!("{:?}", reduce(map, registration, 16, 5e-3, false).unwrap()));
+            assert_eq!(one, other);
+        }
+        map[[3, 3, 0]] = f32::NAN;
+        assert!(reduce(map.view(), Registration::CellCentred, 16, 5e-3, false).is_err());
+    }
+
+    #[test]
     fn reduction_keeps_the_flux() {
         let map = Array3::from_shape_fn((30, 60, 3), |(y, x, c)| ((y * 7 + x * 3 + c) % 11) as f32);
         for registration in [Registration::CellCentred, Registration::BorderSampled] {
             let pixels = BlockLayout::new(30, 60, registration, 60);
-            let before = CellFlux::of_map(&map.view(), &pixels).unwrap().cells.sum();
+            let before = CellFlux::of_map(map.view(), &pixels).unwrap().cells.sum();
             let small = reduce(map.view(), registration, 16, 2.0, false).unwrap();
             let bands = band_heights(&small.grid.theta_edges);
             let after: f64 = small

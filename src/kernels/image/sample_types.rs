@@ -1,5 +1,8 @@
 //! Samples in the type of a file, and their linear values.
 
+use half::f16;
+use half::slice::HalfFloatSliceExt;
+
 /// A sample as a file stores it: a code with a table of values, or the value itself.
 pub trait Sample: Copy + PartialOrd + Send + Sync {
     /// Linear value of each code.
@@ -73,25 +76,37 @@ macro_rules! codes {
 codes!(u8, 256, 214);
 codes!(u16, 65536, 54870);
 
-impl Sample for f32 {
-    type Table = ();
-    const CODES: usize = 0;
-    const TOP: Option<Self> = None;
+/// Values of one floating point type; `$linear` gives single precision.
+macro_rules! values {
+    ($value:ty, $linear:expr) => {
+        impl Sample for $value {
+            type Table = ();
+            const CODES: usize = 0;
+            const TOP: Option<Self> = None;
 
-    #[inline]
-    fn code(self) -> usize {
-        0
-    }
+            #[inline]
+            fn code(self) -> usize {
+                0
+            }
 
-    fn table(values: Vec<f32>) -> Option<Box<()>> {
-        values.is_empty().then(Box::default)
-    }
+            fn table(values: Vec<f32>) -> Option<Box<()>> {
+                values.is_empty().then(Box::default)
+            }
 
-    fn linear<'a>(samples: &'a [Self], (): &(), _: &'a mut Vec<f32>) -> &'a [f32] {
-        samples
-    }
+            fn linear<'a>(samples: &'a [Self], (): &(), buffer: &'a mut Vec<f32>) -> &'a [f32] {
+                $linear(samples, buffer)
+            }
 
-    fn first_at_least((): &(), value: f32) -> Option<Self> {
-        Some(value)
-    }
+            fn first_at_least((): &(), _: f32) -> Option<Self> {
+                None
+            }
+        }
+    };
 }
+
+values!(f32, |samples: &'a [f32], _: &'a mut Vec<f32>| samples);
+values!(f16, |samples: &'a [f16], buffer: &'a mut Vec<f32>| {
+    buffer.resize(samples.len(), 0.0);
+    samples.convert_to_f32_slice(buffer);
+    buffer
+});

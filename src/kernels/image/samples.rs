@@ -1,6 +1,8 @@
 //! Unusable samples of a map: values that no light can have.
 
-use ndarray::ArrayView3;
+use std::ops::Range;
+
+use ndarray::{ArrayView3, s};
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
@@ -37,7 +39,7 @@ pub fn unusable(radiance: ArrayView3<'_, f32>) -> Result<Unusable> {
             interrupt::check();
             match row.as_slice().and_then(largest_usable) {
                 Some(largest) => Unusable { largest: Some(largest), ..Unusable::default() },
-                None => row.iter().fold(Unusable::default(), |counts, &value| counts.and(value)),
+                None => Unusable::of(row),
             }
         })
         .collect();
@@ -54,6 +56,11 @@ pub(super) fn largest_usable(samples: &[f32]) -> Option<f32> {
 }
 
 impl Unusable {
+    /// Counts of these samples.
+    pub(super) fn of<'a>(samples: impl IntoIterator<Item = &'a f32>) -> Self {
+        samples.into_iter().fold(Self::default(), |counts, &value| counts.and(value))
+    }
+
     fn and(mut self, value: f32) -> Self {
         self.nan += usize::from(value.is_nan());
         self.infinite += usize::from(value == f32::INFINITY);
@@ -64,7 +71,7 @@ impl Unusable {
         self
     }
 
-    fn plus(self, other: Self) -> Self {
+    pub(super) fn plus(self, other: Self) -> Self {
         Self {
             nan: self.nan + other.nan,
             infinite: self.infinite + other.infinite,
@@ -89,6 +96,21 @@ pub(crate) fn check_samples(radiance: ArrayView3<'_, f32>) -> Result<()> {
         Some((row, value)) => Err(Error::UnusableSamples { row, value, nan, infinite, negative }),
         None => Ok(()),
     }
+}
+
+/// Samples of some rows of a map, row after row, in `buffer` unless they lie so in memory.
+pub(super) fn rows_of_map<'a>(
+    map: ArrayView3<'a, f32>,
+    rows: Range<usize>,
+    buffer: &'a mut Vec<f32>,
+) -> &'a [f32] {
+    let part = map.slice_move(s![rows, .., ..]);
+    if let Some(samples) = part.to_slice() {
+        return samples;
+    }
+    buffer.clear();
+    buffer.extend(part.iter());
+    buffer
 }
 
 pub(crate) fn check_rgb(radiance: ArrayView3<'_, f32>) -> Result<()> {

@@ -37,7 +37,7 @@ pub fn has_two_discs(
     check_rgb(radiance)?;
     let (height, width, _) = radiance.dim();
     let layout = BlockLayout::new(height, width, registration, columns);
-    Ok(are_two_discs(&CellFlux::of_map(&radiance, &layout)?, &layout.grid))
+    Ok(are_two_discs(&CellFlux::of_map(radiance, &layout)?, &layout.grid))
 }
 
 /// True if both halves of a reduced map are bright discs in black squares.

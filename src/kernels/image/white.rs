@@ -9,6 +9,9 @@ use rayon::prelude::*;
 use super::sample_types::{Sample, larger};
 use crate::interrupt;
 
+/// Samples of this fraction of the clip level are clipped: code 254 of 255, because JPEG compression blurs them.
+pub const LEAST_WHITE: f64 = 0.985;
+
 /// Number of codes; codes of 16 bits are counted by their nearest code of 8 bits.
 pub const CODES: usize = 256;
 

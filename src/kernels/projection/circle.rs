@@ -18,8 +18,9 @@ use std::f64::consts::PI;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::interface::{NO_PIXEL, SphereProjection};
+use super::interface::{NO_PIXEL, PictureNumbers, SphereProjection, check};
 use super::places::{gauss_legendre, pixel_by_pixel};
+use crate::error::{Error, Result};
 use crate::interrupt;
 
 /// Radius in the picture as a function of the angle theta from the axis.
@@ -36,6 +37,17 @@ pub enum AzimuthalMapping {
 }
 
 impl AzimuthalMapping {
+    /// Mapping by its name, and its largest reach.
+    fn of(name: &str) -> Result<(Self, f64)> {
+        match name {
+            "equidistant" => Ok((Self::Equidistant, PI)),
+            "equisolid" => Ok((Self::Equisolid, PI)),
+            "stereographic" => Ok((Self::Stereographic, 0.999 * PI)),
+            "orthographic" => Ok((Self::Orthographic, 0.5 * PI)),
+            _ => Err(Error::NoSuchLayout { what: "the mapping of a circle is not known" }),
+        }
+    }
+
     fn radius(self, theta: f64) -> f64 {
         match self {
             Self::Equidistant => theta,
@@ -111,6 +123,18 @@ pub struct AzimuthalCircle {
 }
 
 impl AzimuthalCircle {
+    /// Layout of a picture, or a refusal of numbers that it cannot have.
+    pub(super) fn of(picture: &PictureNumbers) -> Result<Self> {
+        let (mapping, most) = AzimuthalMapping::of(&picture.mapping)?;
+        let reach = picture.reach;
+        check(reach > 0.0 && reach <= most, "the reach of a circle is beyond its mapping")?;
+        let [half_height, half_width] = picture.size.map(|pixels| 0.5 * pixels as f64);
+        let (x, y, radius) = picture.circle.unwrap_or((half_width, half_height, half_height.min(half_width)));
+        let is_finite = x.is_finite() && y.is_finite() && radius.is_finite();
+        check(is_finite && radius > 0.0, "the circle needs a centre and a radius above 0")?;
+        Ok(Self::new(picture.size, mapping, reach, (DVec2::new(x, y), radius)))
+    }
+
     /// Circle with its centre and radius in pixels.
     pub fn new(
         size: [usize; 2],

@@ -14,9 +14,10 @@
 
 use glam::{DVec2, DVec3};
 
-use super::interface::SphereProjection;
+use super::interface::{PictureNumbers, SphereProjection, check};
 use super::places::pixel_by_pixel;
 use super::plane_angles::{plane_angles, plane_density};
+use crate::error::Result;
 
 /// Forward, right and up of each face: front, right, back, left, up, down.
 const FACES: [[DVec3; 3]; 6] = [
@@ -39,6 +40,15 @@ pub struct Cube {
 }
 
 impl Cube {
+    /// Layout of a picture, or a refusal of numbers that it cannot have.
+    pub(super) fn of(picture: &PictureNumbers) -> Result<Self> {
+        let [height, width] = picture.size;
+        check(height == 6 * width, "a cube is a column of six square faces")?;
+        let has_borders = !picture.border_sampled || width > 1;
+        check(has_borders, "a face with samples on its border has two or more")?;
+        Ok(Self::new(width, picture.border_sampled))
+    }
+
     /// Faces of `side` x `side` pixels.
     pub fn new(side: usize, is_border_sampled: bool) -> Self {
         let mut cube = Self { side, is_border_sampled, angles: Vec::new() };

@@ -6,8 +6,9 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DVec2, DVec3};
 
-use super::interface::SphereProjection;
+use super::interface::{PictureNumbers, SphereProjection, check};
 use super::places::pixel_by_pixel;
+use crate::error::Result;
 
 /// Panorama on a cylinder; its centre looks along +z.
 pub struct Cylinder {
@@ -23,6 +24,15 @@ pub struct Cylinder {
 }
 
 impl Cylinder {
+    /// Layout of a picture, or a refusal of numbers that it cannot have.
+    pub(super) fn of(picture: &PictureNumbers) -> Result<Self> {
+        let fov = picture.field_of_view;
+        check(fov > 0.0 && fov <= 2.0 * PI, "a cylinder covers an azimuth above 0, up to 2 pi")?;
+        let horizon = picture.horizon.unwrap_or(0.5 * picture.size[0] as f64);
+        check(horizon.is_finite(), "the horizon of a cylinder must be finite")?;
+        Ok(Self::new(picture.size, fov, horizon))
+    }
+
     /// Panorama whose width covers an azimuth in radians; `horizon` is the y of elevation 0.
     pub fn new(size: [usize; 2], field_of_view: f64, horizon: f64) -> Self {
         let radius = size[1] as f64 / field_of_view;

@@ -7,9 +7,10 @@ use std::f64::consts::{FRAC_PI_4, PI};
 
 use glam::{DVec2, DVec3};
 
-use super::interface::SphereProjection;
+use super::interface::{PictureNumbers, SphereProjection, check};
 use super::octahedral::{beyond_fold, pixel_of_square};
 use super::places::pixel_by_pixel;
+use crate::error::Result;
 
 /// Square of pixels of equal solid angle.
 pub struct EqualArea {
@@ -17,6 +18,13 @@ pub struct EqualArea {
 }
 
 impl EqualArea {
+    /// Layout of a picture, or a refusal of numbers that it cannot have.
+    pub(super) fn of(picture: &PictureNumbers) -> Result<Self> {
+        let [height, width] = picture.size;
+        check(height == width, "an octahedral picture is a square")?;
+        Ok(Self::new(width))
+    }
+
     /// Square of `side` x `side` pixels.
     pub fn new(side: usize) -> Self {
         Self { side }

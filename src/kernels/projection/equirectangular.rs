@@ -10,8 +10,9 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::cells::{Cells, diamonds};
 use super::directions::{DirectionArrays, Line, Places};
-use super::interface::{NO_PIXEL, SphereProjection};
+use super::interface::{NO_PIXEL, PictureNumbers, SphereProjection, check};
 use super::places::EvenPlaces;
+use crate::error::Result;
 use crate::kernels::cell_integrals::{ColumnIntegrals, RowIntegrals};
 use crate::kernels::sphere::{self, Registration};
 
@@ -27,6 +28,18 @@ pub struct Equirectangular {
 }
 
 impl Equirectangular {
+    /// Layout of a picture, or a refusal of numbers that it cannot have.
+    pub(super) fn of(picture: &PictureNumbers) -> Result<Self> {
+        let size = picture.size;
+        check(!picture.border_sampled, "samples on the border must be converted to cells first")?;
+        let (whole, corner) = (picture.whole.unwrap_or(size), picture.corner);
+        check(
+            size[0] + corner[0] <= whole[0] && size[1] <= whole[1] && corner[1] < whole[1],
+            "a crop must lie inside of its panorama",
+        )?;
+        Ok(Self::crop(size, whole, corner))
+    }
+
     /// Whole map of this many rows and columns.
     pub fn new(size: [usize; 2]) -> Self {
         Self::crop(size, size, [0, 0])

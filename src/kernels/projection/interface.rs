@@ -7,9 +7,37 @@ use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
 use super::directions::{DirectionArrays, Places};
+use crate::error::{Error, Result};
 
 /// Number in place of a pixel for a direction that the picture does not show.
 pub const NO_PIXEL: u32 = u32::MAX;
+
+/// Size of a picture, and the numbers that describe its projection; each projection takes its own.
+pub struct PictureNumbers {
+    /// Rows and columns.
+    pub size: [usize; 2],
+    /// True if the outer samples lie on the borders of the picture or of each face.
+    pub border_sampled: bool,
+    /// Rows and columns of the whole panorama, if the picture is a part of one.
+    pub whole: Option<[usize; 2]>,
+    /// Row and column of a part in the whole panorama.
+    pub corner: [usize; 2],
+    /// Horizontal field of view in radians.
+    pub field_of_view: f64,
+    /// Row coordinate of elevation 0; `None` for the middle.
+    pub horizon: Option<f64>,
+    /// Name of the mapping of a circle.
+    pub mapping: String,
+    /// Angle between the axis and the edge of a circle, in radians.
+    pub reach: f64,
+    /// Centre x, centre y and radius of a circle, in pixels; `None` for the largest.
+    pub circle: Option<(f64, f64, f64)>,
+}
+
+/// Refuse numbers that no picture has.
+pub(super) fn check(is_valid: bool, what: &'static str) -> Result<()> {
+    if is_valid { Ok(()) } else { Err(Error::NoSuchLayout { what }) }
+}
 
 /// Layout of the sphere, or of a part of it, in a picture.
 pub trait SphereProjection: Send + Sync {

@@ -32,16 +32,37 @@ mod places;
 mod planar;
 mod plane_angles;
 
+use crate::error::{Error, Result};
+use interface::check;
+
 pub use circle::{AzimuthalCircle, AzimuthalMapping};
 pub use cube::Cube;
 pub use cylinder::Cylinder;
 pub use directions::{DirectionArrays, Line, Places};
 pub use equal_area::EqualArea;
 pub use equirectangular::Equirectangular;
-pub use interface::{NO_PIXEL, SphereProjection};
+pub use interface::{NO_PIXEL, PictureNumbers, SphereProjection};
 pub use octahedral::Octahedral;
 pub(crate) use places::even_nodes;
 pub use planar::Planar;
+
+/// Layout of a picture by the name of its projection.
+///
+/// # Errors
+/// [`Error::NoSuchLayout`] for numbers that no such picture has.
+pub fn projection_of(name: &str, picture: &PictureNumbers) -> Result<Box<dyn SphereProjection>> {
+    check(picture.size.iter().all(|&side| side > 0), "a layout needs at least one row and column")?;
+    Ok(match name {
+        "equirectangular" => Box::new(Equirectangular::of(picture)?),
+        "cylinder" => Box::new(Cylinder::of(picture)?),
+        "cube" => Box::new(Cube::of(picture)?),
+        "octahedral" => Box::new(Octahedral::of(picture)?),
+        "octahedral-equal-area" => Box::new(EqualArea::of(picture)?),
+        "azimuthal" => Box::new(AzimuthalCircle::of(picture)?),
+        "planar" => Box::new(Planar::of(picture)?),
+        _ => return Err(Error::NoSuchLayout { what: "the kind of a layout is not known" }),
+    })
+}
 
 #[cfg(test)]
 mod tests;

@@ -5,8 +5,9 @@
 
 use glam::{DVec2, DVec3};
 
-use super::interface::SphereProjection;
+use super::interface::{PictureNumbers, SphereProjection, check};
 use super::places::pixel_by_pixel;
+use crate::error::Result;
 
 /// Square of an even number of pixels.
 pub struct Octahedral {
@@ -15,6 +16,13 @@ pub struct Octahedral {
 }
 
 impl Octahedral {
+    /// Layout of a picture, or a refusal of numbers that it cannot have.
+    pub(super) fn of(picture: &PictureNumbers) -> Result<Self> {
+        let [height, width] = picture.size;
+        check(height == width && width.is_multiple_of(2), "an octahedral square has an even side")?;
+        Ok(Self::new(width))
+    }
+
     /// Square of `side` x `side` pixels; `side` is even, so that no pixel crosses an axis.
     pub fn new(side: usize) -> Self {
         let corners: Vec<Vec<DVec3>> = (0..=side)

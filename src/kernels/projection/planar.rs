@@ -2,11 +2,14 @@
 
 #![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
 
+use std::f64::consts::PI;
+
 use glam::{DVec2, DVec3};
 
-use super::interface::SphereProjection;
+use super::interface::{PictureNumbers, SphereProjection, check};
 use super::places::pixel_by_pixel;
 use super::plane_angles::{plane_angles, plane_density};
+use crate::error::Result;
 
 /// Photograph of a camera without distortion.
 pub struct Planar {
@@ -17,6 +20,13 @@ pub struct Planar {
 }
 
 impl Planar {
+    /// Layout of a picture, or a refusal of numbers that it cannot have.
+    pub(super) fn of(picture: &PictureNumbers) -> Result<Self> {
+        let fov = picture.field_of_view;
+        check(fov > 0.0 && fov < PI, "a photograph has a field of view between 0 and pi")?;
+        Ok(Self::new(picture.size, fov))
+    }
+
     /// Photograph with a horizontal field of view in radians.
     pub fn new(size: [usize; 2], field_of_view: f64) -> Self {
         let [height, width] = size.map(|pixels| pixels as f64);

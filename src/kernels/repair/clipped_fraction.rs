@@ -4,8 +4,8 @@ use ndarray::ArrayView3;
 use rayon::prelude::*;
 
 use crate::error::Result;
-use crate::kernels::detect::clipping::{Ceiling, LEAST_WHITE, Top};
-use crate::kernels::image::{Grid, check_rgb, luminance_f32, samples_of};
+use crate::kernels::detect::clipping::{Ceiling, Top};
+use crate::kernels::image::{Grid, LEAST_WHITE, check_rgb, luminance_f32, samples_of};
 use crate::kernels::sphere::{Registration, band_heights};
 
 /// A largest sample on more than this fraction of the sphere is not a flat top.

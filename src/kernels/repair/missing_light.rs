@@ -19,9 +19,9 @@ use crate::error::Result;
 use crate::interrupt;
 use crate::kernels::detect::clipped::depth;
 use crate::kernels::detect::clipped::{expand, necks, order, plateau};
-use crate::kernels::detect::clipping::LEAST_WHITE;
 use crate::kernels::detect::segment::run::Run;
 use crate::kernels::detect::segment::working_image::WorkingImage;
+use crate::kernels::image::LEAST_WHITE;
 use crate::kernels::image::{CellCentres, samples_of};
 use crate::kernels::sphere::{Registration, band_heights};
 

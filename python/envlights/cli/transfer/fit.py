@@ -7,6 +7,7 @@ import json
 import click
 
 from envlights._common.files import check_writable
+from envlights._common.printable import printable
 from envlights.cli.outputs import json_option, say_written
 from envlights.transfer.files.database import read_pairs
 from envlights.transfer.files.npz_file import check_suffix
@@ -71,7 +72,7 @@ def command(
     geometry = None if prior is None else TransferPrior.load(prior)
     pairs = read_pairs(folder, progress=True)
     for note in pairs.notes:
-        click.echo(f"note: {note}", err=True)
+        click.echo(f"note: {printable(note)}", err=True)
     model = TransferModel.fit(
         pairs.direct,
         pairs.indirect,

@@ -21,8 +21,13 @@ _ROWS_AT_ONCE = 64
 class Linear:
     """Function from samples of some rows to linear Rec.709; counts the pixels outside of it."""
 
-    def __init__(self, header: Header, conversion: ColourConversion) -> None:
-        self._conversion = conversion
+    def __init__(
+        self,
+        header: Header,
+        conversion: ColourConversion,
+        apply_gain_map: Callable[[NDArray[np.float32], int], None] | None = None,
+    ) -> None:
+        self._conversion, self._gain_map = conversion, apply_gain_map
         self._bits = 8 * header.dtype.itemsize
         exposure = np.asarray(header.exposure, np.float32)
         self._divisor = None if (exposure == 1).all() else exposure
@@ -30,22 +35,31 @@ class Linear:
         self._matrix = None if matrix is None else matrix.tolist()
         self._pixels = self._outside = 0
 
-    def __call__(self, samples: NDArray[Any]) -> NDArray[np.float32]:
+    def __call__(
+        self, samples: NDArray[Any], out: NDArray[np.float32] | None = None, top: int = 0
+    ) -> NDArray[np.float32]:
         """Linear values, (rows, width, 3), of red, green and blue or of one grey channel.
 
-        Negative results of the matrix become 0. Floats without a conversion are not copied.
+        `top` is the first row of the samples.
+
+        They are written into `out` if it is given. Negative results of the matrix become 0. Floats
+        without a conversion are not copied.
         """
-        linear = self._decode(samples)
+        is_grey = samples.shape[2] == 1
+        linear = self._decode(samples, None if is_grey or self._matrix is not None else out)
+        if self._gain_map:
+            self._gain_map(linear, top)
         if self._divisor is not None:
             linear = linear / self._divisor[: linear.shape[2]]
-        if linear.shape[2] == 1:
-            return np.repeat(linear, 3, axis=2)
-        if self._matrix is None:
-            return linear
-        converted, outside = _native.apply_matrix(np.ascontiguousarray(linear), self._matrix)
-        self._outside += outside
-        self._pixels += linear.shape[0] * linear.shape[1]
-        return converted
+        if not is_grey and self._matrix is not None:
+            linear, outside = _native.apply_matrix(np.ascontiguousarray(linear), self._matrix)
+            self._outside += outside
+            self._pixels += linear.shape[0] * linear.shape[1]
+        if out is None:
+            return np.repeat(linear, 3, axis=2) if is_grey else linear
+        if linear is not out:
+            out[...] = linear
+        return out
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -55,24 +69,28 @@ class Linear:
         fraction = f"{100 * self._outside / self._pixels:.2g} %"
         return (f"{fraction} of the pixels lay outside Rec.709; their negative channels became 0",)
 
-    def _decode(self, samples: NDArray[Any]) -> NDArray[np.float32]:
-        """Linear values in the primaries of the file."""
+    def _decode(
+        self, samples: NDArray[Any], out: NDArray[np.float32] | None
+    ) -> NDArray[np.float32]:
+        """Linear values in the primaries of the file, in `out` if it is given and they are new."""
         if samples.dtype.kind == "u":
-            return self._look_up(samples, self._table)
+            return self._look_up(samples, self._table, out)
         curve = self._conversion.curve
-        if curve is None and samples.dtype == np.float16:
-            return _in_blocks(lambda halves: _native.widen(np.ascontiguousarray(halves)), samples)
+        if samples.dtype == np.float16:
+            if curve is None:
+                return _widen(samples, out)
+            bits = np.ascontiguousarray(samples).view(np.uint16)
+            return self._look_up(bits, self._table_of_halves, out)
         if curve is None:
             return samples.astype(np.float32, copy=False)
-        if samples.dtype.itemsize == 2:
-            bits = np.ascontiguousarray(samples).view(np.uint16)
-            return self._look_up(bits, self._table_of_halves)
         return _in_blocks(lambda part: curve(part.astype(np.float64)), samples)
 
-    def _look_up(self, codes: NDArray[Any], table: NDArray[np.float32]) -> NDArray[np.float32]:
+    def _look_up(
+        self, codes: NDArray[Any], table: NDArray[np.float32], out: NDArray[np.float32] | None
+    ) -> NDArray[np.float32]:
         """Values of codes; a grey channel has the curve of green."""
         is_grey = table.ndim == 2 and codes.shape[2] == 1
-        return look_up(codes, table[1] if is_grey else table)
+        return look_up(codes, table[1] if is_grey else table, out)
 
     @cached_property
     def _table(self) -> NDArray[np.float32]:
@@ -83,6 +101,13 @@ class Linear:
         """Linear value of each bit pattern of half precision."""
         halves = np.arange(1 << 16, dtype=np.uint16).view(np.float16)
         return self._conversion.values(halves.astype(np.float64))
+
+
+def _widen(halves: NDArray[np.float16], out: NDArray[np.float32] | None) -> NDArray[np.float32]:
+    """Half floats in single precision, in `out` if it is given."""
+    values = np.empty(halves.shape, np.float32) if out is None else out
+    _native.widen(np.ascontiguousarray(halves), values)
+    return values
 
 
 def _in_blocks(

@@ -3,9 +3,8 @@
 | step                                            | file                                       |
 |-------------------------------------------------|--------------------------------------------|
 | take a path, bytes or an address; name its kind | `source.py`                                |
-| read Radiance and PNG in Rust                   | `native.py`                                |
-| read all other kinds by OpenImageIO             | `openimageio.py`                           |
-| - size and XMP of JPEG, tags of TIFF            | `jpeg_segments.py`, `tiff_tags.py`         |
+| read Radiance, OpenEXR, PNG, JPEG, TIFF in Rust | `native.py`                                |
+| read other kinds by OpenImageIO, on request     | `openimageio.py`                           |
 | - exposure in EXIF                              | `exif_exposure.py`                         |
 | - properties of XMP                             | `xmp.py`                                   |
 | read raw files of cameras                       | `raw.py`                                   |

@@ -18,10 +18,6 @@ from envlights._common.notes import Note
 LAYOUT = "envlights:layout="
 #: Codes of notes that a reader of the file needs: part of the light is an estimate.
 _ESTIMATES = ("repaired", "sun-added")
-#: Bytes of a Radiance file that are searched for the end of the header.
-_LONGEST = 2**16
-#: Keyword of a PNG text for a description.
-_KEYWORD = b"Description\0"
 
 
 def layout_of_description(description: str) -> str:
@@ -40,25 +36,28 @@ def estimates_of_description(description: str) -> tuple[str, ...]:
 
 
 def projection_of_layout(statement: str) -> str:
-    """Value of `projection=` in a statement on the layout; empty if it names none."""
+    """Name of the projection in a statement on the layout; empty if it names none."""
     found = re.search(r'"projection": *"([a-z-]{1,40})"', statement)
     return found[1] if found else ""
 
 
-def description_of_radiance(data: bytes) -> str:
-    """Header of a Radiance file."""
-    return data[:_LONGEST].partition(b"\n\n")[0].decode("utf-8", "replace")
+#: Views of Radiance by the letter behind ``-vt``; none of them is equirectangular.
+_VIEWS = {
+    "v": "a perspective",
+    "l": "a parallel projection",
+    "c": "a cylinder",
+    "h": "a hemispherical fisheye",
+    "a": "an angular fisheye",
+    "s": "a planisphere",
+}
 
 
-def description_of_png(data: bytes) -> str:
-    """Description of a PNG file, before its samples; empty if there is none."""
-    start = 8
-    while start + 8 <= len(data):
-        length, kind = int.from_bytes(data[start : start + 4], "big"), data[start + 4 : start + 8]
-        content = data[start + 8 : start + 8 + min(length, _LONGEST)]
-        if kind == b"tEXt" and content.startswith(_KEYWORD):
-            return content[len(_KEYWORD) :].decode("latin-1")
-        if kind == b"IDAT":
-            break
-        start += 12 + length
-    return ""
+def note_of_view(description: str) -> tuple[str, ...]:
+    """Note on the view that a Radiance header states; an indented line is that of an older file."""
+    found = re.findall(r"^VIEW= *(?:.* )?-vt([a-z])", description, re.MULTILINE)
+    if not found or found[-1] not in _VIEWS:
+        return ()
+    return (
+        f"the header says that the picture is {_VIEWS[found[-1]]} (VIEW -vt{found[-1]}), which was"
+        " not applied; name its projection if it is no panorama",
+    )

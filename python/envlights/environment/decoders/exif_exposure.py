@@ -4,28 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from typing import Protocol
+
+#: Largest logarithm in the APEX system that is believed: an aperture of 2^32, or 2^64 seconds.
+_MOST_APEX = 64.0
 
 
-class NumberOf(Protocol):
-    """Function that gives a numeric tag above `least`, or None."""
-
-    def __call__(self, name: str, least: float = 0.0) -> float | None:
-        """Value of the tag `name`."""
-
-
-def exposure_tags(number: NumberOf) -> dict[str, float]:
+def exposure_of(exif: Mapping[str, float]) -> dict[str, float]:
     """Exposure time in seconds, sensitivity and aperture, as far as the EXIF holds them."""
-    aperture = _number_or_apex(
-        number, "FNumber", "Exif:ApertureValue", lambda apex: 2 ** (apex / 2)
-    )
-    time = _number_or_apex(
-        number, "ExposureTime", "Exif:ShutterSpeedValue", lambda apex: 2.0**-apex
-    )
-    tags = ("Exif:PhotographicSensitivity", "Exif:ISOSpeedRatings")
-    speed = max((value for tag in tags if (value := number(tag))), default=None)
-    found = {"time": time, "speed": speed, "aperture": aperture}
-    return {key: float(value) for key, value in found.items() if value}
+    found = {
+        "time": _number_or_apex(exif, "ExposureTime", "ShutterSpeedValue", lambda apex: 2.0**-apex),
+        "speed": above_0(exif, "PhotographicSensitivity"),
+        "aperture": _number_or_apex(exif, "FNumber", "ApertureValue", lambda apex: 2 ** (apex / 2)),
+    }
+    return {key: value for key, value in found.items() if value}
 
 
 def ev100_of(tags: Mapping[str, float]) -> float | None:
@@ -35,15 +26,17 @@ def ev100_of(tags: Mapping[str, float]) -> float | None:
     return math.log2(tags["aperture"] ** 2 / tags["time"] * 100 / tags["speed"])
 
 
+def above_0(exif: Mapping[str, float], name: str) -> float | None:
+    """Value of a tag that is a finite number above 0; None for others."""
+    value = exif.get(name, 0.0)
+    return value if 0 < value < math.inf else None
+
+
 def _number_or_apex(
-    number: NumberOf, name: str, apex_name: str, of_apex: Callable[[float], float]
+    exif: Mapping[str, float], name: str, apex_name: str, of_apex: Callable[[float], float]
 ) -> float | None:
     """Value of a tag, or that of its logarithm in the APEX system."""
-    if value := number(name):
+    if value := above_0(exif, name):
         return value
-    apex = number(apex_name, least=-math.inf)
-    return None if apex is None or abs(apex) > _MOST_APEX else of_apex(apex)
-
-
-#: Largest logarithm in the APEX system that is believed: an aperture of 2^32, or 2^64 seconds.
-_MOST_APEX = 64.0
+    apex = exif.get(apex_name, math.nan)
+    return of_apex(apex) if abs(apex) <= _MOST_APEX else None

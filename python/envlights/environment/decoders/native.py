@@ -1,130 +1,129 @@
-"""Readers of Radiance and PNG in Rust, with what they say in the terms of `raw_image`."""
+"""Picture files that are read in Rust, with what they say in the terms of `raw_image`."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from envlights._common.errors import DamagedFileError, FileError
-from envlights._native import EnvLightsError, PngFile, RadianceFile
+from envlights._native import DamagedBytesError, EnvLightsError, PictureFile
 from envlights.environment.decoders.description import (
-    description_of_png,
-    description_of_radiance,
     estimates_of_description,
     layout_of_description,
+    note_of_view,
 )
+from envlights.environment.decoders.exif_exposure import ev100_of, exposure_of
 from envlights.environment.decoders.raw_image import FileColour, Header, Part, RawImage
 from envlights.environment.decoders.source import WANTED, Source
 
-#: Names of the channels of PNG files, by their number.
-_CHANNELS = {1: ("Y",), 2: ("Y", "A"), 3: ("R", "G", "B"), 4: ("R", "G", "B", "A")}
-_RGB = _CHANNELS[3]
+#: Kinds of files that are read in Rust.
+KINDS = ("radiance", "openexr", "png", "jpeg", "tiff")
+
+#: Remark on a picture of high dynamic range.
+_NOTE_OF_GAIN_MAP = "high dynamic range is that of the file's gain map, which ends at its maximum"
+#: Rows of one read, or more if rows are decoded together.
+_ROWS_AT_ONCE = 64
 
 
 class NativeFile:
-    """Open Radiance or PNG file, which has one part; see `ImageFile`."""
+    """Open picture file; see `ImageFile`."""
 
-    def __init__(
-        self,
-        name: str,
-        header: Header,
-        rows: Callable[[], Callable[[int, int], NDArray[Any]]],
-        radiance: RadianceFile | None = None,
-    ) -> None:
-        self._name, self._header, self._rows, self._radiance = name, header, rows, radiance
-        self.parts: tuple[Part, ...] = (Part("", header.channels),)
+    def __init__(self, name: str, file: PictureFile) -> None:
+        self._name, self._file, self._said = name, file, file.parts
+        self.parts: tuple[Part, ...] = tuple(
+            Part(said["name"], tuple(name for name, _ in said["channels"]), said["view"])
+            for said in self._said
+        )
+
+    @property
+    def exif(self) -> dict[str, float]:
+        """Numbers of the EXIF of the first part, by their names."""
+        numbers: dict[str, float] = self._said[0]["exif"]
+        return numbers
 
     def image(self, part: int, channels: Sequence[str]) -> RawImage:
-        """Some `channels` of the only part, in this order."""
-        del part  # there is one
-        known = self._header.channels
-        names = tuple(channels)
-        header = self._header if names == known else _with_channels(self._header, names)
-        places = [known.index(channel) for channel in names]
-        rows = _refusals_named(self._name, self._rows)
+        """Some `channels` of a part, in this order."""
+        said = self._said[part]
+        types = dict(said["channels"])
+        places = [self.parts[part].channels.index(channel) for channel in channels]
+        chosen = {types[channel] for channel in channels}
+        dtype = np.dtype(chosen.pop() if len(chosen) == 1 else np.float32)
+        header = _header(said, tuple(channels), dtype)
 
-        def read(top: int, bottom: int) -> NDArray[Any]:
-            samples: NDArray[Any] = _refusals_named(self._name, lambda: rows(top, bottom))
-            return samples if names == known else samples[..., places]
+        def rows(top: int, bottom: int) -> NDArray[Any]:
+            try:
+                return self._file.rows(part, places, top, bottom)
+            except DamagedBytesError as refusal:
+                raise DamagedFileError(
+                    f"cannot read all pixels of {self._name}: {refusal}; give an undamaged file"
+                ) from None
+            except EnvLightsError as refusal:
+                raise FileError(f"cannot read {self._name}: {refusal}") from None
 
-        return RawImage(header, read, header.height, self._radiance if names == known else None)
+        block = said["block"]
+        gain = self._file.apply_gain_map if said["has_gain_map"] else None
+        return RawImage(header, rows, -(-_ROWS_AT_ONCE // block) * block, gain)
 
     def close(self) -> None:
         """Close the file; its bytes go with this object."""
 
 
-def open_radiance(source: Source, max_pixels: int) -> NativeFile:
-    """Radiance picture, with its lines found."""
+def open_native(source: Source, kind: str, max_pixels: int) -> NativeFile:
+    """Open file of one of `KINDS`, with its headers read."""
     data = source.content()
-    picture = _refusals_named(source.name, lambda: RadianceFile(data, max_pixels))
-    description = description_of_radiance(data)
-    header = Header(
-        width=picture.width,
-        height=picture.height,
-        kind="radiance",
-        dtype=np.dtype(np.float32),
-        channels=_RGB,
-        colour=FileColour(chromaticities=picture.primaries, is_xyz=picture.is_xyz),
-        orientation=picture.orientation,
-        exposure=picture.exposure,
-        layout=layout_of_description(description),
-        notes=estimates_of_description(description),
-    )
-    return NativeFile(source.name, header, lambda: picture.rows, picture)
+    file = _with_name(source.name, lambda: PictureFile(data, kind, max_pixels))
+    return NativeFile(source.name, file)
 
 
-def open_png(source: Source, max_pixels: int) -> NativeFile:
-    """PNG file, with its header read; the first request for rows unpacks all of them."""
-    data = source.content()
-    picture = _refusals_named(source.name, lambda: PngFile(data, max_pixels))
-    description = description_of_png(data)
-    channels = _CHANNELS[picture.channels]
-    header = Header(
-        width=picture.width,
-        height=picture.height,
-        kind="png",
-        dtype=np.dtype(np.uint16 if picture.is_16_bit else np.uint8),
+def _header(said: dict[str, Any], channels: tuple[str, ...], dtype: np.dtype[Any]) -> Header:
+    nits, description = said["white_luminance"], said["description"]
+    is_single = dtype.kind == "u" and not said["has_gain_map"]  # exposure
+    return Header(
+        width=said["width"],
+        height=said["height"],
+        kind=said["kind"],
+        dtype=dtype,
         channels=channels,
-        colour=FileColour(
-            cicp=picture.cicp,
-            icc=picture.icc,
-            is_srgb=picture.is_srgb,
-            gamma=picture.gamma,
-            chromaticities=picture.chromaticities,
-        ),
-        orientation=picture.orientation,
-        alpha="straight" if "A" in channels else "none",
-        xmp=picture.xmp,
+        colour=FileColour(**said["colour"]),
+        orientation=said["orientation"],
+        data_window=said["data_window"],
+        display_window=said["display_window"],
+        exposure=(1 / nits,) * 3 if nits else said["exposure"],
+        ev100=ev100_of(exposure_of(said["exif"])) if is_single else None,
+        has_luminance=bool(nits),
+        alpha=said["alpha"] if len(channels) in (2, 4) else "none",
+        border_sampled=said["border_sampled"],
+        environment=said["environment"],
+        xmp=said["xmp"],
+        has_gain_map=said["has_gain_map"],
         layout=layout_of_description(description),
-        notes=(*_note_of_animation(picture), *estimates_of_description(description)),
+        notes=(
+            *said["notes"],
+            *([_NOTE_OF_GAIN_MAP] if said["has_gain_map"] else []),
+            *_note_of_luminance(nits),
+            *(note_of_view(description) if said["kind"] == "radiance" else ()),
+            *estimates_of_description(description),
+        ),
     )
 
-    def rows() -> Callable[[int, int], NDArray[Any]]:
-        samples = picture.read()
-        return lambda top, bottom: samples[top:bottom]
 
-    return NativeFile(source.name, header, rows)
-
-
-def _with_channels(header: Header, channels: tuple[str, ...]) -> Header:
-    """Header of fewer channels."""
-    return replace(header, channels=channels, alpha=header.alpha if "A" in channels else "none")
+def _note_of_luminance(nits: float | None) -> tuple[str, ...]:
+    """Remark on the luminance of a value of 1."""
+    if not nits or nits == 1:
+        return ()
+    return (f"a value of 1 is {nits:g} cd/m2 (whiteLuminance); radiance was multiplied by it",)
 
 
-def _refusals_named(name: str, work: Callable[[], Any]) -> Any:
+def _with_name(name: str, work: Callable[[], Any]) -> Any:
     """Result of `work`, whose refusals get the name of the file."""
     try:
         return work()
-    except EnvLightsError as refusal:
-        if str(refusal).startswith("an image may have up to"):
-            way_out = "if it is not damaged, give a higher max_pixels"
-            raise FileError(f"cannot read {name}: {refusal}; {way_out}") from None
+    except DamagedBytesError as refusal:
         raise DamagedFileError(f"cannot read {name}: {refusal}; {WANTED}") from None
-
-
-def _note_of_animation(picture: PngFile) -> tuple[str, ...]:
-    return ("only the first image of the animation was read",) if picture.is_animated else ()
+    except EnvLightsError as refusal:
+        is_size = str(refusal).startswith("an image may have up to")
+        way_out = "; if it is not damaged, give a higher max_pixels" if is_size else ""
+        raise FileError(f"cannot read {name}: {refusal}{way_out}") from None

@@ -12,7 +12,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._native import RadianceFile
+from envlights._common.errors import FileError
 
 #: Rectangle of pixels: x and y of its corner, width, height.
 Window = tuple[int, int, int, int]
@@ -98,14 +98,14 @@ class Header:
     cube_sides: str = ""
     """Sides of a DDS cube, in the order of the file: "+x -x +y -y +z -z"."""
 
-    xmp: bytes = b""
-    """XMP packet."""
+    xmp: tuple[bytes, ...] = ()
+    """XMP packets."""
 
     layout: str = ""
     """Statement of our own files on their layout; see `description`."""
 
     has_gain_map: bool = False
-    """True if the samples are those of a gain map, which ends at a largest value."""
+    """True if linear samples are raised by a gain map, which ends at a largest value."""
 
     notes: tuple[str, ...] = ()
     """Remarks of the reader."""
@@ -122,10 +122,12 @@ class RawImage:
     """Function that returns the samples of rows from `top` to `bottom`, (rows, width, channels)."""
 
     rows_at_once: int = 128
-    """Rows of one read; a multiple of the height of a tile."""
+    """Rows of one read; a multiple of the rows that are decoded together."""
 
-    radiance: RadianceFile | None = None
-    """Radiance picture whose rows can be decoded in any order; None for other files."""
+    apply_gain_map: Callable[[NDArray[np.float32], int], None] | None = None
+    """Function that raises linear samples of some rows, (rows, width, 1 or 3), from a first row on.
+
+    None for files without a gain map."""
 
     def rows(self, top: int, bottom: int) -> NDArray[Any]:
         """Samples of some rows, (bottom - top, width, channels), in the type of the file."""
@@ -163,3 +165,12 @@ class ImageFile(Protocol):
 
     def close(self) -> None:
         """Close the file."""
+
+
+def check_size(name: str, width: int, height: int, max_pixels: int) -> None:
+    """Refuse more pixels than `max_pixels`, because a damaged header may claim any number."""
+    if width * height > max_pixels:
+        raise FileError(
+            f"cannot read {name}: it claims to hold {width}x{height} pixels, more than"
+            f" {max_pixels}; if it is not damaged, give a higher max_pixels"
+        )

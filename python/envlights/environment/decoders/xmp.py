@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from xml.parsers import expat
 
 #: Name spaces whose properties are used, by their usual prefix.
@@ -13,12 +14,32 @@ _SPACES = {
 }
 #: Separator of name space and name; no address holds it.
 _BETWEEN = " "
+#: Starts of packets in UTF-32, which the parser takes for damage.
+_UTF_32 = (b"\xff\xfe\0\0", b"\0\0\xfe\xff", b"<\0\0\0", b"\0\0\0<")
 #: Longest packet that is read, in bytes.
 _LONGEST = 2**22
 
 
-def properties(packet: bytes) -> dict[str, str]:
-    """Properties like "GPano:ProjectionType", from attributes and from elements.
+class UnknownEncodingError(ValueError):
+    """A packet in an encoding that no parser here reads."""
+
+
+def properties(packets: Iterable[bytes]) -> dict[str, str]:
+    """Properties like "GPano:ProjectionType" of all packets of a file; the first packet wins.
+
+    Raises
+    ------
+    UnknownEncodingError
+        For a packet whose encoding is unknown.
+    """
+    found: dict[str, str] = {}
+    for packet in packets:
+        found = _properties(packet) | found
+    return found
+
+
+def _properties(packet: bytes) -> dict[str, str]:
+    """Properties of a packet, from attributes and from elements.
 
     A packet that is damaged, too long, or declares entities gives none.
     """
@@ -33,7 +54,9 @@ def properties(packet: bytes) -> dict[str, str]:
     parser.StartDoctypeDeclHandler = _refuse
     try:
         parser.Parse(packet.strip(b"\0"), True)
-    except (expat.ExpatError, ValueError):
+    except (expat.ExpatError, ValueError) as error:
+        if "encoding" in str(error) or packet.startswith(_UTF_32):
+            raise UnknownEncodingError(str(error)) from None
         return {}
     return reader.found
 

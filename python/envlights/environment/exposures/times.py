@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 from envlights._common.check import amount, describe
 from envlights._native import EnvLightsError
 from envlights.environment.decoders import raw
-from envlights.environment.decoders.exif_exposure import exposure_tags
-from envlights.environment.decoders.openimageio import open_with_openimageio
+from envlights.environment.decoders.exif_exposure import exposure_of
+from envlights.environment.decoders.native import open_native
 from envlights.environment.decoders.source import kind_of, named_source
 from envlights.environment.files.images import MOST_PIXELS
 
@@ -88,5 +88,4 @@ def _exif(path: str | os.PathLike[str]) -> dict[str, float]:
 def _tags(path: str | os.PathLike[str]) -> dict[str, float]:
     source = named_source(path)
     kind = kind_of(source, any_format=False)
-    with open_with_openimageio(source, kind, MOST_PIXELS) as file:
-        return exposure_tags(file.number)
+    return exposure_of(open_native(source, kind, MOST_PIXELS).exif)

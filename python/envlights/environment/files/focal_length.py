@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import NamedTuple
 
-from envlights.environment.decoders.openimageio import OpenImageIOFile, open_with_openimageio
+from envlights.environment.decoders.exif_exposure import above_0
+from envlights.environment.decoders.native import open_native
 from envlights.environment.decoders.source import Source, kind_of
 from envlights.environment.files.images import MOST_PIXELS
 
@@ -36,22 +38,21 @@ def focal_length(source: Source, height: int, width: int) -> FocalLength | None:
     kind = kind_of(source, any_format=False)
     if kind not in _WITH_EXIF:
         return None
-    with open_with_openimageio(source, kind, MOST_PIXELS) as file:
-        on_film = file.number("Exif:FocalLengthIn35mmFilm")
-        if on_film:
-            pixels = on_film / _DIAGONAL_MM * math.hypot(width, height)
-            return FocalLength(
-                pixels, f"the EXIF (FocalLengthIn35mmFilm {on_film:g} mm, by the diagonal)"
-            )
-        return _on_sensor(file, max(height, width))
+    exif = open_native(source, kind, MOST_PIXELS).exif
+    if on_film := above_0(exif, "FocalLengthIn35mmFilm"):
+        pixels = on_film / _DIAGONAL_MM * math.hypot(width, height)
+        return FocalLength(
+            pixels, f"the EXIF (FocalLengthIn35mmFilm {on_film:g} mm, by the diagonal)"
+        )
+    return _on_sensor(exif, max(height, width))
 
 
-def _on_sensor(file: OpenImageIOFile, longest: int) -> FocalLength | None:
+def _on_sensor(exif: Mapping[str, float], longest: int) -> FocalLength | None:
     """Focal length by the resolution of the sensor, of a picture that may have been reduced."""
-    length = file.number("Exif:FocalLength")
-    density = file.number("Exif:FocalPlaneXResolution")
-    unit = _UNITS_MM.get(file.number("Exif:FocalPlaneResolutionUnit") or 2.0)
-    sides = [file.number(f"Exif:Pixel{axis}Dimension") for axis in "XY"]
+    length = above_0(exif, "FocalLength")
+    density = above_0(exif, "FocalPlaneXResolution")
+    unit = _UNITS_MM.get(above_0(exif, "FocalPlaneResolutionUnit") or 2.0)
+    sides = [above_0(exif, f"Pixel{axis}Dimension") for axis in "XY"]
     if not length or not density or not unit:
         return None
     reduction = longest / max((side for side in sides if side), default=float(longest))

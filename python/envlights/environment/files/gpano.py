@@ -86,12 +86,18 @@ def crop(said: dict[str, str], width: int, height: int) -> tuple[Crop | None, li
     """Place in the sphere of a picture of this size, and notes.
 
     The numbers are scaled to a picture that was resized in proportion. Numbers that contradict the
-    picture are from before an edit, so they are passed over.
+    picture are from before an edit, so they are passed over. Missing sizes follow from the others:
+    the whole sphere is twice as wide as high, and the picture is the crop.
     """
-    numbers = [_number(said, f"{key}Pixels") for key in _KEYS]
-    if any(number is None for number in numbers):
+    known = {key: _number(said, f"{key}Pixels") for key in _KEYS}
+    if all(number is None for number in known.values()):
         return None, []
-    full_width, full_height, crop_width, crop_height, left, top = (n or 0.0 for n in numbers)
+    unreadable = [key for key in _KEYS if known[key] is None and f"GPano:{key}Pixels" in said]
+    _complete(known, width, height)
+    missing = unreadable or [key for key, number in known.items() if number is None]
+    if missing:
+        return None, [f"its GPano crop was not applied: no number for {', '.join(missing)}"]
+    full_width, full_height, crop_width, crop_height, left, top = (n or 0.0 for n in known.values())
     is_whole = (crop_width, crop_height) == (full_width, full_height)
     if is_whole or (width, height) == (full_width, full_height):
         return None, []
@@ -111,6 +117,17 @@ _KEYS = (
     "CroppedAreaLeft",
     "CroppedAreaTop",
 )
+
+
+def _complete(known: dict[str, float | None], width: int, height: int) -> None:
+    """Set the sizes that are missing and follow from others."""
+    full_width, full_height = known["FullPanoWidth"], known["FullPanoHeight"]
+    if full_width is not None:
+        known["FullPanoHeight"] = full_height if full_height is not None else full_width / 2
+    elif full_height is not None:
+        known["FullPanoWidth"] = 2 * full_height
+    for key, size in (("CroppedAreaImageWidth", width), ("CroppedAreaImageHeight", height)):
+        known[key] = size if known[key] is None else known[key]
 
 
 def _is_resized(width: int, height: int, crop_width: float, crop_height: float) -> bool:

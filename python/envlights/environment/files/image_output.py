@@ -1,11 +1,10 @@
-"""Writers of linear RGB: OpenEXR, TIFF and PNG files by OpenImageIO, and Radiance files."""
+"""Writers of linear RGB: OpenEXR, Radiance, TIFF and PNG files."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,17 +16,12 @@ from envlights._common.files import as_path, write_atomically
 from envlights._common.srgb import encode_srgb
 from envlights._common.units import OWN_SCALE, PHOTOMETRIC
 from envlights._native import EnvLightsError
-from envlights.environment.decoders.openimageio import WHITE_LUMINANCE, failure, oiio
-from envlights.environment.files.images import REC709, read_image
+from envlights.environment.files.images import REC709
 
 #: Lossless compressions of OpenEXR.
-COMPRESSIONS = ("zip", "piz", "rle", "none")
-#: Width and height of tiles: OpenImageIO writes the attribute `envmap` into tiled files only.
-_TILE = 64
-#: A multiple of that, and of the rows that OpenEXR compresses together.
+COMPRESSIONS: tuple[str, ...] = ("zip", "piz", "rle", "none")
+#: Rows that are encoded at a time.
 _ROWS_AT_ONCE = 128
-#: Names of OpenImageIO for the values of the attribute `envmap`.
-_TEXTURE_FORMATS = {"latlong": "LatLong Environment", "cube": "CubeFace Environment"}
 _LARGEST_HALF = float(np.finfo(np.float16).max)
 #: Radiance files hold mantissas up to 255 with the exponent 127; this would be rounded to 256.
 _END_OF_RGBE = 255.5 * 2.0**119
@@ -63,30 +57,25 @@ def write_exr(
         "cd/m2" becomes the attribute ``whiteLuminance``: the luminance of RGB (1, 1, 1).
     """
     check_choice("compression", compression, COMPRESSIONS)
-    check_choice("environment", environment, ("", *_TEXTURE_FORMATS))
+    check_choice("environment", environment, ("", "latlong", "cube"))
     if flag("half", half) and radiance.max(initial=0) > _LARGEST_HALF:
         raise FileError(
             f"cannot write {path} with half floats: its largest sample is {radiance.max():g},"
             f" above their {_LARGEST_HALF:g}; write it with half=False"
         )
-    spec = _spec(radiance, oiio.HALF if half else oiio.FLOAT, comments)
-    spec.attribute("compression", compression)
-    spec.attribute("chromaticities", oiio.TypeDesc("float[8]"), REC709)
-    if units == PHOTOMETRIC:
-        spec.attribute(WHITE_LUMINANCE, 1.0)
-    if environment:
-        spec.attribute("textureformat", _TEXTURE_FORMATS[environment])
-        spec.attribute("openexr:levelmode", 0)  # one level, no pyramid
-        spec.tile_width = spec.tile_height = _TILE
-    _write(path, spec, radiance)
+    statements = (
+        REC709,
+        1.0 if units == PHOTOMETRIC else None,
+        environment,
+        _description(comments),
+    )
+    samples = np.asarray(radiance, np.float32)
+    _write(path, _native.exr_file(samples, half, compression, statements))
 
 
 def write_codes(path: str | os.PathLike[str], codes: NDArray[np.uint8]) -> None:
     """Write sRGB codes, (height, width, 3 or 4), as a PNG file; alpha is not in the colour."""
-    spec = _spec(codes, oiio.UINT8, ())
-    spec.attribute("oiio:UnassociatedAlpha", 1)
-    spec.attribute("oiio:ColorSpace", "sRGB")
-    _write(path, spec, codes)
+    _write(path, _native.png_file(codes, ""))
 
 
 def write_hdr(
@@ -153,9 +142,7 @@ def write_tiff(
     comments : iterable of str
         Lines of the tag ``ImageDescription``.
     """
-    spec = _spec(radiance, oiio.FLOAT, comments)
-    spec.attribute("compression", "zip")
-    _write(path, spec, radiance)
+    _write(path, _native.tiff_file(np.asarray(radiance, np.float32), _description(comments)))
 
 
 def write_png(
@@ -181,14 +168,21 @@ def write_png(
             " scale the map, use its `limited(1)`, or write an .exr, .hdr or .tif file"
         )
     codes = np.round(encode_srgb(radiance) * 65535).astype(np.uint16)
-    spec = _spec(radiance, oiio.UINT16, comments)
-    spec.attribute("oiio:ColorSpace", "sRGB")
-    _write(path, spec, codes)
+    _write(path, _native.png_file(codes, _description(comments)))
 
 
 def _lines(comments: Iterable[str]) -> list[str]:
     """Comments without line breaks and other control characters, one line each."""
     return ["".join(c if c.isprintable() else " " for c in comment) for comment in comments]
+
+
+def _description(comments: Iterable[str]) -> str:
+    """Lines of a description; empty if there are none."""
+    return "\n".join(_lines(comments))
+
+
+def _write(path: str | os.PathLike[str], data: bytes) -> None:
+    write_atomically(path, lambda beside: beside.write_bytes(data))
 
 
 #: Suffixes of maps.
@@ -207,52 +201,3 @@ def map_suffix(
             f"cannot save {what} as {path}; the suffix must be one of {', '.join(suffixes)}"
         )
     return suffix
-
-
-def _spec(
-    radiance: NDArray[Any], sample: oiio.BASETYPE, comments: Iterable[str] = ()
-) -> oiio.ImageSpec:
-    height, width, channels = radiance.shape
-    spec = oiio.ImageSpec(width, height, channels, sample)
-    # Leave out the time of writing, so that equal maps give equal files.
-    spec.attribute("DateTime", "")
-    if lines := _lines(comments):
-        # OpenImageIO writes this as `comments` of OpenEXR and as `Description` of PNG.
-        spec.attribute("ImageDescription", "\n".join(lines))
-    return spec
-
-
-def _write(path: str | os.PathLike[str], spec: oiio.ImageSpec, radiance: NDArray[Any]) -> None:
-    """Write an image beside `path`, read it back, and move it into place."""
-
-    def write(beside: Path) -> None:
-        file = oiio.ImageOutput.create(str(beside))
-        done = file and file.open(str(beside), spec) and _fill(file, radiance) and file.close()
-        if not done:
-            reason = failure(file or oiio)
-            raise OSError(reason.replace(str(beside), str(path)))
-        _check_whole(beside)
-
-    write_atomically(path, write)
-
-
-def _fill(file: oiio.ImageOutput, radiance: NDArray[Any]) -> bool:
-    """Write the pixels in blocks of rows, so that Ctrl-C works; True on success."""
-    spec = file.spec()
-    for top in range(0, spec.height, _ROWS_AT_ONCE):
-        rows = radiance[top : top + _ROWS_AT_ONCE]
-        if spec.tile_width:
-            written = file.write_tiles(0, spec.width, top, top + len(rows), 0, 1, rows)
-        else:
-            written = file.write_scanlines(top, top + len(rows), 0, rows)
-        if not written:
-            return False
-    return True
-
-
-def _check_whole(path: Path) -> None:
-    """Read the file back, because OpenImageIO does not report a full disk for the last bytes."""
-    try:
-        read_image(path, any_projection=True)
-    except EnvLightsError:
-        raise OSError("not all of it could be written; is the disk full?") from None

@@ -14,13 +14,14 @@ from envlights._common.check import count
 from envlights._common.errors import FileError
 from envlights._common.printable import printable
 from envlights._common.units import OWN_SCALE, PHOTOMETRIC
+from envlights._native import EnvLightsError
 from envlights.environment.clip_level import CodeHistogram, white_of
 from envlights.environment.colour.alpha import seen_of_alpha, straight_codes, visible
 from envlights.environment.colour.choice import ColourArgument, ColourConversion, conversion
 from envlights.environment.colour.linear import Linear
-from envlights.environment.decoders.native import open_png, open_radiance
-from envlights.environment.decoders.openimageio import check_size, open_with_openimageio
-from envlights.environment.decoders.raw_image import ImageFile, RawImage
+from envlights.environment.decoders.native import KINDS, open_native
+from envlights.environment.decoders.openimageio import open_with_openimageio
+from envlights.environment.decoders.raw_image import Header, ImageFile, RawImage, check_size
 from envlights.environment.decoders.source import AnySource, Source, kind_of, named_source
 from envlights.environment.files.channels import Choice, choose
 from envlights.environment.files.hints import NO_HINTS, Hints
@@ -116,37 +117,54 @@ class OpenImage:
             samples = self.raw.rows(top, min(top + step, height))
             yield top, samples[..., :count], samples[..., count:]
 
-    def _block(
-        self, linear: Linear, colours: NDArray[Any], alpha: NDArray[Any]
+    def _pixels(
+        self, linear: Linear, histogram: CodeHistogram | None
     ) -> tuple[NDArray[np.float32], NDArray[np.float32] | None]:
-        header = self.raw.header
+        """Linear samples of all rows, and the share of each pixel that alpha shows, if not all."""
+        header, coverage = self.raw.header, None
+        size = (header.height, header.width)
+        if header.dtype == np.float32 and header.alpha == "none":  # decoded in place
+            return linear(self.raw.samples), None
+        pixels = np.empty((*size, 3), np.float32)
+        for top, colours, alpha in self.samples():
+            rows = slice(top, top + len(colours))
+            if histogram:
+                histogram.add(visible(colours, alpha), top)
+            fraction = self._block(linear, top, (colours, alpha), pixels[rows])
+            if fraction is not None:
+                coverage = np.ones(size, np.float32) if coverage is None else coverage
+                coverage[rows] = fraction
+        return pixels, coverage
+
+    def _block(
+        self,
+        linear: Linear,
+        top: int,
+        samples: tuple[NDArray[Any], NDArray[Any]],
+        out: NDArray[np.float32],
+    ) -> NDArray[np.float32] | None:
+        """Write linear samples of some rows into `out`; return the share that alpha shows."""
+        header, (colours, alpha) = self.raw.header, samples
         if not alpha.shape[2] or header.alpha == "none":
-            return linear(colours), None
-        block = linear(straight_codes(colours, alpha[..., 0], header))
-        return block, seen_of_alpha(block, alpha[..., 0], header)
+            linear(colours, out, top)
+            return None
+        linear(straight_codes(colours, alpha[..., 0], header), out, top)
+        return seen_of_alpha(out, alpha[..., 0], header)
 
     def image(self) -> Image:
         """All pixels of the sphere."""
         header = self.raw.header
-        linear = Linear(header, self.colour)
+        linear = Linear(header, self.colour, self.raw.apply_gain_map)
         histogram = CodeHistogram(header.height) if header.dtype.kind == "u" else None
-        size = (header.height, header.width)
-        pixels, shares = _Rows((*size, 3)), _Rows(size, 1.0)
-        for top, colours, alpha in self.samples():
-            if histogram:
-                histogram.add(visible(colours, alpha), top)
-            block, fraction = self._block(linear, colours, alpha)
-            pixels.add(top, block)
-            shares.add(top, fraction)
-        clip_level, notes = self._clip_level(histogram, pixels.whole)
-        coverage = shares.whole
+        pixels, coverage = self._pixels(linear, histogram)
+        clip_level, notes = self._clip_level(histogram, pixels)
         if coverage is not None and not coverage.any():
             self._check_alpha()
             coverage = None
         if coverage is None and self.place.crop:
-            coverage = np.ones(size, np.float32)
+            coverage = np.ones((header.height, header.width), np.float32)
         return Image(
-            self.place.apply(pixels.whole),
+            self.place.apply(pixels),
             header.border_sampled,
             (*self.notes, *linear.notes, *notes),
             clip_level,
@@ -175,27 +193,6 @@ class OpenImage:
             )
 
 
-class _Rows:
-    """Array that is filled block by block; one block of all rows is taken as it is."""
-
-    def __init__(self, shape: tuple[int, ...], default: float | None = None) -> None:
-        self._shape, self._default = shape, default
-        self.whole: Any = None
-
-    def add(self, top: int, block: NDArray[np.float32] | None) -> None:
-        """Set the rows from `top` on; rows without a block keep the default, if there is one."""
-        if block is None:
-            return
-        if block.shape == self._shape:
-            self.whole = block
-            return
-        if self.whole is None:
-            self.whole = np.empty(self._shape, np.float32)
-            if self._default is not None:
-                self.whole.fill(self._default)
-        self.whole[top : top + len(block)] = block
-
-
 @contextlib.contextmanager
 def open_image(
     source: AnySource | Source,
@@ -215,12 +212,20 @@ def open_image(
         choice = choose(named.name, file.parts, part, channels)
         names = (*choice.colours, choice.alpha) if choice.alpha else choice.colours
         raw = file.image(choice.part, names)
-        place = placement(raw.header)
+        place = _placement(named.name, raw.header)
         check_size(named.name, *place.size, max_pixels)
         opened = OpenImage(named.name, raw, choice, conversion(raw.header, colour), place)
         if not any_projection:
             _check_projection(opened.hints)
         yield opened
+
+
+def _placement(name: str, header: Header) -> Placement:
+    """Placement of the samples, or a refusal with the name of the file."""
+    try:
+        return placement(header)
+    except EnvLightsError as refusal:
+        raise FileError(f"cannot read {name}: {refusal}") from None
 
 
 def _check_projection(hints: Hints) -> None:
@@ -235,10 +240,8 @@ def _check_projection(hints: Hints) -> None:
 @contextlib.contextmanager
 def _reader(named: Source, kind: str, max_pixels: int) -> Iterator[ImageFile]:
     """Open file by the reader of its kind."""
-    if kind == "radiance":
-        yield open_radiance(named, max_pixels)
-    elif kind == "png":
-        yield open_png(named, max_pixels)
+    if kind in KINDS:
+        yield open_native(named, kind, max_pixels)
     else:
         with open_with_openimageio(named, kind, max_pixels) as file:
             yield file

@@ -8,6 +8,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from envlights._native import EnvLightsError
 from envlights.environment.decoders import xmp
 from envlights.environment.decoders.raw_image import Header, Window
 from envlights.environment.files import gpano
@@ -74,7 +75,7 @@ def placement(header: Header) -> Placement:
             f"the image was rotated or mirrored by the orientation {header.orientation} of its"
             " header"
         )
-    said = xmp.properties(header.xmp)
+    said = _properties(header)
     view = gpano.view(said, size[1])
     is_plain = view.projection in ("", "equirectangular")
     crop, crop_notes = gpano.crop(said, *size) if is_plain else (None, [])
@@ -96,6 +97,17 @@ def _in_window(
         inside = samples[rows.start - top : rows.stop - top]
         whole[rows, columns] = inside[:, columns.start - left : columns.stop - left]
     return whole
+
+
+def _properties(header: Header) -> dict[str, str]:
+    """Properties of the XMP packets of a file, or a refusal of packets that cannot be read."""
+    try:
+        return xmp.properties(header.xmp)
+    except xmp.UnknownEncodingError as reason:
+        raise EnvLightsError(
+            f"its XMP packet cannot be read ({reason}), so its place on the sphere is unknown; save"
+            " the packet as UTF-8, or remove it"
+        ) from None
 
 
 def upright(samples: NDArray[_Samples], orientation: int) -> NDArray[_Samples]:

@@ -2,17 +2,18 @@
 
 | step                                              | file              |
 |---------------------------------------------------|-------------------|
-| read one picture, or six faces by their names     | `sources.py`      |
 | recognise the projection                          | `recognition.py`  |
 | - from the statement of our own files             | `attribute.py`    |
-| names, faces and seams of cubes                   | `cubes.py`        |
+| arrange the faces of a cube                       | `cubes.py`        |
+| - names of files, faces in a picture, seams       | `face_names.py`, `faces.py`, `seams.py` |
 | save a picture                                    | `picture.py`      |
-| tables: projections, conventions of cubes         | `projections.py`, `conventions.py` |
-| description of a projection for the kernels       | `layout.py`       |
+| layouts that a user can name; orders of cubes     | `projections.py`, `conventions.py` |
+| layout of a picture of one size, for the kernels  | `picture_layout.py` |
 """
 
-from envlights.environment.layouts.layout import Layout
+from envlights.environment.layouts.picture_layout import PictureLayout
+from envlights.environment.layouts.projections import Layout
 from envlights.environment.layouts.recognition import recognise
-from envlights.environment.layouts.records import Arguments, ArrangedPicture, Source
+from envlights.environment.layouts.records import ArrangedPicture, Origin
 
-__all__ = ["Arguments", "ArrangedPicture", "Layout", "Source", "recognise"]
+__all__ = ["ArrangedPicture", "Layout", "Origin", "PictureLayout", "recognise"]

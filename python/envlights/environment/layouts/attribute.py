@@ -1,13 +1,14 @@
 """Statement on the layout of a saved picture, so that it opens again without arguments.
 
-It is a line of the description of the file (`decoders.description`) with the arguments of
-`EnvMap.open` and the size of the picture, as JSON.
+It is a line of the description of the file (`decoders.description`) with the arguments of a
+`Layout` and the size of the picture, as JSON.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
@@ -16,9 +17,14 @@ from envlights._common.check import describe
 from envlights._native import EnvLightsError
 from envlights.environment.decoders.description import LAYOUT
 from envlights.environment.files.hints import Hints
-from envlights.environment.layouts import layout as layouts
-from envlights.environment.layouts.layout import Layout
-from envlights.environment.layouts.records import REGISTRATIONS, Arguments
+from envlights.environment.layouts import picture_layout as layouts
+from envlights.environment.layouts.picture_layout import PictureLayout
+from envlights.environment.layouts.projections import (
+    PROJECTIONS,
+    REGISTRATIONS,
+    Layout,
+    parameters,
+)
 
 _VERSION = 1
 #: Entries of a statement beside the arguments.
@@ -27,58 +33,50 @@ _OTHERS = {"version", "size"}
 _UNUSED = {"forward", "eye"}
 #: Arguments that name a projection, so that a statement of the file does not count.
 _NAMING = ("projection", "faces", "mapping")
-#: Axes of a picture whose statement has none.
-_AXES = {
-    "octahedral": layouts.UP,
-    "octahedral-equal-area": layouts.PBRT,
-    "mirror-ball": layouts.MIRRORED,
-}
-_WAY_OUT = "give projection= and its arguments, which replace the attribute"
+_WAY_OUT = "give layout=, which replaces the attribute"
 
 
-def line_of(layout: Layout, size: tuple[int, int], faces: str = "") -> tuple[str, ...]:
+def line_of(layout: PictureLayout, size: tuple[int, int], faces: str = "") -> tuple[str, ...]:
     """Line of the description of a picture; none for parts of panoramas.
 
     Parameters
     ----------
-    layout : Layout
+    layout : PictureLayout
         Projection of the picture.
     size : tuple of int
         Rows and columns of the picture in the file.
     faces : str
-        Value of `faces=` for a cube.
+        Order of the faces of a cube.
     """
     import json  # here, so that `import envlights` does not wait for it
 
     is_panorama = layout.kind == "equirectangular"
     if is_panorama and not layout.is_whole_sphere:
         return ()
-    given = {
-        name: value for name, value in _arguments_of(layout, faces).items() if value is not None
-    }
+    given = _statement(layout, faces).entries()
     return (LAYOUT + json.dumps({"version": _VERSION, **given, "size": list(size)}),)
 
 
-def _arguments_of(layout: Layout, faces: str) -> dict[str, Any]:
-    """Arguments that describe a layout; those that are None are not needed."""
+def _statement(layout: PictureLayout, faces: str) -> Layout:
+    """Projection and arguments of a picture."""
     projection = _projection_of(layout)
     is_fisheye = projection == "fisheye"
-    has_samples = projection in ("equirectangular", "cube")
+    has_samples = "registration" in parameters(projection)
     view = 2 * layout.reach if is_fisheye else layout.field_of_view
-    return {
-        "projection": projection,
-        "faces": faces or None,
-        "registration": REGISTRATIONS[layout.border_sampled] if has_samples else None,
-        "mapping": layout.mapping if is_fisheye else None,
-        "fov": _degrees(view) if view else None,
-        "horizon": layout.horizon,
-        "circle": layout.circle,
-        "axes": None if layout.axes == _AXES.get(projection, layouts.FRONT) else layout.axes,
-    }
+    return Layout(
+        projection,
+        faces=faces or None,
+        registration=REGISTRATIONS[layout.border_sampled] if has_samples else None,
+        mapping=layout.mapping if is_fisheye else None,
+        fov=_degrees(view) if view else None,
+        horizon=layout.horizon,
+        circle=layout.circle,
+        axes=None if layout.axes == PROJECTIONS[projection].axes else layout.axes,
+    )
 
 
-def _projection_of(layout: Layout) -> str:
-    """Value of `projection=` of a layout."""
+def _projection_of(layout: PictureLayout) -> str:
+    """Name of the projection of a picture."""
     if layout.kind != "azimuthal":
         return layout.kind
     is_square, is_whole = layout.height == layout.width, layout.reach == math.pi
@@ -97,17 +95,15 @@ def _degrees(radians: float) -> float:
     return short if math.radians(short) == radians else exact
 
 
-def with_statement(
-    arguments: Arguments, hints: Hints, size: tuple[int, int]
-) -> tuple[Arguments, bool]:
-    """Arguments, completed by the statement of the file, and True if it counts.
+def with_statement(layout: Layout, hints: Hints, size: tuple[int, int]) -> tuple[Layout, bool]:
+    """Layout, completed by the statement of the file, and True if it counts.
 
     It does not count if the user names a projection. Single arguments of the user replace its own.
 
     Parameters
     ----------
-    arguments : Arguments
-        Arguments of the user.
+    layout : Layout
+        Layout of the user.
     hints : Hints
         Statements of the file.
     size : tuple of int
@@ -118,32 +114,30 @@ def with_statement(
     EnvLightsError
         If the statement is damaged, or it describes a picture of another shape.
     """
-    if not hints.layout or any(getattr(arguments, name) is not None for name in _NAMING):
-        return arguments, False
-    stated = _arguments_of_statement(hints.layout, size)
-    given = {name: value for name, value in arguments._asdict().items() if value is not None}
+    if not hints.layout or any(getattr(layout, name) is not None for name in _NAMING):
+        return layout, False
+    given = layout.entries()
     if "forward" in given:
         given["axes"] = None
-    return stated._replace(**given), True
+    return replace(_layout_of_statement(hints.layout, size), **given), True
 
 
-def _arguments_of_statement(text: str, size: tuple[int, int]) -> Arguments:
-    """Arguments of a statement, in pixels of a picture of this size."""
-    data = _entries_of(text)
-    known = {*_OTHERS, *Arguments._fields} - _UNUSED
+def _layout_of_statement(text: str, size: tuple[int, int]) -> Layout:
+    """Layout of a statement, in pixels of a picture of this size."""
+    data = _read(text)
+    known = {*_OTHERS, *(field.name for field in fields(Layout))} - _UNUSED
     if data.get("version") != _VERSION or (set(data) - known):
         raise _refusal(f"it is of another version or has unknown entries ({describe(text)})")
     try:
-        arguments = Arguments(**{key: data[key] for key in data if key not in _OTHERS})
-        arguments.check()
-        return _in_pixels_of(arguments, data["size"], size)
+        layout = Layout(**{key: data[key] for key in data if key not in _OTHERS})
+        return _in_pixels_of(layout, data["size"], size)
     except EnvLightsError as refusal:
         raise _refusal(str(refusal)) from None
     except (KeyError, OverflowError, TypeError, ValueError):
         raise _refusal(f"a value is missing or of another type in {describe(text)}") from None
 
 
-def _entries_of(text: str) -> Mapping[str, Any]:
+def _read(text: str) -> Mapping[str, Any]:
     import json
 
     try:
@@ -155,8 +149,8 @@ def _entries_of(text: str) -> Mapping[str, Any]:
     return data
 
 
-def _in_pixels_of(arguments: Arguments, stated: Any, size: tuple[int, int]) -> Arguments:
-    """Arguments in pixels of a picture that was resized in proportion, or a refusal."""
+def _in_pixels_of(layout: Layout, stated: Any, size: tuple[int, int]) -> Layout:
+    """Layout in pixels of a picture that was resized in proportion, or a refusal."""
     (rows, columns), (height, width) = stated, size
     if not rows > 0 or not columns > 0 or rows * width != columns * height:
         raise EnvLightsError(
@@ -164,12 +158,11 @@ def _in_pixels_of(arguments: Arguments, stated: Any, size: tuple[int, int]) -> A
             " was cropped or stretched"
         )
     scale = height / rows
-    if arguments.horizon is not None:
-        arguments = arguments._replace(horizon=arguments.horizon * scale)
-    if arguments.circle is not None:
-        circle = [scale * value for value in np.asarray(arguments.circle, float).tolist()]
-        arguments = arguments._replace(circle=circle)
-    return arguments
+    if layout.horizon is not None:
+        layout = replace(layout, horizon=layout.horizon * scale)
+    if layout.circle is not None:
+        layout = replace(layout, circle=scale * np.asarray(layout.circle))
+    return layout
 
 
 def _refusal(reason: str) -> EnvLightsError:

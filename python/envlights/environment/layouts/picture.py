@@ -27,7 +27,7 @@ from envlights.environment.files.image_output import (
 )
 from envlights.environment.layouts.attribute import line_of
 from envlights.environment.layouts.conventions import CONVENTIONS, CROSSES
-from envlights.environment.layouts.cubes import (
+from envlights.environment.layouts.faces import (
     ARRANGEMENTS,
     arranged_faces,
     faces_of_cross,
@@ -35,7 +35,7 @@ from envlights.environment.layouts.cubes import (
     stored_faces,
     upright_faces,
 )
-from envlights.environment.layouts.layout import Layout
+from envlights.environment.layouts.picture_layout import PictureLayout
 
 #: Placeholder for the name of a face in a path.
 PLACEHOLDER = "{face}"
@@ -57,7 +57,7 @@ class Picture:
 
     Examples
     --------
-    >>> from envlights.environment.layouts.layout import cube
+    >>> from envlights.environment.layouts.picture_layout import cube
     >>> picture = picture_of(np.ones((48, 8, 3)), cube(8), faces="opengl")
     >>> picture
     Picture(8x48 cube, cell-centred, faces in the order of OpenGL)
@@ -66,7 +66,7 @@ class Picture:
     array: NDArray[np.float32]
     """Linear RGB, (height, width, 3); of a cube its faces, in the order of `faces`."""
 
-    layout: Layout
+    layout: PictureLayout
     """Projection; that of a cube describes its upright faces, front right back left up down."""
 
     faces: str = ""
@@ -229,7 +229,7 @@ class Picture:
 
 def picture_of(
     samples: NDArray[Any],
-    layout: Layout,
+    layout: PictureLayout,
     *,
     faces: str = "opengl",
     coverage: NDArray[Any] | None = None,
@@ -242,7 +242,7 @@ def picture_of(
     ----------
     samples : ndarray, shape (layout.height, layout.width, 3)
         Linear RGB; of a cube, upright faces in our order.
-    layout : Layout
+    layout : PictureLayout
         Projection of the samples.
     faces : str
         Convention of a cube's faces in the picture: one of `CONVENTIONS`.

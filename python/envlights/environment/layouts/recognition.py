@@ -3,38 +3,33 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from dataclasses import replace
 from pathlib import PurePath
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from envlights._common.check import amount, describe, reals
 from envlights._native import EnvLightsError
 from envlights.environment.files.hints import NO_HINTS, Hints
-from envlights.environment.layouts import layout as layouts
 from envlights.environment.layouts.attribute import with_statement
-from envlights.environment.layouts.cubes import (
-    arrange_cube,
-    crosses_of,
-    every_nth,
-    face_of_name,
-    is_unfolded_cube,
-    log_luminance,
-)
-from envlights.environment.layouts.layout import Axes, Layout
-from envlights.environment.layouts.projections import DISCS, SQUARES, candidates, check_unused
-from envlights.environment.layouts.records import (
+from envlights.environment.layouts.cubes import arrange_cube, is_unfolded_cube
+from envlights.environment.layouts.face_names import face_of_name
+from envlights.environment.layouts.faces import crosses_of
+from envlights.environment.layouts.projections import (
     EYES,
-    NO_ARGUMENTS,
     REGISTRATIONS,
-    Arguments,
-    ArrangedPicture,
-    Source,
+    Layout,
+    argument_for,
+    candidates,
+    is_panorama,
+    of_shape,
+    place,
 )
+from envlights.environment.layouts.records import ArrangedPicture, Origin
+from envlights.environment.layouts.seams import every_nth, log_luminance
 
-#: Projections of GPano by the value of `projection=`.
+#: Our projections by their names in GPano.
 _GPANO = {"equirectangular": "equirectangular", "cylindrical": "cylinder"}
 
 
@@ -48,7 +43,7 @@ class _Kind(NamedTuple):
 def recognise(
     samples: NDArray[Any],
     hints: Hints = NO_HINTS,
-    arguments: Arguments = NO_ARGUMENTS,
+    layout: Layout = Layout(),  # noqa: B008, it is frozen
     coverage: NDArray[Any] | None = None,
 ) -> ArrangedPicture:
     """Recognise the projection of a picture, and arrange its samples for it.
@@ -59,7 +54,7 @@ def recognise(
         Samples of any type. Six squares are the faces of a cube.
     hints : Hints, optional
         Statements of the file, from `read_image`.
-    arguments : Arguments, optional
+    layout : Layout, optional
         Statements of the user, which go before all others.
     coverage : ndarray, optional
         Share of each pixel that is seen, without channels.
@@ -79,30 +74,29 @@ def recognise(
     --------
     >>> recognise(np.ones((64, 128, 3))).source.projection
     'equirectangular'
-    >>> recognise(np.ones((64, 64, 3)), arguments=Arguments("angular")).layout.mapping
+    >>> recognise(np.ones((64, 64, 3)), layout=Layout("angular")).layout.mapping
     'equidistant'
     """
-    arguments.check()
     picture = samples_of(samples)
-    arguments, is_stated = with_statement(arguments, hints, picture.shape[-3:-1])
-    picture, coverage, notes = one_eye(picture, coverage, hints, arguments)
-    kind = _kind(picture, hints, arguments)
-    check_unused(kind.projection, arguments.names())
+    layout, is_stated = with_statement(layout, hints, picture.shape[-3:-1])
+    picture, coverage, notes = one_eye(picture, coverage, hints, layout)
+    kind = _kind(picture, hints, layout)
+    layout = replace(layout, projection=kind.projection)
     if kind.projection == "cube":
-        found = arrange_cube(picture, coverage, hints, arguments, kind.recognised_by)
+        found = arrange_cube(picture, coverage, hints, layout, kind.recognised_by)
     else:
-        found = _arrange(picture, coverage, hints, arguments, kind)
+        found = _arrange(picture, coverage, hints, layout, kind)
     source = found.source._replace(recognised_by="attribute") if is_stated else found.source
     return found._replace(source=source, notes=(*notes, *found.notes))
 
 
-def _kind(picture: NDArray[Any], hints: Hints, arguments: Arguments) -> _Kind:
+def _kind(picture: NDArray[Any], hints: Hints, layout: Layout) -> _Kind:
     """Projection from the strongest statement."""
-    if arguments.projection is not None:
-        return _Kind(arguments.projection, "argument")
-    if arguments.faces is not None:
+    if layout.projection is not None:
+        return _Kind(layout.projection, "argument")
+    if layout.faces is not None:
         return _Kind("cube", "argument")
-    if arguments.mapping is not None:
+    if layout.mapping is not None:
         return _Kind("fisheye", "argument")
     if hints.order:
         return _Kind("cube", "name")
@@ -113,9 +107,9 @@ def _kind(picture: NDArray[Any], hints: Hints, arguments: Arguments) -> _Kind:
     if hints.projection:
         return _kind_of_gpano(hints)
     projection = projection_of_shape(picture, hints.name)
-    is_partial = projection == "equirectangular" and arguments.fov not in (None, 360)
-    if is_partial or (projection != "cube" and arguments.circle is not None):
-        raise _without_projection(picture, arguments)
+    is_partial = projection == "equirectangular" and layout.fov not in (None, 360)
+    if is_partial or (projection != "cube" and layout.circle is not None):
+        raise _without_projection(picture, layout)
     return _Kind(projection, "shape")
 
 
@@ -123,17 +117,17 @@ def _kind_of_gpano(hints: Hints) -> _Kind:
     if hints.projection in _GPANO:
         return _Kind(_GPANO[hints.projection], "attribute")
     raise EnvLightsError(
-        f"the GPano projection of the picture is {hints.projection!r}; give projection= and its"
-        f" arguments: {candidates(('equirectangular', 'cylinder', 'fisheye', 'planar'))}"
+        f"the GPano projection of the picture is {hints.projection!r}; give layout=, of"
+        f" {candidates(('equirectangular', 'cylinder', 'fisheye', 'planar'))}"
     )
 
 
-def _without_projection(picture: NDArray[Any], arguments: Arguments) -> EnvLightsError:
+def _without_projection(picture: NDArray[Any], layout: Layout) -> EnvLightsError:
     height, width = picture.shape[:2]
-    given = ", ".join(arguments.names())
+    given = ", ".join(layout.arguments())
     names = ("equirectangular", "cylinder", "fisheye", "planar")
     return EnvLightsError(
-        f"{given} needs projection= as well for a picture of {width}x{height} pixels: it may be"
+        f"{given} needs a projection as well for a picture of {width}x{height} pixels: it may be"
         f" {candidates(names)}"
     )
 
@@ -142,20 +136,20 @@ def _arrange(
     picture: NDArray[Any],
     coverage: NDArray[Any] | None,
     hints: Hints,
-    arguments: Arguments,
+    layout: Layout,
     kind: _Kind,
 ) -> ArrangedPicture:
     """Picture of one piece, whose array is not changed."""
     if picture.ndim == 4:
         raise EnvLightsError(
-            f"six squares are the faces of a cube, not {kind.projection!r}; leave out projection=,"
-            " or give projection='cube'"
+            f"six squares are the faces of a cube, not {kind.projection!r}; give"
+            " layout='cube', or leave it out"
         )
     height, width = picture.shape[:2]
-    layout, notes = _LAYOUTS[kind.projection](height, width, hints, arguments)
-    registration = REGISTRATIONS[layout.border_sampled]
-    source = Source(kind.projection, (height, width), "", registration, kind.recognised_by, layout)
-    return ArrangedPicture(picture, coverage, layout, source, notes)
+    made, notes = place(layout, (height, width), hints)
+    registration = REGISTRATIONS[made.border_sampled]
+    source = Origin(kind.projection, (height, width), "", registration, kind.recognised_by, made)
+    return ArrangedPicture(picture, coverage, made, source, notes)
 
 
 def refusal_of_discs(height: int, width: int) -> str:
@@ -163,152 +157,8 @@ def refusal_of_discs(height: int, width: int) -> str:
     return (
         f"a picture of {width}x{height} pixels with two discs in black squares is a dual"
         " fisheye, whose lenses only its camera knows; stitch it in the camera's program, or"
-        " give projection='equirectangular' if it is a panorama"
+        " give layout='equirectangular' if it is a panorama"
     )
-
-
-_Made = tuple[Layout, tuple[str, ...]]
-
-
-def _equirectangular(height: int, width: int, hints: Hints, arguments: Arguments) -> _Made:
-    is_border = hints.border_sampled
-    if arguments.registration is not None:
-        is_border = arguments.registration == REGISTRATIONS[1]
-    if arguments.fov is not None and (arguments.fov < 360 or not is_panorama(height, width)):
-        view = math.radians(arguments.fov)
-        part = layouts.crop(height, width, field_of_view=view, horizon=arguments.horizon)
-        return part, (f"the picture is a part of a panorama, {arguments.fov:g} degrees wide",)
-    if not is_panorama(height, width):
-        eyes = ", eye='left' if it holds two eyes" if width in (height, 4 * height) else ""
-        raise EnvLightsError(
-            f"an equirectangular map is twice as wide as high; got {width}x{height} pixels; give"
-            f" the degrees of azimuth that a part of one covers as fov={eyes}, or another"
-            " projection="
-        )
-    if height < 2:
-        raise EnvLightsError(f"a map needs at least 4x2 pixels; got {width}x{height}")
-    whole = layouts.equirectangular(height, width, border_sampled=is_border)
-    if width == 2 * height:
-        return whole, ()
-    note = (
-        f"{width}x{height} pixels, which are nearly twice as wide as high, are read as the whole"
-        " sphere"
-    )
-    return whole, (note,)
-
-
-def _cylinder(height: int, width: int, hints: Hints, arguments: Arguments) -> _Made:
-    degrees = _first(arguments.fov, hints.field_of_view)
-    horizon = _first(arguments.horizon, hints.horizon)
-    if degrees is None:
-        raise _needs("a cylindrical panorama", "fov=", "the degrees of azimuth that it covers")
-    made = layouts.cylinder(height, width, field_of_view=math.radians(degrees), horizon=horizon)
-    is_known = horizon is not None or hints.layout
-    notes = [] if is_known else ["the horizon is taken to be the middle row (horizon=)"]
-    if arguments.fov is None:
-        notes.insert(0, f"a cylindrical panorama of {degrees:.4g} degrees (GPano)")
-    return made, tuple(notes)
-
-
-def _octahedral(height: int, width: int, hints: Hints, arguments: Arguments) -> _Made:
-    n = _square(height, width, "an octahedral map")
-    return layouts.octahedral(n, axes=_axes(arguments, layouts.UP)), ()
-
-
-def _equal_area(height: int, width: int, hints: Hints, arguments: Arguments) -> _Made:
-    n = _square(height, width, "an octahedral map")
-    axes = _axes(arguments, layouts.PBRT)
-    return layouts.octahedral(n, equal_area=True, axes=axes), ()
-
-
-def _angular(height: int, width: int, hints: Hints, arguments: Arguments) -> _Made:
-    n = _square(height, width, "an angular map")
-    return layouts.angular_map(n, axes=_axes(arguments)), ()
-
-
-def _mirror_ball(height: int, width: int, hints: Hints, arguments: Arguments) -> _Made:
-    circle = _circle(arguments)
-    n = _square(height, width, "a mirror ball") if circle is None else min(height, width)
-    made = layouts.mirror_ball(n, circle=circle)._replace(height=height, width=width)
-    note = (
-        "a mirror ball as photographed: the camera, seen in its centre, becomes the front of the"
-        " map (+z), and its right becomes +x"
-    )
-    return made, (note,)
-
-
-def _fisheye(height: int, width: int, hints: Hints, arguments: Arguments) -> _Made:
-    if arguments.mapping is None:
-        maps = " or ".join(map(repr, layouts.MAPPINGS))
-        raise _needs("a fisheye picture", "mapping=", f"{maps}")
-    if arguments.fov is None:
-        raise _needs("a fisheye picture", "fov=", "the degrees across its circle")
-    view, circle, axes = math.radians(arguments.fov), _circle(arguments), _axes(arguments)
-    size = (height, width)
-    return layouts.fisheye(size, arguments.mapping, view, circle=circle, axes=axes), ()
-
-
-def _planar(height: int, width: int, hints: Hints, arguments: Arguments) -> _Made:
-    if arguments.fov is None:
-        raise _needs("a photograph", "fov=", "its horizontal field of view in degrees")
-    view = math.radians(arguments.fov)
-    return layouts.planar(height, width, field_of_view=view, axes=_axes(arguments)), ()
-
-
-_LAYOUTS: dict[str, Callable[[int, int, Hints, Arguments], _Made]] = {
-    "equirectangular": _equirectangular,
-    "cylinder": _cylinder,
-    "octahedral": _octahedral,
-    "octahedral-equal-area": _equal_area,
-    "angular": _angular,
-    "mirror-ball": _mirror_ball,
-    "fisheye": _fisheye,
-    "planar": _planar,
-}
-
-
-def _first(*values: float | None) -> float | None:
-    return next((value for value in values if value is not None), None)
-
-
-def _needs(what: str, argument: str, meaning: str) -> EnvLightsError:
-    return EnvLightsError(f"{what} needs {argument}, {meaning}; give it")
-
-
-def _square(height: int, width: int, what: str) -> int:
-    """Side of a square picture, or a refusal."""
-    if height != width:
-        raise EnvLightsError(
-            f"{what} is square; got {width}x{height} pixels; crop the picture, or give another"
-            " projection="
-        )
-    return height
-
-
-def _axes(arguments: Arguments, default: Axes = layouts.FRONT) -> Axes:
-    if arguments.forward is not None:
-        return layouts.looking(arguments.forward)
-    return default if arguments.axes is None else layouts.checked_axes(arguments.axes)
-
-
-def _circle(arguments: Arguments) -> tuple[float, float, float] | None:
-    """Centre and radius as numbers, or a refusal."""
-    if arguments.circle is None:
-        return None
-    values: ArrayLike = arguments.circle
-    x, y, radius = (*reals("circle", values, 1), *(math.nan,) * 3)[:3]
-    if np.shape(values) != (3,) or not (np.isfinite([x, y, radius]).all() and radius > 0):
-        raise EnvLightsError(
-            "circle must be centre x, centre y and a radius above 0, in pixels; got"
-            f" {describe(values)}"
-        )
-    return amount("circle", float(x), -1e9), amount("circle", float(y), -1e9), float(radius)
-
-
-#: Columns by which a panorama may miss twice its height.
-_OFF = 2
-#: Columns for each column that a panorama may miss.
-_COLUMNS_PER_MISS = 100
 
 
 def samples_of(samples: NDArray[Any]) -> NDArray[Any]:
@@ -343,14 +193,8 @@ def _healpix(pixels: int) -> EnvLightsError:
     )
 
 
-def is_panorama(height: int, width: int) -> bool:
-    """True for a size of 2:1, up to two columns in large pictures."""
-    off = abs(width - 2 * height)
-    return off == 0 or (off <= _OFF and off * _COLUMNS_PER_MISS <= width)
-
-
 def projection_of_shape(picture: NDArray[Any], name: str = "") -> str:
-    """Value of `projection=`, or a refusal with the candidates.
+    """Name of the projection, or a refusal with the candidates.
 
     Parameters
     ----------
@@ -368,27 +212,34 @@ def projection_of_shape(picture: NDArray[Any], name: str = "") -> str:
     if height == width and (face := face_of_name(PurePath(name).stem)):
         raise EnvLightsError(
             f"a square picture with the name {face!r} seems to be one face of a cube map; give its"
-            " folder or all six files, or projection= if it is a whole map"
+            " folder or all six files, or layout= if it is a whole map"
         )
     raise EnvLightsError(
         f"an equirectangular map is twice as wide as high; got {width}x{height} pixels, which may"
-        f" be {_candidates(picture)}; give the arguments of one of them, or find the lights of a"
+        f" be {_candidates(picture)}; give one of them, or find the lights of a"
         " photograph with `detect_photograph` or `envlights photograph`"
     )
+
+
+#: Argument for the left eye of a stereo panorama.
+_LEFT_EYE = argument_for(Layout.equirectangular(eye="left"))
 
 
 def _candidates(picture: NDArray[Any]) -> str:
     """Projections that the shape and the corners admit, likely ones first."""
     height, width = picture.shape[:2]
     if height != width:
-        eyes = " or two panoramas beside each other (eye='left')" if width == 4 * height else ""
-        crosses = crosses_of(height, width)
-        cube = [f"a cube map (faces={crosses[0]!r})"] if crosses else []
-        return ", ".join([*cube, candidates(("planar", "cylinder", "equirectangular")) + eyes])
+        is_stereo = width == 4 * height
+        eyes = f" or two panoramas beside each other ({_LEFT_EYE})" if is_stereo else ""
+        cube = [
+            f"a cube map ({argument_for(Layout.cube(faces=name))})"
+            for name in crosses_of(height, width)[:1]
+        ]
+        return ", ".join([*cube, candidates(of_shape("any", "panorama")[::-1]) + eyes])
     if has_black_corners(picture):
-        return candidates((*DISCS, "planar"))
-    squares = candidates((*SQUARES, "planar"))
-    stereo = "two panoramas, one above the other (eye='left')"
+        return candidates((*of_shape("disc"), "planar"))
+    squares = candidates((*of_shape("square"), "planar"))
+    stereo = f"two panoramas, one above the other ({_LEFT_EYE})"
     return f"{stereo}, {squares}" if has_equal_halves(picture) else f"{squares}, or {stereo}"
 
 
@@ -405,25 +256,25 @@ _MODES = {"top-bottom": True, "left-right": False}
 
 
 def one_eye(
-    picture: NDArray[Any], coverage: NDArray[Any] | None, hints: Hints, arguments: Arguments
+    picture: NDArray[Any], coverage: NDArray[Any] | None, hints: Hints, layout: Layout
 ) -> tuple[NDArray[Any], NDArray[Any] | None, tuple[str, ...]]:
     """Picture of one eye, its share that is seen, and notes; a picture of one eye is unchanged.
 
     The left eye is the upper or the left half.
     """
-    if hints.stereo and arguments.eye is None:
+    if hints.stereo and layout.eye is None:
         raise EnvLightsError(
-            f"the picture holds panoramas of two eyes ({hints.stereo}); give eye='left' or"
-            " eye='right'"
+            f"the picture holds panoramas of two eyes ({hints.stereo}); give"
+            f" {_LEFT_EYE}, or eye='right'"
         )
-    if arguments.eye is None:
+    if layout.eye is None:
         return picture, coverage, ()
     above = _is_above(picture, hints)
-    place = EYES.index(arguments.eye)
-    fraction = None if coverage is None else halves(coverage, above=above)[place]
-    side = (("upper", "lower") if above else ("left", "right"))[place]
-    note = f"only the {side} half, of the {arguments.eye} eye, was read"
-    return halves(picture, above=above)[place], fraction, (note,)
+    half = EYES.index(layout.eye)
+    fraction = None if coverage is None else halves(coverage, above=above)[half]
+    side = (("upper", "lower") if above else ("left", "right"))[half]
+    note = f"only the {side} half, of the {layout.eye} eye, was read"
+    return halves(picture, above=above)[half], fraction, (note,)
 
 
 def _is_above(picture: NDArray[Any], hints: Hints) -> bool:

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from envlights._common.words import fill_template
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import AnyMap
-from envlights.export.axes import AXES
 from envlights.export.files import AnyPath, check_link
 from envlights.export.formats import blender_cards
 from envlights.export.scene import Exportable, Scene, scene_of
+from envlights.export.targets import AXES
 from envlights.export.textures import Beside, save_beside
 from envlights.kernels.angles import POLES, angle_cells
 

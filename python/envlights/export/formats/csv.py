@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from envlights._common.printable import printable
 from envlights._common.tables import csv_text
 from envlights.export.files import AnyPath, save_scene
 from envlights.export.formats.csv_table import AMBIENTS, FORMAT, HEADER, SCALE
@@ -38,7 +37,7 @@ def csv(rig: Exportable) -> str:
     if ambient is not None:
         floor = ", over a floor" if getattr(rig, "floor", False) else ""
         lines.append(f"# relative RMS error {getattr(rig, 'error', 0.0)!r}{floor}")
-    lines += [f"# note: {printable(note)}" for note in lights.notes]
+    lines += [f"# note: {note}" for note in lights.notes]
     arrays = lights.direction, lights.irradiance, lights.angular_radius[:, None]
     rows = [["light", *row] for row in np.hstack(arrays).tolist()]
     if ambient is not None:

@@ -15,13 +15,16 @@ from numpy.typing import NDArray
 from envlights._common.check import describe
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import AnyMap
-from envlights.export.axes import AXES, Axes, Matrix
+from envlights.export.axes import Axes, Matrix
 from envlights.export.files import AnyPath, check_link, json_text
 from envlights.export.scene import Exportable, Scene, scene_of
+from envlights.export.targets import AXES
 from envlights.export.textures import Beside, save_beside
 from envlights.kernels.ambient import turned_ambient
 
 _FORMAT, _VERSION = "envlights engine", 1
+#: Target with the units and textures of any other engine.
+_MODEL = "unity"
 _UNITS = (
     "irradiance: linear Rec.709 RGB at normal incidence, color times intensity; ambient: radiance;"
     " angles: degrees"
@@ -67,7 +70,7 @@ def engine(
     >>> scene["lights"][0]["to_light"], scene["handedness"]
     ([0.0, 0.0, -1.0], 'right')
     """
-    scene = scene_of(rig, environment, target="engine")
+    scene = scene_of(rig, environment, target=_MODEL)
     return _engine(scene, Beside(texture), right, up, forward)
 
 
@@ -146,12 +149,12 @@ def save_engine(
     texture: str | None = None,
 ) -> None:
     """Write `engine` as JSON; a map goes beside it, unless it is the file `texture`."""
-    scene = scene_of(rig, environment, target="engine")
+    scene = scene_of(rig, environment, target=_MODEL)
 
     def content(scene: Scene, names: Beside) -> str:
         return json_text(_engine(scene, names, right, up, forward))
 
-    save_beside(path, scene, "engine", content, texture)
+    save_beside(path, scene, _MODEL, content, texture)
 
 
 def save_unity(
@@ -176,7 +179,7 @@ def _engine(scene: Scene, names: Beside, right: str, up: str, forward: str) -> d
         "format": _FORMAT,
         "version": _VERSION,
         "axes": {"right": right, "up": up, "forward": forward},
-        "handedness": "right" if axes.handedness > 0 else "left",
+        "handedness": axes.hand,
         "matrix": [list(row) for row in axes.matrix],
         "units": f"{_UNITS}; {scene.statement}",
         "lights": _lights(scene, axes),

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights.environment.envmap import AnyMap
-from envlights.export.axes import AXES
 from envlights.export.files import AnyPath, check_link, json_text
 from envlights.export.formats import gltf_cards
 from envlights.export.scene import Exportable, Scene, scene_of
+from envlights.export.targets import AXES
 from envlights.export.textures import Beside, save_beside
 
 _EXTENSION = "KHR_lights_punctual"

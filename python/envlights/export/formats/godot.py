@@ -9,10 +9,9 @@ from numpy.typing import NDArray
 
 from envlights._common.srgb import encode_srgb
 from envlights.environment.envmap import AnyMap
-from envlights.export.axes import AXES
 from envlights.export.files import CONTROLS, AnyPath, check_link
 from envlights.export.scene import Exportable, Scene, at_most, scene_of
-from envlights.export.targets import CASTERS, target_named
+from envlights.export.targets import AXES, CASTERS, target_named
 from envlights.export.textures import Beside, save_beside
 
 #: Directional lights that Godot draws.

@@ -20,6 +20,7 @@ from envlights.environment.envmap import AnyMap, EnvMap
 from envlights.export.discs import MOST_ROWS, rows_for, split_by_size
 from envlights.export.files import AnyPath, check_link
 from envlights.export.formats import mitsuba_cards
+from envlights.export.formats.xml_text import comment, document
 from envlights.export.panels import crop_names
 from envlights.export.scene import Discs, Exportable, Scene, scene_of
 from envlights.export.textures import Beside, save_beside
@@ -102,7 +103,7 @@ def save_mitsuba(rig: Exportable, path: AnyPath, environment: AnyMap | None = No
 def _xml(scene: Scene, radiance: NDArray[np.float64] | None, names: Beside) -> str:
     """Scene of emitters as XML."""
     root = ElementTree.Element("scene", version="3.0.0")
-    root.append(ElementTree.Comment(f" {scene.statement} "))
+    root.append(comment(f" {scene.statement} "))
     lights = directional(scene.lights)
     for name, light in lights.items():
         emitter = ElementTree.SubElement(root, "emitter", type="directional", id=name)
@@ -124,8 +125,7 @@ def _xml(scene: Scene, radiance: NDArray[np.float64] | None, names: Beside) -> s
     weights = sampling_weights(lights, largest_irradiance(radiance, scene.ambient), cards)
     for emitter, weight in zip(root.iter("emitter"), weights, strict=True):
         ElementTree.SubElement(emitter, "float", name="sampling_weight", value=repr(weight))
-    ElementTree.indent(root)
-    return ElementTree.tostring(root, encoding="unicode") + "\n"
+    return document(root)
 
 
 def directional(lights: Discs) -> dict[str, dict[str, Any]]:

@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 from envlights._common.check import amount
 from envlights._common.words import fill_template
 from envlights.environment.envmap import AnyMap
-from envlights.export.axes import AXES
 from envlights.export.files import AnyPath, save_scene
+from envlights.export.formats.xml_text import comment, document
 from envlights.export.scene import Discs, Exportable, at_most, mean_radiance, scene_of
-from envlights.export.targets import CASTERS, target_named
+from envlights.export.targets import AXES, CASTERS, target_named
 from envlights.kernels.sampling import icosphere
 
 #: Lights beside the headlight; MuJoCo ignores any others.
@@ -97,7 +97,7 @@ def mujoco(
     lights, ambient = scene.lights, np.pi * scene.constant
     factor = _largest_scale(lights, ambient) if scale is None else amount("scale", scale)
     root = ElementTree.Element("mujoco", model="envlights")
-    root.append(ElementTree.Comment(fill_template(_COMMENT, units=scene.statement)))
+    root.append(comment(fill_template(_COMMENT, units=scene.statement)))
     custom = ElementTree.SubElement(root, "custom")
     ElementTree.SubElement(custom, "numeric", name="envlights_scale", data=repr(factor))
     # Its other parts would light what the camera sees from the camera.
@@ -106,8 +106,7 @@ def mujoco(
     world = ElementTree.SubElement(root, "worldbody")
     for j, attributes in enumerate(_lamps(lights, factor)):
         ElementTree.SubElement(world, "light", {"name": f"envlights_{j}", **attributes})
-    ElementTree.indent(root)
-    return ElementTree.tostring(root, encoding="unicode") + "\n"
+    return document(root)
 
 
 def save_mujoco(

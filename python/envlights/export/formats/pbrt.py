@@ -6,13 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights.environment.envmap import AnyMap
-from envlights.environment.layouts.layout import Layout, equirectangular
+from envlights.environment.layouts.picture_layout import PictureLayout, equirectangular
 from envlights.environment.resample import resample
-from envlights.export.axes import AXES
 from envlights.export.discs import split_by_size, with_discs
 from envlights.export.files import AnyPath, check_link
 from envlights.export.panels import Panel, crop_names
 from envlights.export.scene import Exportable, Scene, scene_of
+from envlights.export.targets import AXES
 from envlights.export.textures import Beside, save_beside
 
 #: Angular radius in radians below which a light has no size in pbrt: 0.7 degrees, which is four
@@ -153,7 +153,7 @@ def _equal_area(scene: Scene) -> NDArray[np.float32] | None:
     if env is None:
         return None
     side = int(np.ceil(_SIDE * env.height))
-    square = Layout("octahedral-equal-area", side, side, axes=_SQUARE)
+    square = PictureLayout("octahedral-equal-area", side, side, axes=_SQUARE)
     return resample(env.radiance, None, equirectangular(env.height), square)[0]
 
 

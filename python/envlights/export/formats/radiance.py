@@ -6,14 +6,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights._common.check import describe
-from envlights._common.words import fill_template
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import AnyMap, EnvMap
-from envlights.export.axes import AXES
 from envlights.export.discs import split_by_size, with_discs
 from envlights.export.files import CONTROLS, AnyPath, check_link
 from envlights.export.look_up import looked_up
 from envlights.export.scene import Exportable, Scene, scene_of
+from envlights.export.targets import AXES
 from envlights.export.textures import Beside, save_beside
 
 #: Angular radius in radians above which a light is drawn into the sky. Radiance samples a source
@@ -23,10 +22,10 @@ _WIDE = 0.2
 _LARGEST = float(np.finfo(np.float32).max)
 #: Angular radius of a point; a source must have one.
 _POINT = 1e-4
-_HEADER = """\
-# Lights of envlights, z up. Units: @UNITS@.
-# rtrace and rpict: -ab 1 or more for the ambient term and wide lights, -dj 1 for soft shadows.
-"""
+_HEADER = (
+    "Lights of envlights, z up. Units: {units}.",
+    "rtrace and rpict: -ab 1 or more for the ambient term and wide lights, -dj 1 for soft shadows.",
+)
 
 
 def radiance(
@@ -101,7 +100,7 @@ def _description(scene: Scene, names: Beside) -> str:
         _source("light", f"light_{j}", rgb, direction, 2 * angle)
         for j, (rgb, direction, angle) in enumerate(zip(seen, towards, radius, strict=True))
     ]
-    header = fill_template(_HEADER, units=scene.statement)
+    header = "".join(_comment(line.format(units=scene.statement)) for line in _HEADER)
     return "\n".join([header, *sources, *_glow(scene, names.map)])
 
 
@@ -143,6 +142,15 @@ def _look_up(env: EnvMap) -> str:
     column = f"{aspect!r}*({width / 2!r}*(1-atan2(Dy,Dx)/PI)+0.5)/{width + 1}"
     row = f"({height}*(0.5+atan2(Dz,sqrt(Dx*Dx+Dy*Dy))/PI)+0.5)/{height + 1}"
     return f"{column} {row}"
+
+
+def _comment(text: str) -> str:
+    """Lines of a comment; the space at their ends hides a backslash, which would join two lines.
+
+    Radiance reads 2047 bytes of a comment and parses the rest as a part of the scene, where an
+    exclamation mark begins a command. A character has up to 4 bytes.
+    """
+    return "".join(f"# {text[start : start + 500]} \n" for start in range(0, len(text), 500))
 
 
 def _word(name: str) -> str:

@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights.environment.envmap import AnyMap, EnvMap
-from envlights.export.axes import AXES
 from envlights.export.files import AnyPath, json_text, save_scene
 from envlights.export.formats import three_cards
 from envlights.export.formats.three_things import colour_of, image_of, texture_of, thing_of
 from envlights.export.scene import Exportable, Scene, scene_of
+from envlights.export.targets import AXES
 from envlights.kernels.ambient import turned_ambient
 
 #: Distance of lights from the origin, for their shadow cameras; it does not change their light.

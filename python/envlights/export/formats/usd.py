@@ -13,17 +13,17 @@ from envlights._common.files import as_path
 from envlights._common.words import fill_template
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import AnyMap
-from envlights.export.axes import AXES
 from envlights.export.files import AnyPath
 from envlights.export.formats import usd_cards
-from envlights.export.formats.usd_text import asset, colour, prim
+from envlights.export.formats.usd_text import asset, colour, prim, string
 from envlights.export.scene import Exportable, Scene, scene_of
+from envlights.export.targets import AXES
 from envlights.export.textures import Beside, save_beside
 
 _HEAD = """#usda 1.0
 (
     defaultPrim = "rig"
-    doc = "Lights: irradiance at normal incidence; dome: radiance; linear Rec.709 RGB; @UNITS@"
+    doc = @UNITS@
     metersPerUnit = 1
     upAxis = "Y"
 )
@@ -31,6 +31,8 @@ _HEAD = """#usda 1.0
 def Xform "rig"
 {
 """
+#: Quantities in a stage.
+QUANTITIES = "Lights: irradiance at normal incidence; dome: radiance; linear Rec.709 RGB; "
 
 
 def usd(rig: Exportable, environment: AnyMap | None = None, *, texture: str = "ambient.exr") -> str:
@@ -93,7 +95,8 @@ def _text(scene: Scene, names: Beside) -> str:
         prims.append(prim("DomeLight", "ambient", ["float inputs:intensity = 1.0", *file]))
     elif scene.ambient is not None:
         prims.append(prim("DomeLight", "ambient", colour(scene.ambient)))
-    return fill_template(_HEAD, units=scene.statement) + "\n".join(prims) + "}\n"
+    units = string(f"{QUANTITIES}{scene.statement}")
+    return fill_template(_HEAD, units=units) + "\n".join(prims) + "}\n"
 
 
 def _light(

@@ -7,6 +7,13 @@ from numpy.typing import NDArray
 
 from envlights.export.files import CONTROLS, check_link
 
+_ESCAPES = str.maketrans({"\\": r"\\", '"': r"\""})
+
+
+def string(text: str) -> str:
+    """One line of text as a literal."""
+    return f'"{text.translate(_ESCAPES)}"'
+
 
 def asset(texture: str) -> str:
     """A path as a literal, which OpenUSD looks up beside the stage, not in its search paths.

@@ -4,8 +4,8 @@
 //! single small peak, whose luminance is then the clip level. A picture that ends far below, or in a broad even top,
 //! has lost nothing, so it is treated as any other map.
 
-use super::super::clipping::LEAST_WHITE;
 use super::super::segment::working_image::{TILE, WorkingImage};
+use crate::kernels::image::LEAST_WHITE;
 use crate::kernels::image::SeenPart;
 
 /// Settings of the clip level of a map that ends below the largest possible value.

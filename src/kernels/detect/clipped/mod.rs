@@ -31,7 +31,6 @@ use expanded_map::ExpandedMap;
 pub use expansion::{compress, expand};
 pub use position::LightPosition;
 
-use super::clipping::LEAST_WHITE;
 use super::segment::adjacency::Adjacency;
 use super::segment::components::Segments;
 use super::segment::light_moments::LightMoments;
@@ -39,6 +38,7 @@ use super::segment::merge::Selection;
 use super::segment::threshold::{self, Threshold};
 use super::segment::working_image::WorkingImage;
 use crate::error::Result;
+use crate::kernels::image::LEAST_WHITE;
 use crate::kernels::sphere::Registration;
 
 /// Settings of the working image of a clipped map.

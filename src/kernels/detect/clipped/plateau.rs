@@ -2,10 +2,10 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::super::clipping::LEAST_WHITE;
 use super::super::segment::run::{Run, runs};
 use super::super::segment::working_image::WorkingImage;
 use super::expansion::expand;
+use crate::kernels::image::LEAST_WHITE;
 
 /// The plateau of an `expanded` image, as runs in ascending order; `bright` are the pixels that may lie on it.
 ///

@@ -4,8 +4,8 @@
 //! A descent moves lights, but takes none from a broad disc that two of them share to a lamp that has none. Beside harmonics
 //! the error of a sized fit with 4 lights is up to 1.5 times as large without this, on real maps.
 
+use super::disc_cost::Shadows;
 use super::forward_selection::CandidateDiscs;
-use super::shadows::Shadows;
 use crate::kernels::fit::damped_newton::Descent;
 use crate::kernels::fit::objective::Objective;
 use crate::kernels::fit::settings::DISCS;

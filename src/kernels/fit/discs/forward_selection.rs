@@ -6,7 +6,7 @@
 
 use glam::DVec3;
 
-use super::shadows::Shadows;
+use super::disc_cost::Shadows;
 use crate::kernels::expansion::DiscSum;
 use crate::kernels::fit::damped_newton::Descent;
 use crate::kernels::fit::light_disc::Disc;

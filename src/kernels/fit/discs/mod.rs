@@ -11,7 +11,7 @@
 //! | bright cells of the map and their cones               | `patches.rs`    |
 //! | inner products of discs, the map and the ambient term | `target.rs`     |
 //! | radii to start from                                   | `start.rs`      |
-//! | the objective of a descent, under any of the kernels  | `shadows.rs`    |
+//! | cost of discs under a map, under any of the kernels   | `disc_cost.rs`  |
 //! | other lights, one at a time                           | `forward_selection.rs` |
 //! | escape from a local minimum                           | `exchange.rs`   |
 //! | energy of the difference in each degree               | `bands.rs`      |
@@ -19,12 +19,12 @@
 
 mod bands;
 mod chord;
+mod disc_cost;
 mod evaluate;
 mod exchange;
 mod far;
 mod forward_selection;
 mod patches;
-mod shadows;
 mod start;
 pub mod target;
 mod zonal;
@@ -38,9 +38,9 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use self::bands::MapBands;
+pub use self::disc_cost::Shadows;
 use self::exchange::exchange;
 use self::forward_selection::forward_selection;
-pub use self::shadows::Shadows;
 use self::target::Target;
 use super::comparison::Comparison;
 use super::damped_newton::Descent;

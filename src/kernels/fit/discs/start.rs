@@ -9,7 +9,7 @@
 
 use glam::DVec3;
 
-use super::shadows::Shadows;
+use super::disc_cost::Shadows;
 use crate::kernels::fit::ambient::Ambient;
 use crate::kernels::fit::objective::Objective;
 use crate::kernels::fit::rig::Rig;

@@ -4,19 +4,26 @@
 //! afterwards. Radiance is not negative, so the flux of the first rows is a lower bound of the flux of the map. A cell that
 //! is neither a source nor bright by this bound will be neither; pixels of the others are retained.
 
+mod odd_rows;
+
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use ndarray::Array3;
 use rayon::prelude::*;
 
+use self::odd_rows::{OddRows, is_odd};
 use super::block_layout::BlockLayout;
 use super::block_rows::BlockRow;
 use super::buffers::Buffers;
 use super::cell_flux::{CellFlux, add_across, is_bright, is_source, least_source, visible_above};
-use super::luminance::luminance;
+use super::clean::Cleaning;
+use super::luminance::{luminance, luminance_f32};
 use super::reduce::{ReducedFlux, WorkingMap};
 use super::sample_types::Sample;
+use super::samples::{Unusable, largest_usable};
 use super::top_codes::TopCodes;
+use super::white::LEAST_WHITE;
 use crate::error::{Error, Result};
 use crate::kernels::sphere::{Registration, band_heights};
 
@@ -45,8 +52,6 @@ pub struct RowReducer<T: Sample> {
     options: ReductionOptions,
     layout: BlockLayout,
     table: Box<T::Table>,
-    /// True if codes are counted, because the picture may be clipped.
-    counts_codes: bool,
     /// Integrals of the rows so far; the others are black.
     flux: CellFlux,
     /// Rows of blocks so far.
@@ -55,9 +60,9 @@ pub struct RowReducer<T: Sample> {
     so_far: [f64; 3],
     retained: BTreeMap<(usize, usize), Vec<T>>,
     top: TopCodes,
-    /// Number of negative samples so far.
-    negative: usize,
-    is_usable: bool,
+    /// Samples so far.
+    samples: Unusable,
+    odd: OddRows,
     bounds: CellBounds,
     buffers: Buffers,
 }
@@ -83,22 +88,20 @@ struct BlockSums {
     sum: [f64; 3],
     /// Pixels of the largest codes.
     top: TopCodes,
-    /// Number of negative samples, which count as 0.
-    negative: usize,
-    /// True if a sample is infinite or NaN.
-    is_unusable: bool,
+    /// Samples of the row.
+    samples: Unusable,
 }
 
 impl<T: Sample> RowReducer<T> {
     /// No rows yet.
     ///
-    /// `table` holds the linear value of each code; `counts_codes` prepares [`Self::clipped`].
+    /// `table` holds the linear value of each code.
     ///
     /// # Errors
     ///
     /// [`Error::NotAMap`] for fewer than two rows or columns; [`Error::WrongShape`] for a table without a value of each
     /// code.
-    pub fn new(options: ReductionOptions, table: Vec<f32>, counts_codes: bool) -> Result<Self> {
+    pub fn new(options: ReductionOptions, table: Vec<f32>) -> Result<Self> {
         let ReductionOptions { height, width, registration, columns, has_floor, .. } = options;
         if height < 2 || width < 2 {
             return Err(Error::NotAMap { shape: vec![height, width, 3] });
@@ -118,14 +121,13 @@ impl<T: Sample> RowReducer<T> {
             options,
             layout,
             table,
-            counts_codes,
             flux,
             rows: 0,
             so_far: [0.0; 3],
             retained: BTreeMap::new(),
             top: TopCodes::default(),
-            negative: 0,
-            is_usable: true,
+            samples: Unusable::default(),
+            odd: OddRows::default(),
             bounds,
             buffers: Buffers::default(),
         })
@@ -149,15 +151,8 @@ impl<T: Sample> RowReducer<T> {
             let edges = &self.layout.pixels.theta_edges[rows.start..=rows.end];
             self.buffers.lend(|buffer| {
                 let values = T::linear(samples, &self.table, buffer);
-                let mut sums = self.sums(values, edges, &widths);
-                // A minus sign is rare, so the usual row is read once.
-                if sums.is_unusable {
-                    let negative = values.iter().filter(|&&value| value < 0.0).count();
-                    sums = BlockSums { negative, ..self.sums(&without_signs(values), edges, &widths) };
-                }
-                if self.counts_codes {
-                    sums.top = TopCodes::of(samples, values, edges, &widths);
-                }
+                let mut sums = self.checked_sums(values, edges, &widths);
+                sums.top = TopCodes::of(samples, values, edges, &widths);
                 sums
             })
         };
@@ -165,12 +160,28 @@ impl<T: Sample> RowReducer<T> {
         Ok(ReducedRows { rows: rows.map(of_row).collect() })
     }
 
-    /// Integrals over a row of blocks with these linear `values`.
+    /// Integrals over a row of blocks with these linear `values`; none of an odd row.
+    fn checked_sums(&self, values: &[f32], theta_edges: &[f64], widths: &[f64]) -> BlockSums {
+        if let Some(largest) = largest_usable(values) {
+            let samples = Unusable { largest: Some(largest), ..Unusable::default() };
+            if !is_odd(samples) {
+                return BlockSums { samples, ..self.sums(values, theta_edges, widths) };
+            }
+        }
+        let samples = Unusable::of(values);
+        if is_odd(samples) {
+            let cells = vec![[0.0; 3]; self.bounds.widths.len()];
+            return BlockSums { cells, sum: [0.0; 3], top: TopCodes::default(), samples };
+        }
+        BlockSums { samples, ..self.sums(&without_signs(values), theta_edges, widths) }
+    }
+
+    /// Integrals over a row of blocks with these usable `values`.
     fn sums(&self, values: &[f32], theta_edges: &[f64], widths: &[f64]) -> BlockSums {
         let mut cells = vec![[0.0; 3]; self.bounds.widths.len()];
         let pixels = BlockRow::of_samples(values, theta_edges, self.layout.block);
-        let (is_unusable, sum) = add_across(&mut cells, &pixels, widths, self.layout.block);
-        BlockSums { cells, sum, top: TopCodes::default(), negative: 0, is_unusable }
+        let (_, sum) = add_across(&mut cells, &pixels, widths, self.layout.block);
+        BlockSums { cells, sum, top: TopCodes::default(), samples: Unusable::default() }
     }
 
     fn check_rows(&self, samples: &[T]) -> Result<()> {
@@ -182,28 +193,46 @@ impl<T: Sample> RowReducer<T> {
         if is_whole && rows <= left {
             return Ok(());
         }
+        Err(self.wrong_rows(rows))
+    }
+
+    fn wrong_rows(&self, rows: usize) -> Error {
         let shape = vec![rows, self.options.width, 3];
-        Err(Error::WrongShape { what: "rows", wanted: "(whole rows of blocks, width, 3)", shape })
+        Error::WrongShape { what: "rows", wanted: "(whole rows of blocks, width, 3)", shape }
     }
 
     /// Add the integrals of the next rows; retain those pixels of `samples` that may be needed again.
     pub fn add(&mut self, integrals: ReducedRows, samples: &[T]) {
         let first = self.rows;
-        for BlockSums { cells, sum, top, negative, is_unusable } in integrals.rows {
-            self.is_usable &= !is_unusable;
-            self.negative += negative;
-            let visible = self.bounds.visible[self.rows];
-            (0..3).for_each(|c| self.so_far[c] += visible * sum[c]);
-            for (mut at, cell) in
-                self.flux.cells.index_axis_mut(ndarray::Axis(0), self.rows).outer_iter_mut().zip(cells)
-            {
-                (0..3).for_each(|c| at[c] = cell[c]);
+        let mut odd = Vec::new();
+        for sums in integrals.rows {
+            if is_odd(sums.samples) {
+                odd.push((self.rows, self.layout.pixel_rows(self.rows)));
             }
-            self.flux.rows[self.rows] = sum;
-            self.top.add(&top);
+            self.samples = self.samples.plus(sums.samples);
+            self.top.add(&sums.top);
+            let visible = self.bounds.visible[self.rows];
+            (0..3).for_each(|c| self.so_far[c] += visible * sums.sum[c]);
+            self.flux.set_row(self.rows, &sums.cells, sums.sum);
             self.rows += 1;
         }
         self.retain(first, samples);
+        self.keep(first, odd, samples);
+    }
+
+    /// Keep the `odd` rows of blocks among those from `first` on.
+    fn keep(&mut self, first: usize, odd: Vec<(usize, Range<usize>)>, samples: &[T]) {
+        let line = 3 * self.options.width;
+        let start = first * self.layout.block;
+        let lines = start..start + samples.len() / line;
+        if lines.is_empty() {
+            return;
+        }
+        let linear = |at: usize| {
+            let of_line = &samples[(at - start) * line..][..line];
+            T::linear(of_line, &self.table, &mut Vec::new()).to_vec()
+        };
+        self.odd.add(lines, odd, linear);
     }
 
     /// Retain the pixels of cells of the rows from `first` on that may be needed, and drop others.
@@ -243,16 +272,6 @@ impl<T: Sample> RowReducer<T> {
         [0, 1, 2].map(|c| visible * self.flux.cells[[row, column, c]])
     }
 
-    /// Number of negative samples so far, which count as 0.
-    pub fn negative(&self) -> usize {
-        self.negative
-    }
-
-    /// True if all samples so far are finite or negative.
-    pub fn is_usable(&self) -> bool {
-        self.is_usable
-    }
-
     /// Bytes of the retained pixels.
     pub fn retained_bytes(&self) -> usize {
         self.retained.values().map(|pixels| size_of_val(&pixels[..])).sum()
@@ -260,9 +279,9 @@ impl<T: Sample> RowReducer<T> {
 
     /// Fractions of the sphere and of the luminance flux in pixels with a sample of at least this linear `value`.
     ///
-    /// There is no answer if the reducer counts no codes, or values do not grow with codes.
+    /// There is no answer if the samples are no codes, or values do not grow with codes.
     pub fn clipped(&self, value: f32) -> Option<[f64; 2]> {
-        let least = T::first_at_least(&self.table, value).filter(|_| self.counts_codes)?;
+        let least = T::first_at_least(&self.table, value)?;
         let is_counted = T::TOP.is_some_and(|first| least >= first);
         is_counted.then(|| self.top.shares(least, luminance(self.flux.whole())))
     }
@@ -272,21 +291,75 @@ impl<T: Sample> RowReducer<T> {
         self.top.histogram::<T>()
     }
 
-    /// The working map; none if rows are missing, or a sample is no radiance.
-    pub fn finish(&self) -> Option<WorkingMap> {
-        if self.rows < self.flux.rows.len() || !self.is_usable {
-            return None;
+    /// The reduction.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::WrongShape`] if rows are missing; [`Error::NoFiniteSample`].
+    pub fn finish(&self) -> Result<RowReduction> {
+        if self.rows < self.flux.rows.len() {
+            return Err(self.wrong_rows(0));
         }
-        let flux = CellFlux { cells: self.flux.cells.clone(), rows: self.flux.rows.clone() };
+        let (cleaning, lines) = self.odd.clean(self.samples, self.options.width)?;
+        let mut flux = CellFlux { cells: self.flux.cells.clone(), rows: self.flux.rows.clone() };
+        let mut rows = BTreeMap::new();
+        for &row in &self.odd.rows {
+            let values: Vec<f32> =
+                self.layout.pixel_rows(row).flat_map(|line| lines[&line].iter().copied()).collect();
+            let sums = self.sums(&values, &self.edges(row), &self.layout.pixels.widths());
+            flux.set_row(row, &sums.cells, sums.sum);
+            rows.insert(row, values);
+        }
+        let whole = luminance(flux.whole());
+        let clipped_flux = cleaning.level.map_or(0.0, |level| self.clipped_flux(&rows, level) / whole);
+        Ok(RowReduction { map: self.working_map(flux, &rows), cleaning, clipped_flux })
+    }
+
+    /// Edges of the lines of a row of blocks.
+    fn edges(&self, row: usize) -> Vec<f64> {
+        let lines = self.layout.pixel_rows(row);
+        self.layout.pixels.theta_edges[lines.start..=lines.end].to_vec()
+    }
+
+    /// Luminance flux of pixels that are clipped at `level`, which are all in these cleaned `rows`.
+    fn clipped_flux(&self, rows: &BTreeMap<usize, Vec<f32>>, level: f64) -> f64 {
+        let least = (LEAST_WHITE * level) as f32;
+        let widths = self.layout.pixels.widths();
+        let of_line = |line: &[f32]| -> f64 {
+            let pixels = line.as_chunks::<3>().0.iter().zip(&widths);
+            let clipped = pixels.filter(|(pixel, _)| pixel.iter().any(|&sample| sample >= least));
+            clipped.map(|(&pixel, width)| f64::from(luminance_f32(pixel)) * width).sum()
+        };
+        let of_row = |(&row, values): (&usize, &Vec<f32>)| -> f64 {
+            let lines = values.chunks_exact(3 * widths.len()).zip(band_heights(&self.edges(row)));
+            lines.map(|(line, band)| band * of_line(line)).sum()
+        };
+        rows.iter().map(of_row).sum()
+    }
+
+    /// The working map of this `flux`, with the cleaned values of odd `rows`.
+    fn working_map(&self, flux: CellFlux, rows: &BTreeMap<usize, Vec<f32>>) -> WorkingMap {
         let ReductionOptions { source_fraction, has_floor, .. } = self.options;
         let reduced = ReducedFlux::new(flux, &self.layout, source_fraction, has_floor);
         let linear = |cell: &(usize, usize)| {
-            let pixels = self.retained.get(cell)?;
-            Some(without_signs(T::linear(pixels, &self.table, &mut Vec::new())))
+            if let Some(values) = rows.get(&cell.0) {
+                return self.layout.copy(values, *cell);
+            }
+            without_signs(T::linear(&self.retained[cell], &self.table, &mut Vec::new()))
         };
-        let samples = reduced.cells().iter().map(linear).collect::<Option<Vec<_>>>()?;
-        Some(reduced.with_parts(&self.layout, has_floor, samples))
+        let samples = reduced.cells().iter().map(linear).collect();
+        reduced.with_parts(&self.layout, has_floor, samples)
     }
+}
+
+/// A reduced map, and the samples that were replaced in it.
+pub struct RowReduction {
+    /// The working map.
+    pub map: WorkingMap,
+    /// Samples that were replaced.
+    pub cleaning: Cleaning,
+    /// Fraction of the luminance flux in pixels at the level of infinite samples; 0 without such samples.
+    pub clipped_flux: f64,
 }
 
 /// Values with 0 in place of those with a minus sign; NaN stays.

@@ -12,7 +12,7 @@ import pytest
 
 import envlights as el
 from envlights.batches.executors import threads_of
-from tests.many.helpers import BROKEN, check_whole, write_maps
+from tests.batches.helpers import BROKEN, check_whole, write_maps
 
 
 def rows(result):

@@ -8,13 +8,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import envlights as el
-from envlights.environment.layouts import layout as layouts
-from envlights.environment.layouts.layout import FRONT, MIRRORED, PBRT, Layout
+from envlights.environment.layouts import picture_layout as layouts
+from envlights.environment.layouts.picture_layout import FRONT, MIRRORED, PBRT, PictureLayout
 from tests.layouts.worlds import BASES
 
 
 def test_defaults_are_those_of_the_kernels():
-    layout = Layout("cube", 6, 1)
+    layout = PictureLayout("cube", 6, 1)
     assert layout[3:] == (False, None, (0, 0), 0.0, None, "", 0.0, None, FRONT)
     assert layouts.equirectangular(4).is_whole_sphere
     assert not layouts.crop(30, 60, field_of_view=math.pi).is_whole_sphere

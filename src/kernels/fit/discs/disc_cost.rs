@@ -1,4 +1,4 @@
-//! Lights with a size: the products of discs with each other and with the map, under a kernel of shadows.
+//! Cost of lights with a size: the products of discs with each other and with the map, under a kernel of shadows.
 //!
 //! The coordinates of a disc are two along the tangents of its direction, and the logarithm of its radius a. Kernels take
 //! `A = sin^2(a/2)` instead.

@@ -52,9 +52,10 @@ def kill_batch(maps, out, rows, executor=""):
 
 
 def rows_of(out):
-    """Number of whole lines in the journal."""
+    """Number of whole rows in the journal."""
     journal = out / "batch.jsonl"
-    return journal.read_bytes().count(b"\n") if journal.exists() else 0
+    lines = journal.read_bytes().splitlines(keepends=True) if journal.exists() else []
+    return sum(line.startswith(b'{"name"') and line.endswith(b"\n") for line in lines)
 
 
 def check_whole(result, out, good):

@@ -23,16 +23,6 @@ UP: Axes = ((0.0, 1.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 0.0, -1.0))
 #: Axes of the squares of pbrt-v4: the centre is up, and the picture is a mirror image.
 PBRT: Axes = ((0.0, 1.0, 0.0), (0.0, 0.0, -1.0), (-1.0, 0.0, 0.0))
 
-#: Projections of a layout.
-KINDS = (
-    "equirectangular",
-    "cylinder",
-    "cube",
-    "octahedral",
-    "octahedral-equal-area",
-    "azimuthal",
-    "planar",
-)
 #: Mappings of a fisheye: radius in focal lengths for the angle t from the axis is t, 2 sin(t / 2),
 #: 2 tan(t / 2), sin t.
 MAPPINGS = ("equidistant", "equisolid", "stereographic", "orthographic")
@@ -40,7 +30,7 @@ MAPPINGS = ("equidistant", "equisolid", "stereographic", "orthographic")
 _WIDEST = {"equidistant": 360.0, "equisolid": 360.0, "stereographic": 355.0, "orthographic": 180.0}
 
 
-class Layout(NamedTuple):
+class PictureLayout(NamedTuple):
     """Projection of a picture, as the kernels need it.
 
     Pixel coordinates start at the top left corner of the picture, so that the centre of its first
@@ -49,7 +39,7 @@ class Layout(NamedTuple):
     """
 
     kind: str
-    """Projection: one of `KINDS`."""
+    """Projection, by its name in the kernels; all circles are "azimuthal"."""
 
     height: int
     """Rows of the picture; 6 n for a cube with faces of n x n pixels."""
@@ -92,25 +82,17 @@ class Layout(NamedTuple):
 
 def equirectangular(
     height: int, width: int | None = None, *, border_sampled: bool = False, axes: Axes = FRONT
-) -> Layout:
+) -> PictureLayout:
     """Layout of a whole panorama; the default width is twice the height."""
     rows = count("height", height, least=2)
     columns = 2 * rows if width is None else count("width", width, least=2)
-    return Layout("equirectangular", rows, columns, border_sampled, axes=axes)
+    return PictureLayout("equirectangular", rows, columns, border_sampled, axes=axes)
 
 
-def crop(height: int, width: int, *, field_of_view: float, horizon: float | None = None) -> Layout:
-    """Layout of a part of a panorama around its centre.
-
-    Parameters
-    ----------
-    height, width : int
-        Size of the picture.
-    field_of_view : float
-        Azimuth that the width covers, in radians.
-    horizon : float, optional
-        Row coordinate of elevation 0; the middle when left out.
-    """
+def crop(
+    height: int, width: int, *, field_of_view: float, horizon: float | None = None
+) -> PictureLayout:
+    """Layout of a part of a panorama around its centre, `field_of_view` radians wide."""
     view = _view(field_of_view, 360.0)
     rows = max(round(width * math.pi / view), math.ceil(width / 2))
     rows = height if height == rows + 1 else rows
@@ -122,35 +104,27 @@ def crop(height: int, width: int, *, field_of_view: float, horizon: float | None
             f" degrees and its horizon in row {middle:g} reaches beyond a pole; give another"
             " field of view or horizon"
         )
-    return Layout("equirectangular", height, width, whole=(rows, 2 * rows), corner=(top, left))
+    return PictureLayout(
+        "equirectangular", height, width, whole=(rows, 2 * rows), corner=(top, left)
+    )
 
 
 def cylinder(
     height: int, width: int, *, field_of_view: float, horizon: float | None = None
-) -> Layout:
-    """Layout of a cylindrical panorama.
-
-    Parameters
-    ----------
-    height, width : int
-        Size of the picture.
-    field_of_view : float
-        Azimuth that the width covers, in radians.
-    horizon : float, optional
-        Row coordinate of elevation 0, which may lie outside; the middle when left out.
-    """
+) -> PictureLayout:
+    """Layout of a cylindrical panorama, `field_of_view` radians wide, around any horizon."""
     view = _view(field_of_view, 360.0)
     row = None if horizon is None else amount("horizon", horizon, -100.0 * height, 100.0 * height)
-    return Layout("cylinder", height, width, field_of_view=view, horizon=row)
+    return PictureLayout("cylinder", height, width, field_of_view=view, horizon=row)
 
 
-def cube(n: int, *, border_sampled: bool = False) -> Layout:
+def cube(n: int, *, border_sampled: bool = False) -> PictureLayout:
     """Layout of a cube with faces of n x n pixels, as the stack of six upright faces."""
     side = count("n", n, least=2 if border_sampled else 1)
-    return Layout("cube", 6 * side, side, border_sampled)
+    return PictureLayout("cube", 6 * side, side, border_sampled)
 
 
-def octahedral(n: int, *, equal_area: bool = False, axes: Axes = FRONT) -> Layout:
+def octahedral(n: int, *, equal_area: bool = False, axes: Axes = FRONT) -> PictureLayout:
     """Layout of an octahedron unfolded to a square of n x n pixels; n is even if areas differ."""
     side = count("n", n, least=2)
     if side % 2 and not equal_area:
@@ -159,25 +133,25 @@ def octahedral(n: int, *, equal_area: bool = False, axes: Axes = FRONT) -> Layou
             " one column"
         )
     kind = "octahedral-equal-area" if equal_area else "octahedral"
-    return Layout(kind, side, side, axes=axes)
+    return PictureLayout(kind, side, side, axes=axes)
 
 
-def angular_map(n: int, *, axes: Axes = FRONT) -> Layout:
+def angular_map(n: int, *, axes: Axes = FRONT) -> PictureLayout:
     """Layout of an angular map, or light probe: an equidistant disc of the whole sphere."""
     side = count("n", n, least=2)
-    return Layout("azimuthal", side, side, mapping="equidistant", reach=math.pi, axes=axes)
+    return PictureLayout("azimuthal", side, side, mapping="equidistant", reach=math.pi, axes=axes)
 
 
 def mirror_ball(
     n: int, *, circle: tuple[float, float, float] | None = None, axes: Axes = MIRRORED
-) -> Layout:
+) -> PictureLayout:
     """Layout of a photograph of a mirror ball from far away.
 
     By default the centre shows the camera and the picture is a mirror image, as photographed. Axes
     `FRONT` are those of a ball that was mirrored to the view from inside.
     """
     side = count("n", n, least=2)
-    return Layout(
+    return PictureLayout(
         "azimuthal", side, side, mapping="equisolid", reach=math.pi, circle=circle, axes=axes
     )
 
@@ -189,44 +163,23 @@ def fisheye(
     *,
     circle: tuple[float, float, float] | None = None,
     axes: Axes = FRONT,
-) -> Layout:
-    """Layout of a circular fisheye picture.
+) -> PictureLayout:
+    """Layout of a circular fisheye picture: a square, or of rows and columns.
 
-    Parameters
-    ----------
-    size : int or tuple of int
-        Side of a square picture, or rows and columns.
-    mapping : str
-        One of `MAPPINGS`.
-    field_of_view : float
-        Angle across the circle, in radians.
-    circle : tuple of float, optional
-        Centre x, centre y and radius, in pixels; the largest centred circle when left out.
-    axes : tuple
-        Axes of the picture.
+    The field of view is the angle across the circle, in radians.
     """
     check_choice("mapping", mapping, MAPPINGS)
     view = _view(field_of_view, _WIDEST[mapping])
     height, width = (size, size) if isinstance(size, int) else size
-    return Layout(
+    return PictureLayout(
         "azimuthal", height, width, mapping=mapping, reach=view / 2, circle=circle, axes=axes
     )
 
 
-def planar(height: int, width: int, *, field_of_view: float, axes: Axes = FRONT) -> Layout:
-    """Layout of a photograph without distortion.
-
-    Parameters
-    ----------
-    height, width : int
-        Size of the picture.
-    field_of_view : float
-        Horizontal field of view, in radians, below pi.
-    axes : tuple
-        Axes of the picture.
-    """
+def planar(height: int, width: int, *, field_of_view: float, axes: Axes = FRONT) -> PictureLayout:
+    """Layout of a photograph without distortion, `field_of_view` radians wide."""
     view = _view(field_of_view, 179.0)
-    return Layout("planar", height, width, field_of_view=view, axes=axes)
+    return PictureLayout("planar", height, width, field_of_view=view, axes=axes)
 
 
 def _view(radians: float, widest: float) -> float:

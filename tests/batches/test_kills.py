@@ -5,7 +5,7 @@ import os
 import pytest
 
 import envlights as el
-from tests.many.helpers import check_whole, kill_batch, rows_of, write_maps
+from tests.batches.helpers import check_whole, kill_batch, rows_of, write_maps
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "killpg"), reason="Windows has no SIGKILL")
 

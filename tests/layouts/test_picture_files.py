@@ -7,9 +7,10 @@ import pytest
 
 import envlights as el
 from envlights.environment.files.image_output import write_exr, write_hdr
-from envlights.environment.layouts import Arguments, recognise
-from envlights.environment.layouts.cubes import order_of_names, stored_faces
-from envlights.environment.layouts.sources import faces_of_mapping, read_picture
+from envlights.environment.layouts import Layout, recognise
+from envlights.environment.layouts.face_names import order_of_names
+from envlights.environment.layouts.faces import stored_faces
+from envlights.environment.picture_files import faces_of_mapping, read_picture
 from tests.layouts.worlds import smooth, upright_directions
 
 NAMES = {
@@ -32,7 +33,7 @@ def write(folder, order, names, *, prefix="", suffix=".exr", faces=WORLD):
 
 def read(source, **arguments):
     image = read_picture(source)
-    return recognise(image.pixels, image.hints, Arguments(**arguments), image.coverage)
+    return recognise(image.pixels, image.hints, Layout(**arguments), image.coverage)
 
 
 @pytest.mark.parametrize("order", sorted(NAMES))

@@ -16,7 +16,8 @@ from envlights._common.errors import FileError
 from envlights._native import EnvLightsError
 from envlights.environment.decoders.source import AnySource, is_source, name_of
 from envlights.environment.files.images import MOST_PIXELS, Image, read_image
-from envlights.environment.layouts.cubes import check_square, order_of_names
+from envlights.environment.layouts.face_names import order_of_names
+from envlights.environment.layouts.faces import check_square
 
 #: Suffixes of the files of a folder that are faces.
 _SUFFIXES = {".hdr", ".exr", ".png", ".jpg", ".jpeg", ".tif", ".tiff", ".pic", ".rgbe"}
