@@ -134,7 +134,7 @@ impl FitAnswer {
     #[getter]
     fn max_error(&self, py: Python<'_>) -> PyResult<f64> {
         let at_normals = self.at_normals(py)?.map_or(self.result.probe_error, |(_, error)| error);
-        Ok(at_normals.largest.unwrap_or_default())
+        Ok(at_normals.largest)
     }
 
     /// Wall time of each step, in seconds.
@@ -381,7 +381,7 @@ pub fn rig_error(
             irradiance: vectors("irradiance", irradiance)?,
             ..Rig::of_ambient(ambient, floor)?
         };
-        Ok(fit::evaluate(&Samples::new(normals, weights, wanted)?, &rig, &radii).error)
+        Ok(Samples::new(normals, weights, wanted)?.evaluate(&rig, &radii).error)
     })
 }
 

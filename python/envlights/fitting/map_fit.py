@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -210,12 +210,10 @@ def _rig(plan: _Plan, reduction: Reduction, answers: Answers, seconds: dict[str,
     chosen = request.best_of(answers, RENDERING_ERROR) if plan.is_auto else plan.ambients[0]
     answer = answers[chosen]
     compared = {name: (one.lights, one.error) for name, one in answers.items()}
-    # Fits to a map have samples.
-    irradiance = answer.map_samples[2]  # type: ignore[index]
     return rig_of(
         answer,
         request,
-        notes=_notes(reduction, irradiance, floor),
+        notes=_notes(reduction, np.array(answer.channels), floor),
         units=reduction.units,
         floor=floor,
         sized_error=answer.error if plan.has_sized_error and answer.lights else None,
@@ -237,9 +235,9 @@ def _rig(plan: _Plan, reduction: Reduction, answers: Answers, seconds: dict[str,
     )
 
 
-def _notes(reduction: Reduction, irradiance: NDArray[np.float64], floor: bool) -> tuple[str, ...]:
-    """Notes of a rig, from the irradiance of its map."""
-    black = black_note(irradiance, "map above the horizon" if floor else "map")
+def _notes(reduction: Reduction, light: NDArray[Any], floor: bool) -> tuple[str, ...]:
+    """Notes of a rig; `light` is 0 under a black map."""
+    black = black_note(light, "map above the horizon" if floor else "map")
     return (*black, *reduction.notes, *wording.clipping(reduction.clipped_flux_fraction))
 
 

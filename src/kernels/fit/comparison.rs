@@ -10,8 +10,3 @@ pub enum Comparison {
     /// Weighted mean of both kernels, each divided by its factor of degree 0.
     Mixed,
 }
-
-impl Comparison {
-    /// All kernels, in their order.
-    pub const ALL: [Self; 3] = [Self::Probe, Self::Shadows, Self::Mixed];
-}

@@ -53,7 +53,7 @@ mod variable_projection;
 
 pub use ambient::Ambient;
 pub use comparison::Comparison;
-pub use discs::{BAND_DEGREE, Bands, bands, evaluate, kernel_spectra};
+pub use discs::{BAND_DEGREE, Bands, bands, kernel_spectra};
 pub use objective::{Objective, PointObjective};
 pub use options::FitOptions;
 pub use picture::Picture;
@@ -118,7 +118,7 @@ pub fn at_normals(
     radii: &[f64],
 ) -> Result<(Samples, ProbeError)> {
     let samples = evaluation_probe(map, picture, EVALUATION_NORMALS)?;
-    let error = evaluate(&samples, rig, radii);
+    let error = samples.evaluate(rig, radii);
     Ok((samples, error))
 }
 
@@ -170,7 +170,7 @@ pub fn continue_under_map(map: &WorkingMap, options: &FitOptions, radii: &[f64])
     let descend = || continued_descent(map, &picture, options, radii);
     let (lights, samples) = rayon::join(descend, || evaluation_probe(map, &picture, CONTINUED_NORMALS));
     let samples = samples?;
-    let probe_error = evaluate(&samples, &lights.rig, &lights.radii);
+    let probe_error = samples.evaluate(&lights.rig, &lights.radii);
     Ok(ContinuedRig { lights, probe_error, samples })
 }
 

@@ -90,7 +90,7 @@ impl Evaluator<'_> {
     fn probe_error(&self, reference: &Reference, rig: &Rig, radii: &[f64]) -> ProbeError {
         match self {
             Self::Map(sizes) => sizes.errors(Comparison::Probe, reference, rig, radii),
-            Self::Samples(samples) => samples.evaluate(rig),
+            Self::Samples(samples) => samples.evaluate(rig, radii),
         }
     }
 
@@ -151,7 +151,7 @@ impl Evaluator<'_> {
         }
         let reference = objective.reference();
         let objective_error = match (self.sizes(), options.sizes) {
-            (Some(sizes), Some(_)) => sizes.objective_error(reference, &sized.rig, &sized.radii),
+            (Some(sizes), Some(kernel)) => sizes.errors(kernel, reference, &sized.rig, &sized.radii).error,
             _ => probe_error.error,
         };
         let cost = probe_error.error.powi(2) * reference.energy;

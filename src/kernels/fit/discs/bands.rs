@@ -7,6 +7,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::DVec3;
 
+use super::discs_of_flux;
 use crate::kernels::expansion::{Coefficients, DEGREE, DiscOfFlux};
 use crate::kernels::fit::light_disc::Disc;
 use crate::kernels::fit::picture::{Patch, Picture};
@@ -59,10 +60,7 @@ impl MapBands {
 
     /// Energies of the map and of its difference from a rig, whose lights are these discs.
     pub fn compare(&self, rig: &Rig, discs: &[Disc]) -> Bands {
-        let light = |(irradiance, disc): (&DVec3, &Disc)| {
-            (disc.direction, disc.share, (*irradiance / (1.0 - disc.share)).to_array())
-        };
-        let mut lights: Vec<DiscOfFlux> = rig.irradiance.iter().zip(discs).map(light).collect();
+        let mut lights = discs_of_flux(rig, discs);
         let half_sky = rig.has_floor && rig.ambient.len() == 1;
         if half_sky {
             let flux = (2.0 * PI * rig.ambient[0]).to_array();

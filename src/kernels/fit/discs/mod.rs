@@ -9,28 +9,27 @@
 //! | the cone of the kernel, between two discs             | `chord.rs`      |
 //! | - for discs that are far apart                        | `far.rs`        |
 //! | bright cells of the map and their cones               | `patches.rs`    |
+//! | degrees above the harmonics, for errors               | `high_degrees.rs` |
 //! | inner products of discs, the map and the ambient term | `target.rs`     |
 //! | radii to start from                                   | `start.rs`      |
 //! | cost of discs under a map, under any of the kernels   | `disc_cost.rs`  |
 //! | other lights, one at a time                           | `forward_selection.rs` |
 //! | escape from a local minimum                           | `exchange.rs`   |
 //! | energy of the difference in each degree               | `bands.rs`      |
-//! | the error at normals                                  | `evaluate.rs`   |
 
 mod bands;
 mod chord;
 mod disc_cost;
-mod evaluate;
 mod exchange;
 mod far;
 mod forward_selection;
+mod high_degrees;
 mod patches;
 mod start;
 pub mod target;
 mod zonal;
 
 pub use bands::{BAND_DEGREE, Bands};
-pub use evaluate::evaluate;
 pub use zonal::kernel_spectra;
 
 use glam::DVec3;
@@ -41,6 +40,7 @@ use self::bands::MapBands;
 pub use self::disc_cost::Shadows;
 use self::exchange::exchange;
 use self::forward_selection::forward_selection;
+use self::high_degrees::HighDegrees;
 use self::target::Target;
 use super::comparison::Comparison;
 use super::damped_newton::Descent;
@@ -53,6 +53,7 @@ use super::samples::ProbeError;
 use super::settings::DISCS;
 use super::state::{State, StopReason};
 use super::uncertainty;
+use crate::kernels::expansion::DiscOfFlux;
 use crate::kernels::image::WorkingMap;
 
 /// A rig whose lights have angular radii.
@@ -97,7 +98,7 @@ impl<'a> Sizes<'a> {
         let target = |comparison| Target::new(picture, comparison, options.ambient, options.has_floor);
         Self {
             map,
-            targets: Comparison::ALL.map(target),
+            targets: [Comparison::Probe, Comparison::Shadows, Comparison::Mixed].map(target),
             comparison: options.sizes.unwrap_or(Comparison::Probe),
             bands: options.gloss_error.map(|_| MapBands::new(picture)),
             greatest_radius: options.max_radius.unwrap_or(DISCS.greatest),
@@ -113,11 +114,6 @@ impl<'a> Sizes<'a> {
         radii: &[f64],
     ) -> ProbeError {
         errors_under(&self.targets[comparison as usize], reference, rig, radii)
-    }
-
-    /// Relative RMS error of the kernel that [`Self::fit`] minimises.
-    pub fn objective_error(&self, reference: &Reference, rig: &Rig, radii: &[f64]) -> f64 {
-        self.errors(self.comparison, reference, rig, radii).error
     }
 
     /// Error of a shiny object whose kernel has these factors, if the options ask for it.
@@ -235,18 +231,30 @@ pub fn continued_descent(
 /// Errors of a rig, whose lights have these radii, under the kernel of a `target`.
 fn errors_under(target: &Target, reference: &Reference, rig: &Rig, radii: &[f64]) -> ProbeError {
     let discs = discs_of(rig, radii);
+    let lights = discs_of_flux(rig, &discs);
     let (gram, rhs) = target.products(&discs);
-    let flux = rig.irradiance.iter().zip(&discs).map(|(&irradiance, disc)| irradiance / (1.0 - disc.share));
+    let flux = lights.iter().map(|&(_, _, flux)| DVec3::from_array(flux));
     let x: Vec<DVec3> = rig.ambient.iter().copied().chain(flux).collect();
     let x = DMatrix::from_fn(x.len(), 3, |i, c| x[i][c]);
     let used = &gram * &x;
-    let left = |c: usize| {
-        target.energy[c] + used.column(c).dot(&x.column(c)) - 2.0 * rhs.column(c).dot(&x.column(c))
+    let explained = |c: usize| 2.0 * rhs.column(c).dot(&x.column(c)) - used.column(c).dot(&x.column(c));
+    let (mut left, mut whole) = (DVec3::ZERO, DVec3::ZERO);
+    for c in (0..3).filter(|&c| reference.like[c].is_some()) {
+        (left[c], whole[c]) = (target.energy[c] - explained(c), target.energy[c]);
+    }
+    if let Some(bright) = &target.high_degrees {
+        left += bright.difference(&HighDegrees::new(lights.into_iter()));
+        whole += bright.energy;
+    }
+    ProbeError::of(left.max(DVec3::ZERO), whole)
+}
+
+/// The lights of a rig, which are `discs`, with their fluxes.
+fn discs_of_flux(rig: &Rig, discs: &[Disc]) -> Vec<DiscOfFlux> {
+    let flux = |(irradiance, disc): (&DVec3, &Disc)| {
+        (disc.direction, disc.share, (*irradiance / (1.0 - disc.share)).to_array())
     };
-    let of_used = |number: &dyn Fn(usize) -> f64| {
-        DVec3::from_array([0, 1, 2].map(|c| if reference.like[c].is_some() { number(c) } else { 0.0 }))
-    };
-    ProbeError::of(of_used(&left).max(DVec3::ZERO), of_used(&|c| target.energy[c]))
+    rig.irradiance.iter().zip(discs).map(flux).collect()
 }
 
 /// The lights of a rig as discs.

@@ -7,6 +7,7 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::chord::mean_distance;
+use super::high_degrees::HighDegrees;
 use super::patches::{Patches, distances};
 use super::zonal::Kernel;
 use crate::kernels::expansion::{Cap, DEGREE, DiscSum, Harmonics};
@@ -15,7 +16,7 @@ use crate::kernels::fit::comparison::Comparison;
 use crate::kernels::fit::jet::Jet;
 use crate::kernels::fit::light_disc::{Disc, on_tangents};
 use crate::kernels::fit::objective::Reference;
-use crate::kernels::fit::picture::Picture;
+use crate::kernels::fit::picture::{Patch, Picture};
 use crate::kernels::harmonics::{cosine_lobe, irradiance_of_moments, radiance};
 
 /// Discs that are done at a time: the vectors of most processors hold as many numbers.
@@ -33,6 +34,8 @@ pub struct Target {
     field: Harmonics,
     /// `<L, L>` by channel.
     pub energy: [f64; 3],
+    /// The bright parts in the degrees above the harmonics, for errors of the probe.
+    pub high_degrees: Option<HighDegrees>,
     /// Products of the ambient columns with each other, and with the three channels.
     ambient_products: DMatrix<f64>,
 }
@@ -44,8 +47,11 @@ impl Target {
         let field = rest.scaled_sum(&kernel.whole, bright, &kernel.smooth);
         let half_sky = (has_floor && ambient == Ambient::Constant).then(|| Disc::new(DVec3::Y, FRAC_PI_2));
         let ambient_products = DMatrix::zeros(ambient.coefficients(), ambient.coefficients() + 3);
+        let is_probe = comparison == Comparison::Probe;
+        let high_degrees = is_probe.then(|| HighDegrees::new(patches.iter().map(Patch::disc)));
         let (patches, energy) = (Patches::new(patches), [0.0; 3]);
-        let mut target = Self { kernel, ambient, half_sky, patches, field, energy, ambient_products };
+        let mut target =
+            Self { kernel, ambient, half_sky, patches, field, energy, high_degrees, ambient_products };
         target.energy = target.energy(picture);
         target.set_ambient_products(picture);
         target
