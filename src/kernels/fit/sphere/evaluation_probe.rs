@@ -45,7 +45,7 @@ pub fn evaluation_probe(map: &WorkingMap, picture: &Picture, fewest: usize) -> R
     });
     let cells = picture.cells.scaled_sum(&lobe, &Harmonics::zero(), &lobe);
     let caps: Vec<Cap> = normals.iter().map(|&normal| Cap::new(normal, 0.0)).collect();
-    let bright: Vec<BrightPart> = map.parts.iter().flat_map(BrightPart::of).collect();
+    let bright: Vec<BrightPart> = map.parts.iter().map(BrightPart::new).collect();
     let at = |(&normal, cells): (&DVec3, [f64; 3])| {
         let sum = bright.iter().fold(DVec3::from_array(cells), |sum, part| sum + part.at(normal));
         // Clip negative irradiance, which rounding and missing degrees cause in dark maps.
@@ -55,9 +55,10 @@ pub fn evaluation_probe(map: &WorkingMap, picture: &Picture, fewest: usize) -> R
     Ok(Samples::of(normals, weights, irradiance))
 }
 
-/// Light of a bright part of the map: a disc.
+/// Light of a bright part of the map: a disc for each channel.
 struct BrightPart {
-    direction: DVec3,
+    /// Coordinates of the vector irradiance, each by channel.
+    coordinates: [DVec3; 3],
     /// Irradiance at normal incidence by channel.
     irradiance: DVec3,
     /// Angular radius of the disc with the spread of the part.
@@ -66,26 +67,23 @@ struct BrightPart {
 }
 
 impl BrightPart {
-    /// The light of a part: one disc, or one for each channel if these have different directions.
-    fn of(&Part { irradiance: [x, y, z], spread }: &Part) -> Vec<Self> {
-        /// Relative difference of directions that differ by rounding alone.
-        const SAME: f64 = 1e-12;
-        let vectors = [0, 1, 2].map(|c| DVec3::new(x[c], y[c], z[c]));
-        let radius = 2.0 * spread.min(0.5).sqrt().asin();
-        let new = |direction, irradiance| Self { direction, irradiance, radius, sine: radius.sin() };
-        let direction = vectors.iter().sum::<DVec3>().normalize_or(DVec3::Y);
-        let lengths = vectors.map(DVec3::length);
-        if (0..3).all(|c| (vectors[c] - lengths[c] * direction).length() <= SAME * lengths[c]) {
-            return vec![new(direction, DVec3::from_array(lengths))];
-        }
-        (0..3).map(|c| new(vectors[c].normalize_or(DVec3::Y), lengths[c] * DVec3::AXES[c])).collect()
+    fn new(part: &Part) -> Self {
+        let coordinates = part.irradiance.map(DVec3::from_array);
+        let [x, y, z] = coordinates;
+        let irradiance = DVec3::from_array([0, 1, 2].map(|c| DVec3::new(x[c], y[c], z[c]).length()));
+        let radius = 2.0 * part.spread.min(0.5).sqrt().asin();
+        Self { coordinates, irradiance, radius, sine: radius.sin() }
     }
 
     /// Irradiance at a normal.
     fn at(&self, normal: DVec3) -> DVec3 {
-        let cosine = normal.dot(self.direction);
-        let is_cut = cosine.abs() < self.sine;
-        self.irradiance * if is_cut { irradiance_share(cosine, self.radius) } else { cosine.max(0.0) }
+        let [x, y, z] = self.coordinates;
+        let along = x * normal.x + y * normal.y + z * normal.z;
+        if !along.abs().cmplt(self.irradiance * self.sine).any() {
+            return along.max(DVec3::ZERO);
+        }
+        let cosines = (along / self.irradiance.max(DVec3::splat(f64::MIN_POSITIVE))).to_array();
+        self.irradiance * DVec3::from_array(cosines.map(|cosine| irradiance_share(cosine, self.radius)))
     }
 }
 
