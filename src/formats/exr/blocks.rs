@@ -12,36 +12,45 @@ use rayon::prelude::*;
 
 use super::attributes::{int, take};
 use super::part::Part;
+use super::zip;
 use crate::error::Result;
 use crate::formats::input::damage;
 use crate::interrupt;
 
 /// Type into which samples are read.
 pub trait Sample: Copy + Default + Send + Sync {
-    /// Sample of two bytes.
-    fn of_half(bytes: [u8; 2]) -> Self;
-    /// Sample of four bytes.
-    fn of_float(bytes: [u8; 4]) -> Self;
+    /// Sample of a half float.
+    fn of_half(sample: f16) -> Self;
+    /// Sample of a float.
+    fn of_float(sample: f32) -> Self;
 }
 
 impl Sample for f16 {
-    fn of_half(bytes: [u8; 2]) -> Self {
-        Self::from_ne_bytes(bytes)
+    fn of_half(sample: f16) -> Self {
+        sample
     }
 
-    fn of_float(bytes: [u8; 4]) -> Self {
-        Self::from_f32(f32::from_ne_bytes(bytes))
+    fn of_float(sample: f32) -> Self {
+        Self::from_f32(sample)
     }
 }
 
 impl Sample for f32 {
-    fn of_half(bytes: [u8; 2]) -> Self {
-        f16::from_ne_bytes(bytes).to_f32()
+    fn of_half(sample: f16) -> Self {
+        sample.to_f32()
     }
 
-    fn of_float(bytes: [u8; 4]) -> Self {
-        Self::from_ne_bytes(bytes)
+    fn of_float(sample: f32) -> Self {
+        sample
     }
+}
+
+/// Bytes of the samples of a block, line after line, whose channels lie one after another in each line.
+enum Bytes<'a> {
+    /// In the byte order of this machine.
+    Whole(Cow<'a, [u8]>),
+    /// The lower byte of each pair, and then the upper ones.
+    Halves(Vec<u8>),
 }
 
 /// Reader of some channels of a part.
@@ -77,14 +86,14 @@ impl Blocks<'_> {
         let blocks = columns.into_par_iter().map(|column| self.unpack(Vec2(column, row)));
         let blocks: Vec<_> = blocks.collect::<Result<_>>()?;
         let lines = rows.start - row * height..rows.end - row * height;
-        for (column, (samples, columns)) in blocks.iter().enumerate() {
-            self.copy(samples, *columns, lines.clone(), column * width, out);
+        for (column, (bytes, columns)) in blocks.iter().enumerate() {
+            self.copy(bytes, *columns, lines.clone(), column * width, out);
         }
         Ok(())
     }
 
     /// Samples of a block, and their columns.
-    fn unpack(&self, place: Vec2<usize>) -> Result<(Cow<'_, [u8]>, usize)> {
+    fn unpack(&self, place: Vec2<usize>) -> Result<(Bytes<'_>, usize)> {
         interrupt::check();
         let packed = self.find(place).ok_or_else(|| damage(DAMAGE))?;
         let (layout, block) = (&self.part.layout, self.part.block);
@@ -93,17 +102,28 @@ impl Blocks<'_> {
             block.0.min(layout.layer_size.0 - left_top.0),
             block.1.min(layout.layer_size.1 - left_top.1),
         );
-        if cfg!(target_endian = "little") && packed.len() == size.area() * layout.channels.bytes_per_pixel {
-            return Ok((Cow::Borrowed(packed), size.0)); // what does not become smaller is stored as it is
-        }
-        let is_dwa = matches!(layout.compression, Compression::DWAA(_) | Compression::DWAB(_));
-        if is_dwa && !claims_fit(packed, size, layout.channels.bytes_per_pixel) {
-            return Err(damage(DAMAGE));
-        }
-        let bounds = IntegerBounds::new(left_top.to_i32(), size);
-        let samples =
-            layout.compression.decompress_image_section_from_le(layout, packed.to_vec(), bounds, true);
-        samples.map(|samples| (Cow::Owned(samples), size.0)).map_err(|_| damage(DAMAGE))
+        let length = size.area() * layout.channels.bytes_per_pixel;
+        let bytes = match layout.compression {
+            // What does not become smaller is stored as it is.
+            _ if cfg!(target_endian = "little") && packed.len() == length => {
+                Some(Bytes::Whole(packed.into()))
+            }
+            Compression::ZIP1 | Compression::ZIP16 if packed.len() != length => {
+                zip::unpack(packed, length).map(Bytes::Halves)
+            }
+            Compression::DWAA(_) | Compression::DWAB(_)
+                if !claims_fit(packed, size, layout.channels.bytes_per_pixel) =>
+            {
+                None
+            }
+            compression => {
+                let bounds = IntegerBounds::new(left_top.to_i32(), size);
+                let bytes =
+                    compression.decompress_image_section_from_le(layout, packed.to_vec(), bounds, true);
+                bytes.ok().map(|bytes| Bytes::Whole(bytes.into()))
+            }
+        };
+        bytes.map(|bytes| (bytes, size.0)).ok_or_else(|| damage(DAMAGE))
     }
 
     /// Bytes of a block in the file; None if they are not there.
@@ -126,10 +146,10 @@ impl Blocks<'_> {
         take(&mut rest, usize::try_from(length).ok()?).ok().filter(|_| is_here)
     }
 
-    /// Copy some `lines` of the samples of a block, whose channels lie one after another in each line.
+    /// Copy some `lines` of the samples of a block.
     fn copy<T: Sample>(
         &self,
-        samples: &[u8],
+        block: &Bytes<'_>,
         columns: usize,
         lines: Range<usize>,
         left: usize,
@@ -138,21 +158,20 @@ impl Blocks<'_> {
         let list = &self.part.layout.channels;
         let (width, channels) = (self.part.layout.layer_size.0, self.channels.len());
         let starts = self.starts(columns);
-        let line_bytes = columns * list.bytes_per_pixel;
         for (line, out) in lines.zip(out.chunks_exact_mut((width * channels).max(1))) {
-            let line = &samples[line * line_bytes..][..line_bytes];
             let pixels = &mut out[left * channels..][..columns * channels];
             for (place, &channel) in self.channels.iter().enumerate() {
                 let kind = list.list[channel].sample_type;
-                let bytes = &line[starts[channel]..][..kind.bytes_per_sample() * columns];
+                let start = line * columns * list.bytes_per_pixel + starts[channel];
+                let bytes = start..start + kind.bytes_per_sample() * columns;
                 match channels {
                     // The usual number, known to the compiler, takes half the time.
-                    3 => copy_channel(
+                    3 => block.copy(
                         kind,
                         bytes,
                         pixels.as_chunks_mut::<3>().0.iter_mut().map(|pixel| &mut pixel[place]),
                     ),
-                    _ => copy_channel(kind, bytes, pixels[place..].iter_mut().step_by(channels)),
+                    _ => block.copy(kind, bytes, pixels[place..].iter_mut().step_by(channels)),
                 }
             }
         }
@@ -181,10 +200,46 @@ fn claims_fit(packed: &[u8], size: Vec2<usize>, pixel_bytes: usize) -> bool {
 /// Refusal of a block, the same for all damages: threads find them in any order.
 const DAMAGE: &str = "a block of its pixels is damaged or missing";
 
-fn copy_channel<'a, T: Sample + 'a>(kind: FileType, bytes: &[u8], out: impl Iterator<Item = &'a mut T>) {
+impl Bytes<'_> {
+    /// Write the samples in a `range` of the bytes.
+    fn copy<'a, T: Sample + 'a>(
+        &self,
+        kind: FileType,
+        range: Range<usize>,
+        out: impl Iterator<Item = &'a mut T>,
+    ) {
+        match self {
+            Self::Whole(bytes) if kind == FileType::F16 => {
+                let samples = bytes[range].as_chunks().0;
+                out.zip(samples).for_each(|(out, &bytes)| *out = T::of_half(f16::from_ne_bytes(bytes)));
+            }
+            Self::Whole(bytes) => {
+                let samples = bytes[range].as_chunks().0;
+                out.zip(samples).for_each(|(out, &bytes)| *out = T::of_float(f32::from_ne_bytes(bytes)));
+            }
+            Self::Halves(bytes) => {
+                let (lower, upper) = bytes.split_at(bytes.len() / 2);
+                let range = range.start / 2..range.end / 2;
+                copy_halves(kind, &lower[range.clone()], &upper[range], out);
+            }
+        }
+    }
+}
+
+/// Write samples whose pairs of bytes have the `lower` and `upper` bytes, in the byte order of the file.
+fn copy_halves<'a, T: Sample + 'a>(
+    kind: FileType,
+    lower: &[u8],
+    upper: &[u8],
+    out: impl Iterator<Item = &'a mut T>,
+) {
     if kind == FileType::F16 {
-        out.zip(bytes.as_chunks().0).for_each(|(out, &bytes)| *out = T::of_half(bytes));
+        let pairs = lower.iter().zip(upper).map(|(&lower, &upper)| f16::from_le_bytes([lower, upper]));
+        out.zip(pairs).for_each(|(out, sample)| *out = T::of_half(sample));
     } else {
-        out.zip(bytes.as_chunks().0).for_each(|(out, &bytes)| *out = T::of_float(bytes));
+        let pairs = lower.as_chunks::<2>().0.iter().zip(upper.as_chunks::<2>().0);
+        let samples =
+            pairs.map(|(lower, upper)| f32::from_le_bytes([lower[0], upper[0], lower[1], upper[1]]));
+        out.zip(samples).for_each(|(out, sample)| *out = T::of_float(sample));
     }
 }

@@ -6,9 +6,10 @@
 //! | attributes to statements and a layout of blocks | `part.rs`       |
 //! | order of the channels                           | `channels.rs`   |
 //! | blocks to samples                               | `blocks.rs`     |
+//! | blocks of ZIP to bytes                          | `zip.rs`        |
 //! | samples to a file                               | `write.rs`      |
 //!
-//! The crate `exr` decodes the values of attributes and the blocks.
+//! The crate `exr` decodes the values of attributes, and all blocks but those of ZIP.
 
 mod attributes;
 mod blocks;
@@ -17,6 +18,7 @@ mod part;
 #[cfg(test)]
 mod tests;
 pub mod write;
+mod zip;
 
 use std::ops::Range;
 
