@@ -123,7 +123,7 @@ def of_search_and_peers(env, lights):
 def kernel(radiance, lights):
     """The whole search for lights and a constant ambient term, and the probe that measures it."""
     options = FitOptions(1, NOWHERE, 0, lights, error_floor=1e-4)
-    return _native.fit_reduced(_native.reduce_map(radiance, *REDUCED, False), options)
+    return _native.fit_reduced(_native.reduce_map(radiance, *REDUCED, False), options, [lights])
 
 
 def block_means(radiance, columns=256):

@@ -97,7 +97,8 @@ def fits(maps, lights, ambient, is_plain):
     )
     start = process_time()
     errors = [
-        _native.fit_reduced(reduction_of(env, floor=False).cells, options).error for env in maps
+        _native.fit_reduced(reduction_of(env, floor=False).cells, options, [lights])[0].error
+        for env in maps
     ]
     return np.array(errors), process_time() - start
 

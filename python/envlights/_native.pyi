@@ -60,7 +60,6 @@ __all__ = [
     "face_radiance",
     "fill_unseen",
     "fit_reduced",
-    "fit_reduced_by_count",
     "fit_samples",
     "form_factors",
     "gloss_spectrum",
@@ -222,10 +221,10 @@ class FitAnswer:
     error: float
     channel_errors: list[float]
     max_error: float
-    evaluation_normals: int
     map_samples: tuple[_Reals, _Reals, _Reals] | None
     steps: int
     stop: str
+    seconds: list[tuple[str, float]]
     tolerances: list[float]
     condition: float
     direction_errors: list[float]
@@ -321,10 +320,7 @@ def fill_unseen(
 def continue_reduced(
     reduced: ReducedMap, options: FitOptions, radii: _Reals
 ) -> tuple[_Reals, _Reals, _Reals, list[float], float, float, tuple[_Reals, _Reals, _Reals]]: ...
-def fit_reduced(reduced: ReducedMap, options: FitOptions) -> FitAnswer: ...
-def fit_reduced_by_count(
-    reduced: ReducedMap, options: FitOptions, counts: list[int]
-) -> list[FitAnswer]: ...
+def fit_reduced(reduced: ReducedMap, options: FitOptions, counts: list[int]) -> list[FitAnswer]: ...
 def fit_samples(
     normals: _Reals, weights: _Reals, irradiance: _Reals, options: FitOptions
 ) -> FitAnswer: ...

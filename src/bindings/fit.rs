@@ -11,7 +11,8 @@ use super::sphere::registration;
 use crate::error::Result;
 use crate::kernels::disc::{self, Discs};
 use crate::kernels::fit::{
-    self, Ambient, Comparison, ContinuedRig, FitOptions, FitResult, Rig, Samples, StopReason,
+    self, Ambient, Clock, Comparison, ContinuedRig, FitOptions, FitResult, ProbeError, Rig, Samples,
+    StopReason,
 };
 use crate::kernels::image;
 use crate::kernels::sphere::{unit_vectors, vectors};
@@ -23,9 +24,8 @@ type MapSamples<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>, Bo
 #[pyclass(frozen)]
 pub struct FitAnswer {
     result: FitResult,
-    /// Number of bright cells of the working map that are exact.
-    #[pyo3(get)]
-    points: usize,
+    /// The map; absent for measured values.
+    map: Option<Py<ReducedMap>>,
 }
 
 #[pymethods]
@@ -57,6 +57,12 @@ impl FitAnswer {
         self.result.radii.clone()
     }
 
+    /// Number of bright cells of the working map that are exact.
+    #[getter]
+    fn points(&self) -> usize {
+        self.map.as_ref().map_or(0, |map| map.get().map.sources.dim().0)
+    }
+
     /// Lights whose radius is at the greatest one of the options.
     #[getter]
     fn at_bound(&self) -> Vec<usize> {
@@ -77,8 +83,11 @@ impl FitAnswer {
 
     /// Energy of the map in each degree of spherical harmonics, and of its difference from the rig; empty without a map.
     #[getter]
-    fn bands(&self) -> [Vec<f64>; 2] {
-        [self.result.bands.map.clone(), self.result.bands.difference.clone()]
+    fn bands(&self, py: Python<'_>) -> PyResult<[Vec<f64>; 2]> {
+        let Some(map) = &self.map else { return Ok([Vec::new(), Vec::new()]) };
+        let FitResult { rig, radii, .. } = &self.result;
+        let bands = interruptible(py, || Ok(fit::bands(&map.get().picture(), rig, radii)))?;
+        Ok([bands.map, bands.difference])
     }
 
     /// Relative RMS error of the rig in a program that shows its lights as points.
@@ -111,16 +120,10 @@ impl FitAnswer {
         self.result.probe_error.error
     }
 
-    /// Normals that the errors were measured at.
+    /// Normals, their weights, and the irradiance of the map there; absent for measured values.
     #[getter]
-    fn evaluation_normals(&self) -> usize {
-        self.result.evaluation_normals
-    }
-
-    /// Normals of the errors, their weights, and the irradiance of the map there; absent for measured values.
-    #[getter]
-    fn map_samples<'py>(&self, py: Python<'py>) -> Option<MapSamples<'py>> {
-        Some(sample_rows(py, self.result.map_samples.as_ref()?))
+    fn map_samples<'py>(&self, py: Python<'py>) -> PyResult<Option<MapSamples<'py>>> {
+        Ok(self.at_normals(py)?.map(|(samples, _)| sample_rows(py, &samples)))
     }
 
     #[getter]
@@ -129,8 +132,15 @@ impl FitAnswer {
     }
 
     #[getter]
-    fn max_error(&self) -> f64 {
-        self.result.probe_error.largest
+    fn max_error(&self, py: Python<'_>) -> PyResult<f64> {
+        let at_normals = self.at_normals(py)?.map_or(self.result.probe_error, |(_, error)| error);
+        Ok(at_normals.largest)
+    }
+
+    /// Wall time of each step, in seconds.
+    #[getter]
+    fn seconds(&self) -> Vec<(&'static str, f64)> {
+        self.result.seconds.clone()
     }
 
     /// Direction tolerance of each light under a map, in radians: the turn that makes the error a tenth larger.
@@ -169,6 +179,16 @@ impl FitAnswer {
             StopReason::Exact => "EXACT",
             StopReason::OutOfSteps => "OUT_OF_STEPS",
         }
+    }
+}
+
+impl FitAnswer {
+    /// The irradiance of the map at many normals, and the errors of the rig there.
+    fn at_normals(&self, py: Python<'_>) -> PyResult<Option<(Samples, ProbeError)>> {
+        let Some(map) = &self.map else { return Ok(None) };
+        let FitResult { rig, radii, .. } = &self.result;
+        let map = map.get();
+        interruptible(py, || fit::at_normals(&map.map, &map.picture(), rig, radii)).map(Some)
     }
 }
 
@@ -232,28 +252,23 @@ fn comparison(objective: &str) -> Comparison {
     }
 }
 
-/// See `envlights.fit`; the floor of the options is that of the reduced map.
+/// See `envlights.fit`: the best rig with at most each of `counts` lights, which are at most those of the options.
+///
+/// The floor of the options is that of the reduced map.
 #[pyfunction]
-pub fn fit_reduced(py: Python<'_>, reduced: &ReducedMap, options: Options<'_>) -> PyResult<FitAnswer> {
-    let options = FitOptions { has_floor: reduced.floor, ..options.for_kernel()? };
-    let points = reduced.map.sources.dim().0;
-    interruptible(py, || Ok(FitAnswer { result: fit::under_map(&reduced.map, &options)?, points }))
-}
-
-/// See `envlights.error_curve`: the best rig with at most each of `counts` lights, which are at most those of the options.
-#[pyfunction]
-pub fn fit_reduced_by_count(
+pub fn fit_reduced(
     py: Python<'_>,
-    reduced: &ReducedMap,
+    reduced: Py<ReducedMap>,
     options: Options<'_>,
     counts: Vec<usize>,
 ) -> PyResult<Vec<FitAnswer>> {
-    let options = FitOptions { has_floor: reduced.floor, ..options.for_kernel()? };
-    let points = reduced.map.sources.dim().0;
-    interruptible(py, || {
-        let results = fit::under_map_by_count(&reduced.map, &options, &counts)?;
-        Ok(results.into_iter().map(|result| FitAnswer { result, points }).collect())
-    })
+    let map = reduced.get();
+    let options = FitOptions { has_floor: map.floor, ..options.for_kernel()? };
+    let results = interruptible(py, || {
+        let clock = Clock::start();
+        fit::under_map(&map.map, &map.picture(), &options, &counts, clock)
+    })?;
+    Ok(results.into_iter().map(|result| FitAnswer { result, map: Some(reduced.clone_ref(py)) }).collect())
 }
 
 /// Ambient, directions, irradiance and radii of a rig, its error, the error that it minimises, and the map at its normals.
@@ -318,10 +333,9 @@ pub fn fit_samples(
 ) -> PyResult<FitAnswer> {
     let (normals, weights, irradiance) = (normals.as_array(), weights.as_array(), irradiance.as_array());
     let options = options.for_kernel()?;
-    interruptible(py, || {
-        let fitted = fit::to_samples(Samples::new(normals, weights, irradiance)?, &options)?;
-        Ok(FitAnswer { result: fitted, points: 0 })
-    })
+    let fitted =
+        interruptible(py, || fit::to_samples(Samples::new(normals, weights, irradiance)?, &options))?;
+    Ok(FitAnswer { result: fitted, map: None })
 }
 
 /// See `envlights.Rig.probe`.
@@ -367,7 +381,7 @@ pub fn rig_error(
             irradiance: vectors("irradiance", irradiance)?,
             ..Rig::of_ambient(ambient, floor)?
         };
-        Ok(fit::evaluate(&Samples::new(normals, weights, wanted)?, &rig, &radii).error)
+        Ok(Samples::new(normals, weights, wanted)?.evaluate(&rig, &radii).error)
     })
 }
 

@@ -61,8 +61,8 @@ mod _native {
     use super::fill::fill_unseen;
     #[pymodule_export]
     use super::fit::{
-        FitAnswer, continue_reduced, fit_reduced, fit_reduced_by_count, fit_samples, map_energy,
-        relative_rms, rig_error, rig_irradiance,
+        FitAnswer, continue_reduced, fit_reduced, fit_samples, map_energy, relative_rms, rig_error,
+        rig_irradiance,
     };
     #[pymodule_export]
     use super::formats::{PictureFile, exr_file, png_file, radiance_rows, tiff_file};

@@ -1,5 +1,7 @@
 //! Reduced maps for Python: from an array, or from rows that arrive in order.
 
+use std::sync::{Arc, OnceLock};
+
 use half::f16;
 use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray3};
 use pyo3::prelude::*;
@@ -7,6 +9,7 @@ use pyo3::prelude::*;
 use super::image::{CleaningCounts, counts_of};
 use super::pool::interruptible;
 use super::sphere::registration;
+use crate::kernels::fit::Picture;
 use crate::kernels::image::{self, ReductionOptions, RowReducer, RowReduction, Sample, WorkingMap};
 
 /// A map in fewer cells, for fits.
@@ -16,6 +19,24 @@ pub struct ReducedMap {
     /// True if light from below the horizon is left out.
     #[pyo3(get)]
     pub floor: bool,
+    picture: OnceLock<Arc<Picture>>,
+}
+
+impl ReducedMap {
+    fn new(map: WorkingMap, floor: bool) -> Self {
+        Self { map, floor, picture: OnceLock::new() }
+    }
+
+    /// The map in harmonics, computed once for all fits to it.
+    pub fn picture(&self) -> Arc<Picture> {
+        // Two threads may both compute it: one that waits for the other could wait for itself.
+        let new = || {
+            let picture = Arc::new(Picture::new(&self.map));
+            self.picture.set(picture.clone()).unwrap_or_default(); // the same numbers, if another was faster
+            picture
+        };
+        self.picture.get().cloned().unwrap_or_else(new)
+    }
 }
 
 #[pymethods]
@@ -40,7 +61,7 @@ pub fn reduce_map(
     let radiance = radiance.as_array();
     interruptible(py, || {
         let map = image::reduce(radiance, registration(border_sampled), columns, source_fraction, floor)?;
-        Ok(ReducedMap { map, floor })
+        Ok(ReducedMap::new(map, floor))
     })
 }
 
@@ -134,7 +155,7 @@ impl PyRowReducer {
     fn finish(&self, py: Python<'_>) -> PyResult<(ReducedMap, CleaningCounts, f64)> {
         let RowReduction { map, cleaning, clipped_flux } =
             interruptible(py, || each!(&self.reducer, reducer => reducer.finish()))?;
-        Ok((ReducedMap { map, floor: self.floor }, counts_of(&cleaning), clipped_flux))
+        Ok((ReducedMap::new(map, self.floor), counts_of(&cleaning), clipped_flux))
     }
 }
 

@@ -1,4 +1,4 @@
-"""Fields of results in JSON: written as plain values, and read by the types of the class."""
+"""Fields of results: in JSON as plain values, and some that are computed when first read."""
 
 from __future__ import annotations
 
@@ -102,3 +102,34 @@ def _read(name: str, kind: Any, value: Any) -> Any:
 
 def _key(name: str, kind: Any, key: str) -> Any:
     return count(name, int(key)) if kind is int else key
+
+
+class _OnDemand:
+    """Field of a dataclass whose value may be a function without arguments, called once."""
+
+    def __init__(self, default: Any) -> None:
+        self._default = default
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self._name = name
+
+    def __get__(self, instance: Any, owner: type) -> Any:
+        if instance is None:
+            return self._default
+        values = vars(instance)
+        if callable(values[self._name]):
+            values[self._name] = values[self._name]()
+        return values[self._name]
+
+    def __set__(self, instance: Any, value: Any) -> None:
+        vars(instance)[self._name] = value
+
+
+def on_demand(default: Any) -> Any:
+    """Default of a field whose value may be a function."""
+    return _OnDemand(default)
+
+
+def value_or_function(instance: object, name: str) -> Any:
+    """Value of such a field as it is, perhaps still a function."""
+    return vars(instance)[name]

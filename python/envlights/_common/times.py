@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from time import perf_counter
 
 
@@ -12,10 +12,10 @@ def time_lines(seconds: Mapping[str, float]) -> list[str]:
 
 
 class Clock:
-    """Wall time of each stage."""
+    """Wall time of each stage, after `laps` that are over."""
 
-    def __init__(self) -> None:
-        self.laps: dict[str, float] = {}
+    def __init__(self, laps: Mapping[str, float] | None = None) -> None:
+        self.laps = dict(laps or {})
         self._last = perf_counter()
 
     def lap(self, stage: str) -> None:
@@ -23,3 +23,9 @@ class Clock:
         now = perf_counter()
         self.laps[stage] = now - self._last
         self._last = now
+
+    def add(self, stages: Iterable[tuple[str, float]]) -> None:
+        """Add stages that were measured elsewhere since the last lap."""
+        for stage, seconds in stages:
+            self.laps[stage] = self.laps.get(stage, 0.0) + seconds
+        self._last = perf_counter()

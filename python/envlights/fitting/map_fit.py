@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -91,7 +91,7 @@ def fit_reduction(reduction: Reduction, arguments: FitArguments) -> tuple[Rig, M
     """
     plan, clock = _plan(arguments), Clock()
     start = plan.request.first_directions_under(None, arguments.floor)
-    answers = _under(reduction, plan, start)
+    (answers,) = _under(reduction, plan, start, [plan.request.lights])
     rig = _clocked_rig(plan, reduction, answers, clock)
     # All answers are for the same map, and fits to a map have samples.
     samples = next(iter(answers.values())).map_samples
@@ -106,7 +106,7 @@ def check_arguments(arguments: FitArguments) -> None:
 def fit_map(env: AnyMap, arguments: FitArguments) -> Rig:
     """Rig for a map; see `fit`."""
     plan, clock = _plan(arguments), Clock()
-    reduction, answers = _answers(env, plan, clock)
+    reduction, (answers,) = _answers(env, plan, clock)
     rig = _clocked_rig(plan, reduction, answers, clock)
     LOG.info("fit: %s in %.3g seconds", rig.in_short(), sum(rig.report.seconds.values()))
     log(rig.notes)
@@ -122,20 +122,19 @@ def fit_map_by_count(env: AnyMap, arguments: FitArguments, counts: list[int]) ->
     plans = [_plan(replace(arguments, lights=count)) for count in counts]
     largest, clock = max(plans, key=lambda plan: plan.request.lights), Clock()
     reduction = reduce_for_fits(env, largest.arguments)
+    clock.lap("reduce")
     first = largest.request.first_directions_under(None, arguments.floor)
-    options = {name: _options(reduction, largest, first, name) for name in largest.ambients}
-    fits = [_native.fit_reduced_by_count(reduction.cells, one, counts) for one in options.values()]
-    clock.lap("all fits")
-    by_count = [dict(zip(options, row, strict=True)) for row in zip(*fits, strict=True)]
+    fits = _under(reduction, largest, first, counts)
     return [
-        _rig(plan, reduction, answers, {**clock.laps})
-        for plan, answers in zip(plans, by_count, strict=True)
+        _clocked_rig(plan, reduction, answers, Clock(clock.laps))
+        for plan, answers in zip(plans, fits, strict=True)
     ]
 
 
 def _clocked_rig(plan: _Plan, reduction: Reduction, answers: Answers, clock: Clock) -> Rig:
-    """Rig of the best result, with the times of fit and report."""
-    clock.lap("fit")
+    """Rig of the best result, with the times of the steps of all."""
+    for answer in answers.values():
+        clock.add(answer.seconds)
     rig = _rig(plan, reduction, answers, clock.laps)
     clock.lap("report")
     return rig
@@ -157,30 +156,33 @@ def _plan(arguments: FitArguments) -> _Plan:
     return _Plan(request, names, ambient == AUTO, of_discs, target, arguments)
 
 
-def _answers(env: AnyMap, plan: _Plan, clock: Clock) -> tuple[Reduction, Answers]:
-    """Reduced map, and the result with each ambient term."""
-    request, floor = plan.request, plan.arguments.floor
+def _answers(env: AnyMap, plan: _Plan, clock: Clock) -> tuple[Reduction, list[Answers]]:
+    """Reduced map, and the result with each ambient term; no result without these."""
+    request, floor, counts = plan.request, plan.arguments.floor, [plan.request.lights]
 
-    def under_map(world: EnvMap) -> tuple[Reduction, Answers]:
+    def under_map(world: EnvMap) -> tuple[Reduction, list[Answers]]:
         first = request.first_directions_under(world, floor)
         clock.lap("start")
         reduction = reduction_of(world, floor, plan.arguments.fill)
-        return reduction, _under(reduction, plan, first)
+        clock.lap("reduce")
+        return reduction, _under(reduction, plan, first, counts)
 
     if is_file(env) and not request.needs_map:
         reduction = reduction_of_file(env, floor)
         clock.lap("read")
         if reduction is not None:
-            return reduction, _under(reduction, plan, request.first_directions_under(None, floor))
+            first = request.first_directions_under(None, floor)
+            return reduction, _under(reduction, plan, first, counts)
     return apply_to_map(env, under_map)[1]
 
 
-def _under(reduction: Reduction, plan: _Plan, first: NDArray[np.float64]) -> Answers:
-    """Best rig with each kind of ambient term."""
-    return {
-        name: _native.fit_reduced(reduction.cells, _options(reduction, plan, first, name))
-        for name in plan.ambients
-    }
+def _under(
+    reduction: Reduction, plan: _Plan, first: NDArray[np.float64], counts: list[int]
+) -> list[Answers]:
+    """Best rigs with each kind of ambient term, for each of some numbers of lights."""
+    options = {name: _options(reduction, plan, first, name) for name in plan.ambients}
+    fits = [_native.fit_reduced(reduction.cells, one, counts) for one in options.values()]
+    return [dict(zip(options, row, strict=True)) for row in zip(*fits, strict=True)]
 
 
 def _options(
@@ -208,18 +210,16 @@ def _rig(plan: _Plan, reduction: Reduction, answers: Answers, seconds: dict[str,
     chosen = request.best_of(answers, RENDERING_ERROR) if plan.is_auto else plan.ambients[0]
     answer = answers[chosen]
     compared = {name: (one.lights, one.error) for name, one in answers.items()}
-    # Fits to a map have samples.
-    irradiance = answer.map_samples[2]  # type: ignore[index]
     return rig_of(
         answer,
         request,
-        notes=_notes(reduction, irradiance, floor),
+        notes=_notes(reduction, np.array(answer.channels), floor),
         units=reduction.units,
         floor=floor,
         sized_error=answer.error if plan.has_sized_error and answer.lights else None,
         # The report shares this dictionary, which may get its last entry afterwards.
         seconds=seconds,
-        measured_on=wording.measured_on(answer.evaluation_normals, floor),
+        measured_on=wording.measured_on("all", floor),
         shadow_error=answer.shadow_error,
         target=plan.target,
         has_max_radius=plan.arguments.max_radius is not None,
@@ -235,9 +235,9 @@ def _rig(plan: _Plan, reduction: Reduction, answers: Answers, seconds: dict[str,
     )
 
 
-def _notes(reduction: Reduction, irradiance: NDArray[np.float64], floor: bool) -> tuple[str, ...]:
-    """Notes of a rig, from the irradiance of its map."""
-    black = black_note(irradiance, "map above the horizon" if floor else "map")
+def _notes(reduction: Reduction, light: NDArray[Any], floor: bool) -> tuple[str, ...]:
+    """Notes of a rig; `light` is 0 under a black map."""
+    black = black_note(light, "map above the horizon" if floor else "map")
     return (*black, *reduction.notes, *wording.clipping(reduction.clipped_flux_fraction))
 
 

@@ -39,9 +39,7 @@ def rig_of(
         steps=answer.steps,
         stop_reason=_stop_reason(answer, request),
         channel_errors=tuple(answer.channel_errors),
-        max_error=answer.max_error,
         objective_error=answer.objective_error,
-        gloss_bands=(tuple(answer.bands[0]), tuple(answer.bands[1])),
         points_error=answer.points_error,
         fitted_points_error=answer.fitted_points_error,
         condition=answer.condition,
@@ -50,6 +48,7 @@ def rig_of(
         direction_tolerances=_reorder(answer.tolerances, order),
         at_max_radius=_rows(answer.at_bound, order) if has_max_radius else (),
         fixed=tuple(order.argsort()[: len(request.fixed)].tolist()) if len(request.fixed) else (),
+        **_on_demand(answer),
         **report_fields,
     )
     radii = np.array(answer.angular_radii)
@@ -61,6 +60,15 @@ def rig_of(
         notes,
         floor,
     )
+
+
+def _on_demand(answer: FitAnswer) -> dict[str, Any]:
+    """Fields of a report that take as long as a fit, as functions that hold the reduced map."""
+
+    def gloss_bands() -> tuple[tuple[float, ...], ...]:
+        return tuple(map(tuple, answer.bands))
+
+    return {"max_error": lambda: answer.max_error, "gloss_bands": gloss_bands}
 
 
 def _rows(lights: list[int], order: NDArray[np.intp]) -> tuple[int, ...]:

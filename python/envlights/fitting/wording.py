@@ -7,7 +7,7 @@ from envlights.fitting.request import Request
 from envlights.kernels.probe import WORKING_COLUMNS
 
 
-def measured_on(count: int, floor: bool) -> str:
+def measured_on(count: int | str, floor: bool) -> str:
     """Normals on which the error was measured."""
     return f"{count} normals over a floor" if floor else f"{count} normals"
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from envlights._common.fields import fields_of, read_fields
+from envlights._common.fields import fields_of, on_demand, read_fields, value_or_function
 from envlights._common.result import Result
 from envlights._common.tables import frame_of
 from envlights._common.times import time_lines
@@ -82,12 +82,12 @@ class FitReport(Result):
     channel_errors: tuple[float, ...] = ()
     """Relative RMS error in red, green and blue, each relative to its own irradiance."""
 
-    max_error: float = 0.0
+    max_error: float = on_demand(0.0)
     """Largest error of any channel at the measured normals, relative to the RMS irradiance.
 
-    A map is measured at 5120 or more normals. Normals whose horizon cuts a small sun have larger
-    errors: on 100 generated maps, the largest error of others was 1.02 times as large in the
-    median, at most 1.6 times on 90 of them, and up to 3.5 times."""
+    A map is measured at 5120 normals when this is first read. Normals whose horizon cuts a small
+    sun have larger errors: on 100 generated maps, the largest error of others was 1.02 times as
+    large in the median, at most 1.6 times on 90 of them, and up to 3.5 times."""
 
     shadow_error: float | None = None
     """Relative RMS error of shadowed irradiance, or None if it was not measured.
@@ -100,10 +100,11 @@ class FitReport(Result):
 
     None if it was not measured, or if a sun was put beside the fitted lights."""
 
-    gloss_bands: tuple[tuple[float, ...], tuple[float, ...]] = ((), ())
+    gloss_bands: tuple[tuple[float, ...], tuple[float, ...]] = on_demand(((), ()))
     """Energy of the map in each degree of spherical harmonics, and of its difference from the rig.
 
-    All channels are summed. Both are empty if there was no map; see `gloss_error`."""
+    All channels are summed. Both are empty if there was no map; see `gloss_error`. They are
+    computed when they are first read."""
 
     points_error: float | None = None
     """Relative RMS error of the rig in a target that shows its lights as points."""
@@ -163,7 +164,8 @@ class FitReport(Result):
     """Remarks on work that was not necessary."""
 
     def __post_init__(self) -> None:
-        if len(self.gloss_bands[0]) != len(self.gloss_bands[1]):
+        bands = value_or_function(self, "gloss_bands")
+        if not callable(bands) and len(bands[0]) != len(bands[1]):
             raise EnvLightsError("gloss_bands must be two lists of the same length")
 
     def to_dict(self) -> dict[str, Any]:

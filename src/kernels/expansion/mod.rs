@@ -66,9 +66,9 @@ impl Expansion {
 /// Integral over the sphere of the squared radiance, by channel.
 fn integral_of_squares(radiance: &Array3<f32>, map: &WorkingMap) -> [f64; 3] {
     let mut whole = [0.0; 3];
-    for (row, edges) in radiance.outer_iter().zip(map.grid.theta_edges.windows(2)) {
+    for (edges, row) in map.rows(radiance) {
         let band = edges[0].cos() - edges[1].cos();
-        for (cell, edges) in row.outer_iter().zip(map.grid.phi_edges.windows(2)) {
+        for (cell, edges) in row.iter().zip(map.grid.phi_edges.windows(2)) {
             let solid_angle = band * (edges[1] - edges[0]);
             (0..3).for_each(|c| whole[c] += solid_angle * f64::from(cell[c]).powi(2));
         }

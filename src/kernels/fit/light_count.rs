@@ -46,14 +46,8 @@ impl FitOptions {
     }
 }
 
-/// The best set with each number of lights, evaluated by `evaluate`.
-///
-/// The search stops when the error is at most `options.error_floor`.
-pub fn search_path(problem: &Problem<'_>, evaluate: Evaluate<'_>) -> Result<Vec<Trial>> {
-    Ok(search_paths(problem, &[problem.options.lights], evaluate)?.remove(0))
-}
-
-/// [`search_path`] to each of these numbers of lights, which are at most `problem.lights`.
+/// The best set with each number of lights on the way to each of `counts`, which are at most `problem.lights`, evaluated by
+/// `evaluate`. The search stops when the error is at most `options.error_floor`.
 ///
 /// A path is that of a search for its number alone: forward selection finds the same sets on the way to each.
 pub fn search_paths(

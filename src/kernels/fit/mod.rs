@@ -1,12 +1,13 @@
 //! Ambient and a few directional lights under which a white probe looks as it does under a map.
 //!
-//! [`under_map_by_count`] and [`to_samples`] are lists of these steps:
+//! [`under_map`] and [`to_samples`] are lists of these steps:
 //!
 //! | step                                              | file                       |
 //! |---------------------------------------------------|----------------------------|
 //! | options, and the tuned numbers                    | `options.rs`, `settings.rs` |
 //! | ambient and lights                                | `rig.rs`, `ambient.rs`     |
 //! | a light with a size, and the kernel that compares it with the map | `light_disc.rs`, `comparison.rs` |
+//! | the map as bright parts and harmonics             | `picture.rs`               |
 //! | numbers with derivatives                          | `jet.rs`                   |
 //! | the cost: products of lights and their derivatives | `objective.rs`            |
 //! | - of points at every normal, in closed form       | `sphere/`                  |
@@ -36,6 +37,7 @@ mod multistart;
 mod nnls;
 mod objective;
 mod options;
+mod picture;
 mod problem;
 mod radiances;
 mod relative_rms;
@@ -51,14 +53,15 @@ mod variable_projection;
 
 pub use ambient::Ambient;
 pub use comparison::Comparison;
-pub use discs::{BAND_DEGREE, Bands, evaluate, kernel_spectra};
+pub use discs::{BAND_DEGREE, Bands, bands, kernel_spectra};
 pub use objective::{Objective, PointObjective};
 pub use options::FitOptions;
+pub use picture::Picture;
 pub use problem::Problem;
 pub use relative_rms::relative_rms;
-pub use result::FitResult;
+pub use result::{Clock, FitResult};
 pub use rig::Rig;
-pub use samples::{Judged, Probe, Samples};
+pub use samples::{Probe, ProbeError, Samples};
 pub use sphere::Sphere;
 pub use state::StopReason;
 pub use uncertainty::Uncertainty;
@@ -66,97 +69,57 @@ pub use uncertainty::Uncertainty;
 use rayon::prelude::*;
 
 use self::discs::{ContinuedLights, Sizes, continued_descent};
-use self::light_count::{Trial, search_path, search_paths};
-use self::relative_rms::relative_error;
+use self::light_count::search_paths;
 use self::result::Evaluator;
 use self::sphere::evaluation_probe;
-use self::state::State;
-use super::expansion::Expansion;
 use super::image::WorkingMap;
 use crate::error::{Error, Result};
 
 /// Least number of normals at which a rig is evaluated under a map.
 const EVALUATION_NORMALS: usize = 5120;
 
-/// The best rig for the probe under a map.
+/// The best rig for the probe under a map, with at most each of these numbers of lights.
+///
+/// Each is that of a fit with its number alone; `options.lights` is the largest of them. If the options have a goal, its
+/// errors count sizes and shadows, and end the search.
 ///
 /// # Errors
 ///
 /// [`Error::TooFewNormals`], [`Error::TooBright`].
-pub fn under_map(map: &WorkingMap, options: &FitOptions) -> Result<FitResult> {
-    if options.has_goal() {
-        return to_error_goal(map, options);
-    }
-    Ok(under_map_by_count(map, options, &[options.lights])?.remove(0))
-}
-
-/// The best rig that reaches the errors of the options: they count sizes and shadows, and end the search.
-fn to_error_goal(map: &WorkingMap, options: &FitOptions) -> Result<FitResult> {
-    check_unknowns(options, EVALUATION_NORMALS)?;
-    let expansion = Expansion::new(map);
-    let sphere = || Sphere::of(map, &expansion, options.ambient, options.has_floor);
-    let (sphere, (sizes, samples)) = rayon::join(sphere, || references(map, &expansion, options));
-    let (samples, problem) = (samples?, Problem { objective: &sphere, options });
-    let evaluator = Evaluator { samples: &samples, sizes: Some(sizes) };
-    let path = search_path(&problem, &|state| evaluator.trial(&problem, state))?;
-    let result = evaluator.best(&problem, path);
-    Ok(FitResult { map_samples: Some(samples), ..result })
-}
-
-/// The best rig with at most each of these numbers of lights, without a goal.
-///
-/// Each is that of [`under_map`] for its number; `options.lights` is the largest of them.
-///
-/// # Errors
-///
-/// [`Error::TooFewNormals`], [`Error::TooBright`].
-pub fn under_map_by_count(
+pub fn under_map(
     map: &WorkingMap,
+    picture: &Picture,
     options: &FitOptions,
     counts: &[usize],
+    mut clock: Clock,
 ) -> Result<Vec<FitResult>> {
     check_unknowns(options, EVALUATION_NORMALS)?;
-    let expansion = Expansion::new(map);
-    // The closed form knows the errors of points: the search need not wait for the references.
-    let search = || {
-        let sphere = Sphere::of(map, &expansion, options.ambient, options.has_floor);
-        point_paths(&sphere, options, counts).map(|paths| (sphere, paths))
-    };
-    let (found, (sizes, samples)) = rayon::join(search, || references(map, &expansion, options));
-    let (samples, (sphere, paths)) = (samples?, found?);
-    let problem = Problem { objective: &sphere, options };
-    let evaluator = Evaluator { samples: &samples, sizes: Some(sizes) };
-    let evaluate = |trial: Trial| Trial { others: trial.others, ..evaluator.trial(&problem, trial.state) };
-    let result = |path: Vec<Trial>| {
-        let result = evaluator.best(&problem, path.into_iter().map(evaluate).collect());
-        FitResult { map_samples: Some(samples.clone()), ..result }
-    };
-    Ok(paths.into_par_iter().map(result).collect())
-}
-
-/// The map with shadows, and its irradiance at the normals of the error.
-fn references<'a>(
-    map: &'a WorkingMap,
-    expansion: &Expansion,
-    options: &FitOptions,
-) -> (Sizes<'a>, Result<Samples>) {
-    rayon::join(
-        || Sizes::new(map, expansion, options),
-        || evaluation_probe(map, expansion, EVALUATION_NORMALS),
-    )
-}
-
-/// The best points on the way to each of these numbers of lights, by the errors that the objective knows.
-fn point_paths(sphere: &Sphere, options: &FitOptions, counts: &[usize]) -> Result<Vec<Vec<Trial>>> {
-    let energy = sphere.reference().energy;
-    if !energy.is_finite() {
+    let sphere = || Sphere::of(map, picture, options.ambient, options.has_floor);
+    let (sphere, sizes) = rayon::join(sphere, || Sizes::new(map, picture, options));
+    if !sphere.reference().energy.is_finite() {
         return Err(Error::TooBright);
     }
-    let trial = |state: State| {
-        let error = relative_error(state.cost, energy);
-        Trial { state, others: Vec::new(), error, shadow_error: 0.0, gloss_error: 0.0 }
-    };
-    search_paths(&Problem { objective: sphere, options }, counts, &trial)
+    clock.lap("expand");
+    let (problem, evaluator) = (Problem { objective: &sphere, options }, Evaluator::Map(Box::new(sizes)));
+    let paths = search_paths(&problem, counts, &|state| evaluator.trial(&problem, state))?;
+    clock.lap("search");
+    Ok(paths.par_iter().map(|path| evaluator.best(&problem, path, clock.clone())).collect())
+}
+
+/// The irradiance under a map at many normals, and the errors of a rig there: they include the largest one.
+///
+/// # Errors
+///
+/// [`Error::TooBright`].
+pub fn at_normals(
+    map: &WorkingMap,
+    picture: &Picture,
+    rig: &Rig,
+    radii: &[f64],
+) -> Result<(Samples, ProbeError)> {
+    let samples = evaluation_probe(map, picture, EVALUATION_NORMALS)?;
+    let error = samples.evaluate(rig, radii);
+    Ok((samples, error))
 }
 
 /// `<E, E>` of the probe under a map, over all normals and channels, in closed form.
@@ -173,9 +136,11 @@ pub fn to_samples(samples: Samples, options: &FitOptions) -> Result<FitResult> {
     check_unknowns(options, samples.normals.len())?;
     let probe = Probe::new(samples, options.ambient);
     let problem = Problem { objective: &probe, options };
-    let evaluator = Evaluator { samples: &probe.samples, sizes: None };
-    let path = search_path(&problem, &|state| evaluator.trial(&problem, state))?;
-    let result = evaluator.best(&problem, path);
+    let evaluator = Evaluator::Samples(&probe.samples);
+    let (mut clock, counts) = (Clock::start(), [options.lights]);
+    let path = search_paths(&problem, &counts, &|state| evaluator.trial(&problem, state))?.remove(0);
+    clock.lap("search");
+    let result = evaluator.best(&problem, &path, clock);
     let uncertainty = uncertainty::uncertainty(&probe, &result.rig, options.fixed);
     Ok(FitResult { uncertainty, ..result })
 }
@@ -189,7 +154,7 @@ pub struct ContinuedRig {
     /// Ambient and lights.
     pub lights: ContinuedLights,
     /// Error of the rig.
-    pub probe_error: Judged,
+    pub probe_error: ProbeError,
     /// The irradiance under the map at the normals of the error.
     pub samples: Samples,
 }
@@ -201,11 +166,11 @@ pub struct ContinuedRig {
 /// [`Error::TooFewNormals`], [`Error::TooBright`].
 pub fn continue_under_map(map: &WorkingMap, options: &FitOptions, radii: &[f64]) -> Result<ContinuedRig> {
     check_unknowns(options, CONTINUED_NORMALS)?;
-    let expansion = Expansion::new(map);
-    let descend = || continued_descent(map, &expansion, options, radii);
-    let (lights, samples) = rayon::join(descend, || evaluation_probe(map, &expansion, CONTINUED_NORMALS));
+    let picture = Picture::new(map);
+    let descend = || continued_descent(map, &picture, options, radii);
+    let (lights, samples) = rayon::join(descend, || evaluation_probe(map, &picture, CONTINUED_NORMALS));
     let samples = samples?;
-    let probe_error = evaluate(&samples, &lights.rig, &lights.radii);
+    let probe_error = samples.evaluate(&lights.rig, &lights.radii);
     Ok(ContinuedRig { lights, probe_error, samples })
 }
 

@@ -258,11 +258,11 @@ fn free_axes<'a>(each: usize, constraints: impl Iterator<Item = &'a Constraint>)
 #[allow(clippy::unwrap_used)]
 pub mod tests {
     use super::*;
-    use crate::kernels::expansion::Expansion;
     use crate::kernels::fit::Sphere;
     use crate::kernels::fit::comparison::Comparison;
     use crate::kernels::fit::discs::Shadows;
-    use crate::kernels::fit::discs::target::{Picture, Target};
+    use crate::kernels::fit::discs::target::Target;
+    use crate::kernels::fit::picture::Picture;
     use crate::kernels::image::{self, WorkingMap};
     use crate::kernels::sphere::{Registration, direction};
     use ndarray::Array3;
@@ -282,8 +282,7 @@ pub mod tests {
 
     /// The products of discs with a map.
     pub fn target(map: &WorkingMap, comparison: Comparison, ambient: Ambient, has_floor: bool) -> Target {
-        let picture = Picture::new(map, &Expansion::new(map));
-        Target::new(&picture, comparison, ambient, has_floor)
+        Target::new(&Picture::new(map), comparison, ambient, has_floor)
     }
 
     const CONDITIONS: [(Ambient, bool); 4] = [

@@ -33,6 +33,15 @@ pub struct WorkingMap {
 }
 
 impl WorkingMap {
+    /// Edges in theta and cells of each row of a `radiance` of the size of this map.
+    pub fn rows<'a>(
+        &'a self,
+        radiance: &'a Array3<f32>,
+    ) -> impl Iterator<Item = (&'a [f64], &'a [[f32; 3]])> {
+        let cells = radiance.as_slice().unwrap_or(&[]).as_chunks::<3>().0; // as it was made, row after row
+        self.grid.theta_edges.windows(2).zip(cells.chunks_exact(radiance.dim().1))
+    }
+
     /// Spread of the light of one pixel of the map in a direction: the mean of 1 - cos.
     pub fn pixel_spread(&self, direction: DVec3) -> f64 {
         self.pixel.spread(angles(direction).0)

@@ -7,9 +7,10 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::DVec3;
 
-use super::target::Picture;
+use super::discs_of_flux;
 use crate::kernels::expansion::{Coefficients, DEGREE, DiscOfFlux};
 use crate::kernels::fit::light_disc::Disc;
+use crate::kernels::fit::picture::{Patch, Picture};
 use crate::kernels::fit::relative_rms::relative_error;
 use crate::kernels::fit::rig::Rig;
 
@@ -44,11 +45,11 @@ pub struct MapBands {
 
 impl MapBands {
     pub fn new(picture: &Picture) -> Self {
-        let discs: Vec<DiscOfFlux> = picture.discs().collect();
+        let discs: Vec<DiscOfFlux> = picture.patches.iter().map(Patch::disc).collect();
         let mut coefficients = Coefficients::of_discs(&discs, BAND_DEGREE);
-        coefficients.add_harmonics(picture.rest());
+        coefficients.add_harmonics(&picture.rest);
         // The sum of l^-2 over l > DEGREE is about 1 / (DEGREE + 1 / 2).
-        let whole = picture.fine().iter().sum::<f64>() * (DEGREE as f64 + 0.5);
+        let whole = picture.fine.iter().sum::<f64>() * (DEGREE as f64 + 0.5);
         let fine = |l: usize| if l > DEGREE { whole / (l * l) as f64 } else { 0.0 };
         Self {
             energies: coefficients.energies(None),
@@ -59,10 +60,7 @@ impl MapBands {
 
     /// Energies of the map and of its difference from a rig, whose lights are these discs.
     pub fn compare(&self, rig: &Rig, discs: &[Disc]) -> Bands {
-        let light = |(irradiance, disc): (&DVec3, &Disc)| {
-            (disc.direction, disc.share, (*irradiance / (1.0 - disc.share)).to_array())
-        };
-        let mut lights: Vec<DiscOfFlux> = rig.irradiance.iter().zip(discs).map(light).collect();
+        let mut lights = discs_of_flux(rig, discs);
         let half_sky = rig.has_floor && rig.ambient.len() == 1;
         if half_sky {
             let flux = (2.0 * PI * rig.ambient[0]).to_array();

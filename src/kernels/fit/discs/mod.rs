@@ -9,28 +9,27 @@
 //! | the cone of the kernel, between two discs             | `chord.rs`      |
 //! | - for discs that are far apart                        | `far.rs`        |
 //! | bright cells of the map and their cones               | `patches.rs`    |
+//! | degrees above the harmonics, for errors               | `high_degrees.rs` |
 //! | inner products of discs, the map and the ambient term | `target.rs`     |
 //! | radii to start from                                   | `start.rs`      |
 //! | cost of discs under a map, under any of the kernels   | `disc_cost.rs`  |
 //! | other lights, one at a time                           | `forward_selection.rs` |
 //! | escape from a local minimum                           | `exchange.rs`   |
 //! | energy of the difference in each degree               | `bands.rs`      |
-//! | the error at normals                                  | `evaluate.rs`   |
 
 mod bands;
 mod chord;
 mod disc_cost;
-mod evaluate;
 mod exchange;
 mod far;
 mod forward_selection;
+mod high_degrees;
 mod patches;
 mod start;
 pub mod target;
 mod zonal;
 
 pub use bands::{BAND_DEGREE, Bands};
-pub use evaluate::evaluate;
 pub use zonal::kernel_spectra;
 
 use glam::DVec3;
@@ -41,18 +40,20 @@ use self::bands::MapBands;
 pub use self::disc_cost::Shadows;
 use self::exchange::exchange;
 use self::forward_selection::forward_selection;
-use self::target::{Picture, Target};
+use self::high_degrees::HighDegrees;
+use self::target::Target;
 use super::comparison::Comparison;
 use super::damped_newton::Descent;
 use super::light_disc::Disc;
 use super::objective::{Objective, Reference};
 use super::options::FitOptions;
-use super::relative_rms::relative_error;
+use super::picture::Picture;
 use super::rig::Rig;
+use super::samples::ProbeError;
 use super::settings::DISCS;
 use super::state::{State, StopReason};
 use super::uncertainty;
-use crate::kernels::expansion::Expansion;
+use crate::kernels::expansion::DiscOfFlux;
 use crate::kernels::image::WorkingMap;
 
 /// A rig whose lights have angular radii.
@@ -81,44 +82,44 @@ impl Sized {
 #[derive(Clone, Debug)]
 pub struct Sizes<'a> {
     map: &'a WorkingMap,
-    shadows: Target,
-    bands: MapBands,
-    /// Another kernel to fit by.
-    other: Option<Target>,
+    /// The map under each kernel.
+    targets: [Target; 3],
+    /// The kernel of the fit.
+    comparison: Comparison,
+    /// Energies of the map, if a fit to an error of shiny objects needs them.
+    bands: Option<MapBands>,
     /// The greatest radius of a light, in radians.
     greatest_radius: f64,
 }
 
 impl<'a> Sizes<'a> {
-    /// For a map and its harmonics.
-    pub fn new(map: &'a WorkingMap, expansion: &Expansion, options: &FitOptions) -> Self {
-        let picture = Picture::new(map, expansion);
-        let target = |comparison| Target::new(&picture, comparison, options.ambient, options.has_floor);
-        let other = options.sizes.filter(|&comparison| comparison != Comparison::Shadows).map(target);
-        let greatest_radius = options.max_radius.unwrap_or(DISCS.greatest);
-        let bands = MapBands::new(&picture);
-        Self { map, shadows: target(Comparison::Shadows), bands, other, greatest_radius }
+    /// For a map and its picture.
+    pub fn new(map: &'a WorkingMap, picture: &Picture, options: &FitOptions) -> Self {
+        let target = |comparison| Target::new(picture, comparison, options.ambient, options.has_floor);
+        Self {
+            map,
+            targets: [Comparison::Probe, Comparison::Shadows, Comparison::Mixed].map(target),
+            comparison: options.sizes.unwrap_or(Comparison::Probe),
+            bands: options.gloss_error.map(|_| MapBands::new(picture)),
+            greatest_radius: options.max_radius.unwrap_or(DISCS.greatest),
+        }
     }
 
-    /// Relative RMS error of the irradiance behind every plane, under a rig whose lights have these radii. A pixel of
-    /// the map is the square that it is.
-    pub fn shadow_error(&self, reference: &Reference, rig: &Rig, radii: &[f64]) -> f64 {
-        error_under(&self.shadows, reference, rig, radii)
+    /// Errors under a kernel, of a rig whose lights have these radii. A pixel of the map is the square that it is.
+    pub fn errors(
+        &self,
+        comparison: Comparison,
+        reference: &Reference,
+        rig: &Rig,
+        radii: &[f64],
+    ) -> ProbeError {
+        errors_under(&self.targets[comparison as usize], reference, rig, radii)
     }
 
-    /// Relative RMS error of the kernel that [`Self::fit`] minimises, under a rig whose lights have these radii.
-    pub fn objective_error(&self, reference: &Reference, rig: &Rig, radii: &[f64]) -> f64 {
-        error_under(self.target(), reference, rig, radii)
-    }
-
-    /// The map under the kernel of the fit.
-    fn target(&self) -> &Target {
-        self.other.as_ref().unwrap_or(&self.shadows)
-    }
-
-    /// Energies of the map and of its difference from a rig whose lights have these radii.
-    pub fn bands(&self, rig: &Rig, radii: &[f64]) -> Bands {
-        self.bands.compare(rig, &discs_of(rig, radii))
+    /// Error of a shiny object whose kernel has these factors, if the options ask for it.
+    pub fn gloss_error(&self, rig: &Rig, radii: &[f64], factors: &[f64]) -> f64 {
+        let compare = |bands: &MapBands| bands.compare(rig, &discs_of(rig, radii)).error(factors);
+        self.bands.as_ref().map_or(0.0, compare)
     }
 
     /// The best rig near those without sizes in `rigs`, whose first `fixed` lights keep their directions.
@@ -132,7 +133,8 @@ impl<'a> Sizes<'a> {
         max_steps: usize,
         can_select: bool,
     ) -> Sized {
-        let shadows = Shadows::new(self.target(), reference).up_to(self.greatest_radius);
+        let target = &self.targets[self.comparison as usize];
+        let shadows = Shadows::new(target, reference).up_to(self.greatest_radius);
         let descent = Descent { objective: &shadows, fixed, max_steps };
         let selected = || {
             let first = rigs.first().filter(|rig| can_select && rig.directions.len() >= DISCS.fewest)?;
@@ -181,6 +183,11 @@ fn near(shadows: &Shadows<'_>, descent: &Descent<'_>, map: &WorkingMap, rigs: &[
     Some(State { steps: steps + state.steps, ..state })
 }
 
+/// Energies of a map and of its difference from a rig whose lights have these radii.
+pub fn bands(picture: &Picture, rig: &Rig, radii: &[f64]) -> Bands {
+    MapBands::new(picture).compare(rig, &discs_of(rig, radii))
+}
+
 /// Lights with angular radii, and the relative RMS error that they minimise.
 #[derive(Clone, Debug)]
 pub struct ContinuedLights {
@@ -197,13 +204,12 @@ pub struct ContinuedLights {
 /// Lights that are black there are left out.
 pub fn continued_descent(
     map: &WorkingMap,
-    expansion: &Expansion,
+    picture: &Picture,
     options: &FitOptions,
     radii: &[f64],
 ) -> ContinuedLights {
-    let picture = Picture::new(map, expansion);
     let comparison = options.sizes.unwrap_or(Comparison::Shadows);
-    let target = Target::new(&picture, comparison, options.ambient, options.has_floor);
+    let target = Target::new(picture, comparison, options.ambient, options.has_floor);
     let reference = picture.reference(options.ambient, options.has_floor);
     let shadows = Shadows::new(&target, &reference).up_to(options.max_radius.unwrap_or(DISCS.greatest));
     let descent = Descent { objective: &shadows, fixed: options.fixed, max_steps: options.max_steps };
@@ -218,25 +224,37 @@ pub fn continued_descent(
     let (rig, radii) = rig_of(&reference, &state, map);
     let radii: Vec<f64> =
         radii.iter().map(|radius| radius.min(options.max_radius.unwrap_or(*radius))).collect();
-    let objective_error = error_under(&target, &reference, &rig, &radii);
+    let objective_error = errors_under(&target, &reference, &rig, &radii).error;
     ContinuedLights { rig, radii, objective_error }
 }
 
-/// Relative RMS error of a rig, whose lights have these radii, under the kernel of a `target`.
-fn error_under(target: &Target, reference: &Reference, rig: &Rig, radii: &[f64]) -> f64 {
+/// Errors of a rig, whose lights have these radii, under the kernel of a `target`.
+fn errors_under(target: &Target, reference: &Reference, rig: &Rig, radii: &[f64]) -> ProbeError {
     let discs = discs_of(rig, radii);
+    let lights = discs_of_flux(rig, &discs);
     let (gram, rhs) = target.products(&discs);
-    let flux = rig.irradiance.iter().zip(&discs).map(|(&irradiance, disc)| irradiance / (1.0 - disc.share));
+    let flux = lights.iter().map(|&(_, _, flux)| DVec3::from_array(flux));
     let x: Vec<DVec3> = rig.ambient.iter().copied().chain(flux).collect();
     let x = DMatrix::from_fn(x.len(), 3, |i, c| x[i][c]);
     let used = &gram * &x;
-    let left = |c: usize| {
-        target.energy[c] + used.column(c).dot(&x.column(c)) - 2.0 * rhs.column(c).dot(&x.column(c))
+    let explained = |c: usize| 2.0 * rhs.column(c).dot(&x.column(c)) - used.column(c).dot(&x.column(c));
+    let (mut left, mut whole) = (DVec3::ZERO, DVec3::ZERO);
+    for c in (0..3).filter(|&c| reference.like[c].is_some()) {
+        (left[c], whole[c]) = (target.energy[c] - explained(c), target.energy[c]);
+    }
+    if let Some(bright) = &target.high_degrees {
+        left += bright.difference(&HighDegrees::new(lights.into_iter()));
+        whole += bright.energy;
+    }
+    ProbeError::of(left.max(DVec3::ZERO), whole)
+}
+
+/// The lights of a rig, which are `discs`, with their fluxes.
+fn discs_of_flux(rig: &Rig, discs: &[Disc]) -> Vec<DiscOfFlux> {
+    let flux = |(irradiance, disc): (&DVec3, &Disc)| {
+        (disc.direction, disc.share, (*irradiance / (1.0 - disc.share)).to_array())
     };
-    let counted = |c: &usize| reference.like[*c].is_some();
-    let left: f64 = (0..3).filter(counted).map(left).sum();
-    let energy: f64 = (0..3).filter(counted).map(|c| target.energy[c]).sum();
-    relative_error(left.max(0.0), energy)
+    rig.irradiance.iter().zip(discs).map(flux).collect()
 }
 
 /// The lights of a rig as discs.

@@ -1,56 +1,17 @@
-//! The parts of bright cells of a map as discs, and the cone of a kernel between them and the discs of lights.
+//! The cone of a kernel between the bright parts of a map and the discs of lights.
 
 #![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
 #![allow(clippy::needless_range_loop, reason = "loops, not closures, are inlined")]
-
-use std::f64::consts::PI;
 
 use glam::DVec3;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::chord::mean_distance;
-use crate::kernels::expansion::{Cap, DiscSum, Harmonics};
+use crate::kernels::expansion::{Cap, DiscSum};
 use crate::kernels::fit::jet::Jet;
 use crate::kernels::fit::light_disc::on_tangents;
-use crate::kernels::image::{Part, WorkingMap};
+use crate::kernels::fit::picture::Patch;
 use crate::kernels::lanes::{LANES, Lanes, Number};
-
-/// A part of a bright cell of the map, as a disc of the same spread.
-#[derive(Clone, Copy, Debug)]
-pub struct Patch {
-    pub direction: DVec3,
-    pub share: f64,
-    pub flux: [f64; 3],
-}
-
-impl Patch {
-    /// Its direction, A and flux.
-    pub fn disc(&self) -> (DVec3, f64, [f64; 3]) {
-        (self.direction, self.share, self.flux)
-    }
-
-    /// Its radiance, summed over the channels.
-    pub fn radiance(&self) -> f64 {
-        self.flux.iter().sum::<f64>() / (4.0 * PI * self.share)
-    }
-}
-
-/// The parts of the map's sources and bright cells as discs.
-///
-/// The channels of a part may have different directions; the first degree of the `rest` takes the difference.
-pub fn patches(map: &WorkingMap, rest: &mut Harmonics) -> Vec<Patch> {
-    let mut patches = Vec::new();
-    for &Part { irradiance: [x, y, z], spread: share } in &map.parts {
-        let vectors = [0, 1, 2].map(|c| DVec3::new(x[c], y[c], z[c]));
-        let Some(direction) = vectors.iter().sum::<DVec3>().try_normalize() else { continue };
-        let along = vectors.map(|vector| vector.dot(direction).max(0.0));
-        for c in 0..3 {
-            rest.add_first(c, vectors[c] - along[c] * direction);
-        }
-        patches.push(Patch { direction, share, flux: along.map(|vector| vector / (1.0 - share)) });
-    }
-    patches
-}
 
 /// Patches in blocks of one direction, A and flux a lane; the last block ends with black ones.
 #[derive(Clone, Debug)]
@@ -77,17 +38,25 @@ impl Patches {
     ///
     /// If N is 2, it has derivatives: second ones of the sum of the channels by `weights`.
     pub fn distances_to<const N: usize>(&self, cap: &Cap, weights: [f64; 3]) -> DiscSum {
-        Arch::new().dispatch(PatchDistances::<N> { cap, patches: self, weights })
+        Arch::new().dispatch(PatchDistances::<N> { cap, blocks: &self.blocks, weights })
     }
 }
 
 /// The mean distance between the points of patches, times their fluxes, over all pairs and by channel.
 pub fn distances(patches: &[Patch]) -> [f64; 3] {
-    let all = Patches::new(patches);
+    let Patches { blocks } = Patches::new(patches);
     let mut out = [0.0; 3];
-    for one in patches {
-        let distances = all.distances_to::<0>(&Cap::new(one.direction, one.share), [0.0; 3]).value;
-        (0..3).for_each(|c| out[c] += one.flux[c] * distances[c]);
+    for (i, own) in patches.chunks(LANES).enumerate() {
+        // A pair of blocks counts twice.
+        let (own_block, later) = blocks[i..].split_at(1);
+        for (one, (blocks, times)) in
+            own.iter().flat_map(|one| [(one, (own_block, 1.0)), (one, (later, 2.0))])
+        {
+            let cap = Cap::new(one.direction, one.share);
+            let distances =
+                Arch::new().dispatch(PatchDistances::<0> { cap: &cap, blocks, weights: [0.0; 3] }).value;
+            (0..3).for_each(|c| out[c] += times * one.flux[c] * distances[c]);
+        }
     }
     out
 }
@@ -101,7 +70,7 @@ fn dot<S: Simd>(one: DVec3, other: [Lanes<S>; 3]) -> Lanes<S> {
 /// See [`Patches::distances_to`].
 struct PatchDistances<'a, const N: usize> {
     cap: &'a Cap,
-    patches: &'a Patches,
+    blocks: &'a [[[f64; LANES]; 7]],
     weights: [f64; 3],
 }
 
@@ -110,11 +79,11 @@ impl<const N: usize> WithSimd for PatchDistances<'_, N> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> DiscSum {
-        let Self { cap, patches, weights } = self;
+        let Self { cap, blocks, weights } = self;
         let [s, t] = cap.frame;
         let own = Lanes::splat(simd, cap.share);
         let mut sum = DiscSum::zero(own);
-        for block in &patches.blocks {
+        for block in blocks {
             for vector in 0..Lanes::<S>::VECTORS {
                 let mut numbers = [own; 7];
                 for i in 0..7 {

@@ -73,10 +73,10 @@ fn spread(map: &WorkingMap, rig: &Rig) -> Vec<f64> {
         .windows(2)
         .map(|edges| (edges[1] - edges[0], (0.5 * (edges[0] + edges[1])).sin_cos().into()))
         .collect();
-    for (row, edges) in map.radiance.outer_iter().zip(map.grid.theta_edges.windows(2)) {
+    for (edges, row) in map.rows(&map.radiance) {
         let band = edges[0].cos() - edges[1].cos();
         let (sine, cosine) = (0.5 * (edges[0] + edges[1])).sin_cos();
-        for (cell, (width, [sin, cos])) in row.outer_iter().zip(&columns) {
+        for (cell, (width, [sin, cos])) in row.iter().zip(&columns) {
             let above = f64::from(cell[0] + cell[1] + cell[2]) - ambient;
             if above > 0.0 {
                 add(DVec3::new(sin * sine, cosine, -cos * sine), above * band * width);

@@ -7,75 +7,20 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::chord::mean_distance;
-use super::patches::{Patch, Patches, distances, patches};
+use super::high_degrees::HighDegrees;
+use super::patches::{Patches, distances};
 use super::zonal::Kernel;
-use crate::kernels::expansion::{Cap, DEGREE, DiscSum, Expansion, Harmonics};
+use crate::kernels::expansion::{Cap, DEGREE, DiscSum, Harmonics};
 use crate::kernels::fit::ambient::Ambient;
 use crate::kernels::fit::comparison::Comparison;
 use crate::kernels::fit::jet::Jet;
 use crate::kernels::fit::light_disc::{Disc, on_tangents};
-use crate::kernels::fit::objective::{Reference, distinct_channels};
+use crate::kernels::fit::objective::Reference;
+use crate::kernels::fit::picture::{Patch, Picture};
 use crate::kernels::harmonics::{cosine_lobe, irradiance_of_moments, radiance};
-use crate::kernels::image::{MOST_PARTS, WorkingMap};
 
 /// Discs that are done at a time: the vectors of most processors hold as many numbers.
 const BLOCK: usize = 4;
-
-/// The map as bright cells and harmonics of the rest.
-#[derive(Clone, Debug)]
-pub struct Picture {
-    rest: Harmonics,
-    patches: Vec<Patch>,
-    /// The harmonics of the patches.
-    bright: Harmonics,
-    /// Integral of the squared radiance that the harmonics of the rest leave out, by channel.
-    fine: [f64; 3],
-    /// Mean distances between the patches, by channel.
-    distances: [f64; 3],
-}
-
-impl Picture {
-    /// Separate the bright parts of a map from its other cells.
-    pub fn new(map: &WorkingMap, expansion: &Expansion) -> Self {
-        let mut rest = expansion.rest.clone();
-        let mut patches = patches(map, &mut rest);
-        // Add the dullest to the harmonics if there are too many.
-        patches.sort_by(|a, b| b.radiance().total_cmp(&a.radiance()));
-        let dull = patches.split_off(MOST_PARTS.min(patches.len()));
-        rest.add_discs(dull.iter().map(Patch::disc));
-        let mut bright = Harmonics::zero();
-        bright.add_discs(patches.iter().map(Patch::disc));
-        let distances = distances(&patches);
-        Self { rest, patches, bright, fine: expansion.fine, distances }
-    }
-
-    /// Direction, A and flux of each bright part.
-    pub fn discs(&self) -> impl Iterator<Item = (DVec3, f64, [f64; 3])> {
-        self.patches.iter().map(Patch::disc)
-    }
-
-    /// The harmonics of the other cells.
-    pub fn rest(&self) -> &Harmonics {
-        &self.rest
-    }
-
-    /// The channels of the map, and the ambient term beside its lights.
-    pub fn reference(&self, ambient: Ambient, has_floor: bool) -> Reference {
-        let parts = [&self.rest, &self.bright];
-        let is_black = |channel: usize| parts.iter().all(|part| part.moments(channel).0 == 0.0);
-        let are_same = |a: usize, b: usize| {
-            let same = |one: &[f64; 8], i: usize| one[i + a].to_bits() == one[i + b].to_bits();
-            parts.iter().all(|part| part.values.iter().all(|one| same(one, 0) && same(one, 4)))
-        };
-        let (channels, like) = distinct_channels(is_black, are_same);
-        Reference { channels, like, ..Reference::nothing(ambient, has_floor) }
-    }
-
-    /// Integral of the squared radiance that these harmonics leave out, by channel.
-    pub fn fine(&self) -> &[f64; 3] {
-        &self.fine
-    }
-}
 
 /// The map under one kernel, and the ambient term that may explain it.
 #[derive(Clone, Debug)]
@@ -89,6 +34,8 @@ pub struct Target {
     field: Harmonics,
     /// `<L, L>` by channel.
     pub energy: [f64; 3],
+    /// The bright parts in the degrees above the harmonics, for errors of the probe.
+    pub high_degrees: Option<HighDegrees>,
     /// Products of the ambient columns with each other, and with the three channels.
     ambient_products: DMatrix<f64>,
 }
@@ -100,8 +47,11 @@ impl Target {
         let field = rest.scaled_sum(&kernel.whole, bright, &kernel.smooth);
         let half_sky = (has_floor && ambient == Ambient::Constant).then(|| Disc::new(DVec3::Y, FRAC_PI_2));
         let ambient_products = DMatrix::zeros(ambient.coefficients(), ambient.coefficients() + 3);
+        let is_probe = comparison == Comparison::Probe;
+        let high_degrees = is_probe.then(|| HighDegrees::new(patches.iter().map(Patch::disc)));
         let (patches, energy) = (Patches::new(patches), [0.0; 3]);
-        let mut target = Self { kernel, ambient, half_sky, patches, field, energy, ambient_products };
+        let mut target =
+            Self { kernel, ambient, half_sky, patches, field, energy, high_degrees, ambient_products };
         target.energy = target.energy(picture);
         target.set_ambient_products(picture);
         target
@@ -110,27 +60,32 @@ impl Target {
     /// `<L, L>`. What is finer than the harmonics of the rest falls off with the degree as `k^-2`, and the kernel as
     /// `k^-3`: it counts a quarter of what it would in the last degree.
     fn energy(&self, picture: &Picture) -> [f64; 3] {
-        let Picture { rest, bright, fine, distances, .. } = picture;
+        let Picture { rest, bright, fine, patches, .. } = picture;
         let Kernel { whole, smooth, cone } = &self.kernel;
         let [rests, mixed, brights] =
             [rest.product(rest, whole), rest.product(bright, whole), bright.product(bright, smooth)];
         let last = 0.5 * (whole[DEGREE] + whole[DEGREE - 1]);
-        [0, 1, 2].map(|c| {
-            let smooth = rests[c] + 2.0 * mixed[c] + brights[c] + 0.25 * last * fine[c];
-            smooth - cone * distances[c]
-        })
+        let smooth = [0, 1, 2].map(|c| rests[c] + 2.0 * mixed[c] + brights[c] + 0.25 * last * fine[c]);
+        if *cone <= 0.0 {
+            return smooth;
+        }
+        let distances = picture.distances.get_or_init(|| distances(patches));
+        [0, 1, 2].map(|c| smooth[c] - cone * distances[c])
     }
 
     fn set_ambient_products(&mut self, picture: &Picture) {
         let ambient = self.ambient.coefficients();
         let mut out = DMatrix::zeros(ambient, ambient + 3);
+        let beside_pole = [1e-9, -1e-9].map(|x| Disc::new(DVec3::new(x, 1.0, 0.0), FRAC_PI_2));
+        let beside_pole = if self.half_sky.is_some() { self.values(&beside_pole) } else { Vec::new() };
         for channel in 0..3 {
             let [rest, bright] = [&picture.rest, &picture.bright].map(|part| part.moments(channel));
             let (whole, first, second) = (rest.0 + bright.0, rest.1 + bright.1, rest.2 + bright.2);
             let harmonics = irradiance_of_moments(whole, first, second);
             for i in 0..ambient {
                 out[(i, ambient + channel)] = match (&self.half_sky, self.ambient) {
-                    (Some(sky), _) => 2.0 * PI * self.values(&[*sky])[0].value[channel],
+                    // Two discs beside the pole: a disc at it is drawn 1e-5 away.
+                    (Some(_), _) => PI * beside_pole.iter().map(|sky| sky.value[channel]).sum::<f64>(),
                     (_, Ambient::Sh2) => self.kernel.whole[degree(i)] * harmonics[i] / cosine_lobe(i),
                     _ => self.kernel.whole[0] * whole,
                 };

@@ -32,15 +32,6 @@ struct SampleBlock {
     weights: [f64; SAMPLES],
 }
 
-/// Difference between the irradiance of samples and of a rig.
-#[derive(Clone, Copy, Debug)]
-pub struct Residual {
-    /// Weighted sum of its squares in each channel.
-    pub squares: [f64; 3],
-    /// Greatest difference at any normal and in any channel.
-    pub largest: f64,
-}
-
 impl Blocks {
     /// Group samples into blocks.
     pub fn new(normals: &[DVec3], weights: &[f64], irradiance: &[DVec3]) -> Self {
@@ -64,9 +55,9 @@ impl Blocks {
         self.widest.dispatch(VisibleSamples { blocks: &self.blocks, directions })
     }
 
-    /// Difference between the samples and a rig.
-    pub fn residual(&self, rig: &Rig) -> Residual {
-        self.widest.dispatch(RigResidual { blocks: &self.blocks, rig })
+    /// Weighted sum of squares of the difference to a rig, in each channel.
+    pub fn squares(&self, rig: &Rig) -> [f64; 3] {
+        self.widest.dispatch(Squares { blocks: &self.blocks, rig })
     }
 }
 
@@ -106,24 +97,24 @@ fn visible(blocks: &[SampleBlock], directions: &[DVec3]) -> Vec<u64> {
     words
 }
 
-/// See [`Blocks::residual`].
-struct RigResidual<'a> {
+/// See [`Blocks::squares`].
+struct Squares<'a> {
     blocks: &'a [SampleBlock],
     rig: &'a Rig,
 }
 
-impl WithSimd for RigResidual<'_> {
-    type Output = Residual;
+impl WithSimd for Squares<'_> {
+    type Output = [f64; 3];
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> Residual {
-        residual(self.blocks, self.rig)
+    fn with_simd<S: Simd>(self, _: S) -> [f64; 3] {
+        squares(self.blocks, self.rig)
     }
 }
 
 #[inline(always)]
-fn residual(blocks: &[SampleBlock], rig: &Rig) -> Residual {
-    let mut out = Residual { squares: [0.0; 3], largest: 0.0 };
+fn squares(blocks: &[SampleBlock], rig: &Rig) -> [f64; 3] {
+    let mut out = [0.0; 3];
     for block in blocks {
         let mut residual = block.irradiance;
         subtract_ambient(block, rig, &mut residual);
@@ -132,9 +123,7 @@ fn residual(blocks: &[SampleBlock], rig: &Rig) -> Residual {
         }
         for c in 0..3 {
             for i in 0..SAMPLES {
-                let difference = residual[c][i];
-                out.squares[c] += block.weights[i] * difference * difference;
-                out.largest = out.largest.max(difference.abs());
+                out[c] += block.weights[i] * residual[c][i] * residual[c][i];
             }
         }
     }
@@ -209,11 +198,8 @@ mod tests {
             let blocks = Blocks::new(&normals, &weights, &irradiance);
             let squares = normals.iter().zip(&irradiance).map(|(&n, e)| (*e - rig.at(n)).length_squared());
             let expected: f64 = squares.zip(&weights).map(|(square, weight)| square * weight).sum();
-            let residual = blocks.residual(&rig);
-            let sum: f64 = residual.squares.iter().sum();
+            let sum: f64 = blocks.squares(&rig).iter().sum();
             prop_assert!((sum - expected).abs() <= 1e-12 * expected, "{sum} {expected}");
-            let largest = normals.iter().zip(&irradiance).map(|(&n, e)| (*e - rig.at(n)).abs().max_element());
-            prop_assert!((residual.largest - largest.fold(0.0, f64::max)).abs() < 1e-12, "{residual:?}");
             let visible = blocks.visible(&rig.directions);
             prop_assert_eq!(visible.len(), rig.directions.len() * blocks.words());
             for (light, bits) in rig.directions.iter().zip(visible.chunks(blocks.words())) {

@@ -18,7 +18,7 @@ use glam::DVec3;
 use nalgebra::DMatrix;
 
 pub use self::probe::Probe;
-pub use self::probe_samples::{ProbeError as Judged, Samples};
+pub use self::probe_samples::{ProbeError, Samples};
 use super::objective::{
     Constraint, Derivatives, Directions, Moments, Objective, PointObjective, Reference, turn_by,
 };

@@ -5,6 +5,7 @@ use ndarray::{ArrayView1, ArrayView2};
 
 use super::blocks::Blocks;
 use crate::error::Result;
+use crate::kernels::disc::irradiance_share;
 use crate::kernels::fit::relative_rms::relative_error;
 use crate::kernels::fit::rig::Rig;
 use crate::kernels::sphere::{check_memory, check_weighted, to_vectors};
@@ -47,7 +48,7 @@ impl Samples {
 
     pub(crate) fn of(normals: Vec<DVec3>, weights: Vec<f64>, irradiance: Vec<DVec3>) -> Self {
         let blocks = Blocks::new(&normals, &weights, &irradiance);
-        let energy = blocks.residual(&Rig::default()).squares.iter().sum();
+        let energy = blocks.squares(&Rig::default()).iter().sum();
         Self { normals, weights, irradiance, blocks, energy }
     }
 
@@ -63,19 +64,27 @@ impl Samples {
 
     /// Weighted sum of squares of the difference to `rig`.
     pub fn cost(&self, rig: &Rig) -> f64 {
-        self.blocks.residual(rig).squares.iter().sum()
+        self.blocks.squares(rig).iter().sum()
     }
 
-    /// Errors of `rig`.
-    pub fn evaluate(&self, rig: &Rig) -> ProbeError {
-        let (residual, all) = (self.blocks.residual(rig), self.blocks.residual(&Rig::default()));
-        let [difference, whole] = [residual, all].map(|residual| DVec3::from_array(residual.squares));
-        ProbeError::of(difference, whole, residual.largest, self.weights.iter().sum())
-    }
-
-    /// Relative RMS error of `rig`; absolute if all irradiance is 0.
-    pub fn error(&self, rig: &Rig) -> f64 {
-        relative_error(self.cost(rig), self.energy)
+    /// Errors of a rig whose lights have these radii.
+    pub fn evaluate(&self, rig: &Rig, radii: &[f64]) -> ProbeError {
+        let ambient = Rig { directions: Vec::new(), irradiance: Vec::new(), ..rig.clone() };
+        let (mut difference, mut whole, mut largest) = (DVec3::ZERO, DVec3::ZERO, 0.0_f64);
+        for ((&n, &weight), &e) in self.normals.iter().zip(&self.weights).zip(&self.irradiance) {
+            let lights = rig.directions.iter().zip(&rig.irradiance).zip(radii);
+            let lit = lights.fold(ambient.at(n), |sum, ((l, irradiance), radius)| {
+                sum + *irradiance * irradiance_share(n.dot(*l), *radius)
+            });
+            let off = (lit - e).abs();
+            (difference, whole) = (difference + weight * off * off, whole + weight * e * e);
+            largest = largest.max(off.max_element());
+        }
+        let rms = (whole.element_sum() / self.weights.iter().sum::<f64>() / 3.0).sqrt();
+        ProbeError {
+            largest: largest / if rms > 0.0 { rms } else { 1.0 },
+            ..ProbeError::of(difference, whole)
+        }
     }
 }
 
@@ -86,19 +95,41 @@ pub struct ProbeError {
     pub error: f64,
     /// Relative RMS error of each channel.
     pub channels: [f64; 3],
-    /// Greatest difference at any normal and in any channel, relative to the RMS irradiance.
+    /// Greatest difference at any normal and in any channel, relative to the RMS irradiance; 0 in closed form.
     pub largest: f64,
 }
 
 impl ProbeError {
-    /// Errors from weighted sums of the squared difference and of the squared irradiance by channel, the largest
-    /// difference, and the sum of the weights.
-    pub fn of(difference: DVec3, whole: DVec3, largest: f64, weights: f64) -> Self {
-        let rms = (whole.element_sum() / weights / 3.0).sqrt();
+    /// Errors from sums of the squared difference and of the squared irradiance by channel.
+    pub fn of(difference: DVec3, whole: DVec3) -> Self {
         Self {
             error: relative_error(difference.element_sum(), whole.element_sum()),
             channels: [0, 1, 2].map(|c| relative_error(difference[c], whole[c])),
-            largest: largest / if rms > 0.0 { rms } else { 1.0 },
+            largest: 0.0,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kernels::sphere::direction;
+
+    /// The cost is a sum of its own, over vectors of the processor.
+    #[test]
+    fn discs_of_radius_0_have_the_error_of_points() {
+        let normals: Vec<DVec3> =
+            (0..3000).map(|i| direction(3.1 * f64::from(i) / 3000.0, 2.4 * f64::from(i))).collect();
+        let irradiance = normals.iter().map(|n| DVec3::new(2.0, 1.0 + n.x, 1.5 + n.y * n.z)).collect();
+        let weights = (0..normals.len()).map(|i| 1.0 + (i % 7) as f64).collect();
+        let samples = Samples::of(normals, weights, irradiance);
+        let rig = Rig {
+            ambient: vec![DVec3::new(0.3, 0.2, 0.1)],
+            directions: vec![DVec3::Y, DVec3::new(2.0, 3.0, -6.0) / 7.0],
+            irradiance: vec![DVec3::ONE, DVec3::new(0.1, 2.0, 0.3)],
+            ..Rig::default()
+        };
+        let (error, cost) = (samples.evaluate(&rig, &[0.0; 2]).error, samples.cost(&rig));
+        assert!((error.powi(2) * samples.energy / cost - 1.0).abs() < 1e-12, "{error} {cost}");
     }
 }

@@ -11,12 +11,13 @@ use super::field::{Field, HIGHEST};
 use super::kernel::{Block, LINEAR, outer, second_derivative, spectrum};
 use super::lights::{DerivativeProducts, LightProducts};
 use super::points::Points;
-use crate::kernels::expansion::{DEGREES, Expansion, Harmonics, PointLight, bright_cells};
+use crate::kernels::expansion::{DEGREES, Harmonics, PointLight, bright_cells};
 use crate::kernels::fit::ambient::Ambient;
 use crate::kernels::fit::objective::{
     Constraint, Derivatives, Moments, Objective, PointObjective, Reference, column_weights,
     distinct_channels, turn_by,
 };
+use crate::kernels::fit::picture::Picture;
 use crate::kernels::image::WorkingMap;
 use crate::kernels::lanes::LANES;
 use crate::kernels::sphere::tangents;
@@ -40,13 +41,13 @@ pub struct Sphere {
 impl Sphere {
     /// Expand `map`, to be fitted by lights and an `ambient` term. A floor has no light below the horizon.
     pub fn new(map: &WorkingMap, ambient: Ambient, has_floor: bool) -> Self {
-        Self::of(map, &Expansion::new(map), ambient, has_floor)
+        Self::of(map, &Picture::new(map), ambient, has_floor)
     }
 
-    /// Prepare the fit of a map whose harmonics are known.
-    pub fn of(map: &WorkingMap, expansion: &Expansion, ambient: Ambient, has_floor: bool) -> Self {
+    /// Prepare the fit of a map whose picture is known.
+    pub fn of(map: &WorkingMap, picture: &Picture, ambient: Ambient, has_floor: bool) -> Self {
         let (points, others, missing) = Points::of_sources(map);
-        let mut rest = expansion.rest.clone();
+        let mut rest = picture.cells.clone();
         rest.add_discs(others.iter().chain(&bright_cells(map)).map(PointLight::disc));
         (0..3).for_each(|channel| rest.add_first(channel, missing[channel]));
         let kernel = even_factors();

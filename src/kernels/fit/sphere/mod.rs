@@ -33,3 +33,4 @@ mod points;
 
 pub use closed_form::Sphere;
 pub use evaluation_probe::evaluation_probe;
+pub use kernel::spectrum;
