@@ -1,9 +1,11 @@
 """Cards of cubes, of parts of the sphere and of clipped maps; their bits on any threads."""
 
 import numpy as np
+import pytest
 
 import envlights as el
 from envlights.export.look_up import looked_up
+from tests.export.cards import irradiance
 from tests.helpers import angle_deg, printed_by_threads
 
 
@@ -45,6 +47,32 @@ def test_a_clipped_map_has_cards():
     expected = env.probe(normals)
     assert len(cards) > 0
     assert np.linalg.norm(together.probe(normals) - expected) < 1e-2 * np.linalg.norm(expected)
+
+
+def test_textures_and_remainder_light_as_the_map_does():
+    """Textures of cards as they are, drawn into a fine map, without the irradiance of the card."""
+    angle = np.arccos(el.kernels.pixel_directions(128, 256) @ [0.48, 0.6, 0.64])
+    lamp = np.where(angle < 0.1, 8 - 7 * (angle / 0.1) ** 2, 0.01)
+    env = el.EnvMap(np.repeat(lamp[..., None], 3, axis=2).astype(np.float32))
+    cards, rest = el.split(env, shapes=True)
+    normals, _ = el.kernels.icosphere(320)
+    expected = env.probe(normals)
+    assert len(cards) == 1
+    for shown in (irradiance(cards, normals, rest), cards.probe(normals) + rest.probe(normals)):
+        assert np.linalg.norm(shown - expected) < 2e-3 * np.linalg.norm(expected)
+
+
+@pytest.mark.parametrize("rows", [2, 4, 8])
+def test_maps_too_small_for_cards_are_refused(rows):
+    radiance = np.full((rows, 2 * rows, 3), 0.05)
+    radiance[0, 0] = 100
+    with pytest.raises(el.EnvLightsError, match=f"at least 32 columns.*got {2 * rows} columns"):
+        el.split(radiance, shapes=True)
+
+
+def test_a_light_that_is_another_card_leaves_no_black_card():
+    env = el.EnvMap(el.synthetic.hall(128).radiance)
+    assert el.split(env, shapes=True).cards.irradiance.any(axis=1).all()
 
 
 def test_cards_have_the_same_bits_for_any_number_of_threads():

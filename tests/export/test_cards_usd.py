@@ -91,6 +91,51 @@ def test_a_mesh_light_shows_the_map_that_it_hides(tmp_path):
     np.testing.assert_allclose(colours(picture, cards.QUARTERS), wanted, rtol=1e-6)
 
 
+def irradiance_of_scene(folder, normals):
+    """Irradiance of the lights and the dome of a stage, by points on each light."""
+    stage = Usd.Stage.Open(str(folder / "scene.usda"))
+    out = np.zeros((len(normals), 3))
+    for prim in stage.Traverse():
+        kind = prim.GetTypeName()
+        if kind == "DomeLight":
+            file = UsdLux.DomeLight(prim).GetTextureFileAttr().Get().resolvedPath
+            out += el.EnvMap.open(file).probe(normals)
+        elif kind == "DiskLight":
+            light, place = UsdLux.DiskLight(prim), np.array(to_world(prim))
+            x, y = ((np.indices((200, 200)) + 0.5) / 100 - 1).reshape(2, -1)
+            x, y = np.array([x, y])[:, x**2 + y**2 <= 1] * light.GetRadiusAttr().Get()
+            points = np.stack([x, y, 0 * x, 1 + 0 * x], axis=1) @ place[:, :3]
+            area = np.linalg.norm(np.cross(place[0, :3], place[1, :3])) * np.pi / 4 / len(x)
+            distance = np.linalg.norm(points, axis=1, keepdims=True)
+            facing = points @ place[2, :3] / np.linalg.norm(place[2, :3])
+            angle = area * abs(facing)[:, None] / distance**3
+            radiance = light.GetIntensityAttr().Get() * np.array(light.GetColorAttr().Get())
+            out += np.maximum(normals @ (points / distance).T, 0) @ (angle * radiance)
+        else:
+            assert kind == "Xform"
+    return out
+
+
+def lamp_with_a_bright_middle():
+    """A disc of 23 degrees, eight times as bright in its middle as at its rim, before a sky."""
+    towards = np.array([0.48, 0.6, 0.64])
+    angle = np.arccos(np.clip(el.kernels.pixel_directions(256, 512) @ towards, -1, 1))
+    lamp = np.where(angle < 0.4, 8 - 7 * (angle / 0.4) ** 2, 0)
+    return el.EnvMap((0.02 + 5 * lamp[..., None] * [1, 0.9, 0.7]).astype(np.float32))
+
+
+def test_a_warning_states_the_error_of_a_stage_with_cards(tmp_path):
+    env, (normals, weights) = lamp_with_a_bright_middle(), el.kernels.icosphere(1280)
+    parts = el.split(env, shapes=True)
+    assert parts.cards.shape == ("disc",)
+    with pytest.warns(UserWarning, match="OpenUSD shows disc cards in one colour") as warned:
+        parts.save(tmp_path / "scene.usda")
+    shown, truth = irradiance_of_scene(tmp_path, normals), env.probe(normals)
+    stated = float(str(warned[0].message).split()[-2]) / 100
+    error = np.sqrt(weights @ (shown - truth) ** 2 / (weights @ truth**2)).mean()
+    assert stated == pytest.approx(error, rel=0.1)
+
+
 @pytest.mark.parametrize("name", cards.ALL)
 def test_usdchecker_has_nothing_to_say(name, tmp_path):
     el.export.save(cards.ALL[name], tmp_path / "scene.usda")

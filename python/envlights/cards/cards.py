@@ -34,6 +34,7 @@ from envlights.cards.card import Card
 from envlights.environment import thumbnails
 from envlights.environment.envmap import EnvMap
 from envlights.kernels.angles import azimuths, elevations
+from envlights.kernels.probe import rig_irradiance
 from envlights.rigs.light_arrays import amounts, row_of, rows_of
 from envlights.rigs.lights import Lights, Rows, brightest_first, rgb_cell, rgb_heading
 
@@ -296,6 +297,28 @@ class Cards(Result):
         )
         irradiance = self.irradiance * factors[:, None]
         return replace(self, irradiance=irradiance, textures=tuple(textures))
+
+    def probe(self, normals: ArrayLike, uniform: Sequence[str] = ()) -> NDArray[np.float64]:
+        """Irradiance at unit normals under the cards alone, (n, 3).
+
+        Parameters
+        ----------
+        normals : array_like, shape (n, 3)
+        uniform : sequence of str
+            Shapes of the cards whose textures are replaced by one radiance, as some programs do.
+        """
+        lights = self.distant
+        arrays = lights.direction, lights.irradiance, lights.angular_radius
+        out = rig_irradiance(normals, np.zeros(3), *arrays)
+        for card in self[self.is_flat]:
+            one = np.ones((1, 1, 3), np.float32)
+            texture = one if card.shape in uniform else card.texture
+            is_disc = card.shape == "disc"
+            directions, flux = geometry.sources(card.matrix, texture, 64, is_disc=is_disc)
+            seen = card.direction @ directions.T @ flux
+            flux *= card.irradiance / np.where(seen > 0, seen, 1)
+            out += rig_irradiance(normals, np.zeros(3), directions, flux)
+        return out
 
     def to_map(self, width: int) -> EnvMap:
         """Map of the cards with their textures in a black sky.

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from envlights import _native
 from envlights.cards.arrays import SHAPES
 from envlights.cards.cards import Cards
+from envlights.cards.geometry import sources, unit
 from envlights.environment.envmap import EnvMap
 
 
@@ -37,17 +38,33 @@ def cut(
         env.radiance, remainder, env.is_border_sampled, block, *pixels, *lights
     )
     radius = [np.nan if each is None else each for each in parts.radius]
+    shape = tuple(SHAPES[shape] for shape in parts.shape)
+    matrix, irradiance = np.reshape(parts.matrix, (-1, 3, 3)), np.reshape(parts.irradiance, (-1, 3))
     cards = Cards(
-        tuple(SHAPES[shape] for shape in parts.shape),
-        np.reshape(parts.matrix, (-1, 3, 3)),
-        np.reshape(parts.irradiance, (-1, 3)),
-        tuple(parts.texture),
+        shape,
+        matrix,
+        irradiance,
+        tuple(map(_with_irradiance, parts.texture, matrix, shape, irradiance)),
         parts.overlap,
         np.array(radius),
         units=env.units,
         notes=_notes(parts, len(lights[0])),
     )
-    return cards, parts.remainder
+    return cards[np.flatnonzero(cards.irradiance.any(axis=1))], parts.remainder
+
+
+def _with_irradiance(
+    texture: NDArray[np.float32],
+    matrix: NDArray[np.float64],
+    shape: str,
+    irradiance: NDArray[np.float64],
+) -> NDArray[np.float32]:
+    """Texture that gives a card its irradiance; the rims of pixels have lost up to 3 % of it."""
+    # With 256 parts, the rim of a disc is right to 0.05 %.
+    directions, flux = sources(matrix, texture, 256, is_disc=shape == "disc")
+    seen = (directions @ unit(matrix @ [0.5, 0.5, 1])) @ flux
+    gain = np.where(seen > 0, irradiance / np.where(seen > 0, seen, 1), 1)
+    return texture * gain.astype(np.float32)
 
 
 def _notes(parts: _native.MapCards, lights: int) -> tuple[str, ...]:

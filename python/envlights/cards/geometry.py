@@ -116,3 +116,22 @@ def tilt(matrix: NDArray[np.float64], normal: NDArray[np.float64]) -> NDArray[np
     parts = [first, second, centre - (first + second) / 2]
     matrix_in_plane: NDArray[np.float64] = np.stack(parts, axis=1)
     return matrix_in_plane
+
+
+def sources(
+    matrix: NDArray[np.float64], texture: NDArray[np.float32], parts: int, *, is_disc: bool
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Unit directions and RGB fluxes, (k, 3) each, of at least `parts` by `parts` parts."""
+    rows, columns = texture.shape[:2]
+    tall, wide = -(-parts // rows), -(-parts // columns)
+    b = (np.arange(rows * tall) + 0.5)[:, None] / (rows * tall)
+    a = (np.arange(columns * wide) + 0.5) / (columns * wide)
+    places = np.stack([*np.broadcast_arrays(a, b, 1.0)], axis=-1).reshape(-1, 3)
+    radiance = texture.repeat(tall, axis=0).repeat(wide, axis=1).reshape(-1, 3)
+    if is_disc:
+        inside = ((2 * places[:, :2] - 1) ** 2).sum(axis=1) <= 1
+        places, radiance = places[inside], radiance[inside]
+    to_points = places @ matrix.T
+    distance = np.linalg.norm(to_points, axis=1, keepdims=True)
+    angle = np.linalg.det(matrix) / (rows * tall * columns * wide) / distance**3
+    return to_points / distance, angle * radiance

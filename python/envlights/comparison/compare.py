@@ -177,7 +177,8 @@ def compare(
     :math:`\sum_l \lambda_l \sum_m L_{lm}^2 / 4 \pi`, so RMSE and scale-invariant RMSE are inner
     products of spherical harmonics. :math:`\lambda` is that of a clamped cosine (Ramamoorthi and
     Hanrahan 2001, equation 8) for "diffuse", that of GGX metal of roughness 0.3271 for "matte", and
-    1 for "mirror", whose errors are the area-weighted ones of the maps. Degrees end at 100. Angles
+    1 for "mirror", whose errors are the area-weighted ones of the maps. Degrees end at 100,
+    for shadows of small lights at 2000. Angles
     are :math:`\mathrm{atan2}(|G \times T|, G \cdot T)` of pixels from all sides: 288 for
     "diffuse", 256 for "matte", and all pixels of the maps for "mirror".
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from envlights._common.files import as_path
 from envlights.comparison import harmonics
 from envlights.comparison.angles import degrees_between
+from envlights.comparison.harmonics import Discs
 from envlights.detection.detect import detect
 from envlights.detection.lights_file import SUFFIXES, load_lights
 from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
@@ -56,18 +57,22 @@ class Lighting:
     @cached_property
     def harmonics(self) -> NDArray[np.float64]:
         """Coefficients; see `comparison.harmonics`."""
-        out = harmonics.of_map(reduce_cells(self.backdrop, harmonics.MOST_ROWS))
-        if self.discs is not None and len(self.discs):
-            arrays = self.discs.direction, self.discs.irradiance, self.discs.angular_radius
-            out = out + harmonics.of_discs(*arrays)
-        return out
+        out = harmonics.of_map(harmonics.reduce_cells(self.backdrop, harmonics.MOST_ROWS))
+        return out if self.discs is None else out + self.fine_discs.harmonics()
+
+    @cached_property
+    def fine_discs(self) -> Discs:
+        """All light that counts beyond the degrees of `harmonics`."""
+        if self.discs is None:
+            return harmonics.bright_parts(self.backdrop)
+        lights = self.discs
+        return Discs(lights.direction, lights.irradiance, lights.angular_radius)
 
     def probe(self, normals: NDArray[np.float64]) -> NDArray[np.float64]:
         """Irradiance at unit normals, (n, 3)."""
         values = irradiance(self.backdrop, normals)
         if self.discs is not None and len(self.discs):
-            arrays = self.discs.direction, self.discs.irradiance, self.discs.angular_radius
-            values = values + rig_irradiance(normals, np.zeros(3), *arrays)
+            values = values + rig_irradiance(normals, np.zeros(3), *self.fine_discs)
         return values
 
     @cached_property
@@ -111,7 +116,15 @@ class Pair:
         one, other = self.truth.harmonics, self.guess.harmonics
         difference = other - one
         pairs = [(one, one), (one, other), (other, other), (difference, difference)]
-        return np.stack([harmonics.products(*pair) for pair in pairs])
+        coarse = np.stack([harmonics.products(*pair) for pair in pairs])
+        return np.concatenate([coarse, self._fine()], axis=1)
+
+    def _fine(self) -> NDArray[np.float64]:
+        """Inner products of the degrees beyond."""
+        one, other = self.truth.fine_discs, self.guess.fine_discs
+        pairs = [(one, one), (one, other), (other, other)]
+        a, b, c = (harmonics.fine_products(*pair) for pair in pairs)
+        return np.stack([a, b, c, np.maximum(a - 2 * b + c, 0)])
 
     def vector_angle(self) -> float | None:
         """Degrees between the irradiance vectors; None if one is 0, but for rounding."""
@@ -156,8 +169,3 @@ def _of_map(env: EnvMap, rows: int) -> Lighting:
     reduced = whole if whole.height == rows else whole.resized(2 * rows)
     cells = reduced.cells()
     return Lighting(cells, cells, None, reduced)
-
-
-def reduce_cells(radiance: NDArray[np.float32], rows: int) -> NDArray[np.float32]:
-    """Area means of cells in a map of at most `rows` rows."""
-    return radiance if len(radiance) <= rows else EnvMap(radiance).resized(2 * rows).cells()

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from envlights import _native
 from envlights._native import EnvLightsError
-from envlights.comparison.harmonics import DEGREE
+from envlights.comparison.harmonics import DEGREE, FINE_DEGREE
 from envlights.comparison.protocol import Material
 from envlights.kernels.gloss import spectrum
 
@@ -58,6 +58,9 @@ def lambertian() -> NDArray[np.float64]:
 def shadows() -> NDArray[np.float64]:
     """Factors of irradiance with a part of the light blocked, over all planes that block it.
 
-    Kernel at the angle g: ``2/3 (sin g + (pi - g) cos g) (1 - g/pi) / 2``.
+    Kernel at the angle g: ``2/3 (sin g + (pi - g) cos g) (1 - g/pi) / 2``. High degrees see its
+    slope at 0, -1/3, which is that of -1/3 of the chord, ``2 sin(g/2)``.
     """
-    return _native.kernel_spectra(DEGREE)[1]
+    twice = 2 * np.arange(DEGREE + 1.0, FINE_DEGREE + 1)
+    cone = 16 * np.pi / 3 / ((twice - 1) * (twice + 1) * (twice + 3))
+    return np.concatenate([_native.kernel_spectra(DEGREE)[1], cone])

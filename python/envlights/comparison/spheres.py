@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from envlights._common.blocks import blocks
 from envlights.comparison import rays, spectra
+from envlights.comparison.harmonics import reduce_cells
 from envlights.comparison.image_errors import (
     ImageErrors,
     PixelSums,
@@ -17,7 +18,7 @@ from envlights.comparison.image_errors import (
     errors_of_products,
     pixel_sums,
 )
-from envlights.comparison.lighting import Lighting, Pair, reduce_cells
+from envlights.comparison.lighting import Lighting, Pair
 from envlights.comparison.protocol import Camera, Material, Protocol
 from envlights.kernels.reflection import rough_reflection
 from envlights.kernels.sphere import pixel_solid_angles
@@ -57,7 +58,7 @@ def _from_all_sides(pair: Pair, material: Material, protocol: Protocol) -> Image
 
 def products_of(by_degree: NDArray[np.float64], factors: NDArray[np.float64]) -> Products:
     """Means over all pixels, sides and channels, from inner products of each degree."""
-    return Products(*(by_degree @ factors / (12 * np.pi)))
+    return Products(*(by_degree[:, : len(factors)] @ factors / (12 * np.pi)))
 
 
 def _sums_of_mirror(truth: Lighting, guess: Lighting, material: Material) -> PixelSums:

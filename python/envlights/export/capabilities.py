@@ -49,6 +49,9 @@ class Capabilities(NamedTuple):
     cards: bool = False
     """True if cards are planes in space; False if they are discs like other lights."""
 
+    uniform_cards: tuple[str, ...] = ()
+    """Shapes of cards that light with one radiance, without their texture."""
+
     remark: str = ""
     """Losses in other words, and settings to make by hand."""
 

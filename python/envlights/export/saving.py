@@ -6,9 +6,11 @@ import warnings
 from typing import Any
 
 from envlights._native import EnvLightsError
-from envlights.environment.envmap import AnyMap
+from envlights.environment.envmap import AnyMap, as_envmap
 from envlights.export.files import AnyPath
 from envlights.export.targets import Target, target_of
+from envlights.kernels.probe import relative_rms
+from envlights.kernels.sampling import icosphere
 
 #: Error in a file up to which `save` does not warn, and largest ratio to the error of the rig: a
 #: tenth is the accuracy at which stated errors are compared with files.
@@ -48,6 +50,8 @@ def save_for(
 ) -> None:
     """Write a file for a target, with a warning if it shows the rig with a larger error."""
     shown = getattr(rig, "distant", rig) if target.shows.cards else rig
+    if shown is not rig:
+        _warn_of_uniform_cards(rig, target, environment)
     if environment is None:
         _warn_of_losses(shown, target)
         target.save(rig, path, **options)
@@ -68,6 +72,20 @@ def _warn_of_losses(rig: Any, target: Target) -> None:
     if error > max(_SAME_ERROR * stated, _SMALL_ERROR):
         lost = f"{target.title} shows {' and '.join(losses)}"
         warnings.warn(f"{lost}: {_figures(rig, target, error)}", stacklevel=5)
+
+
+def _warn_of_uniform_cards(cards: Any, target: Target, environment: AnyMap | None) -> None:
+    """Warn if the irradiance of a scene changes because cards lose their textures."""
+    normals, weights = icosphere(320)
+    around = 0 if environment is None else as_envmap(environment).probe(normals)
+    lit = around + cards.probe(normals)
+    shown = around + cards.probe(normals, uniform=target.shows.uniform_cards)
+    change = relative_rms(shown, lit, weights) if lit.any() else 0.0
+    if change > _SMALL_ERROR:
+        lost = (
+            f"{target.title} shows {' and '.join(target.shows.uniform_cards)} cards in one colour"
+        )
+        warnings.warn(f"{lost}: the irradiance changes by {_percent(change)}", stacklevel=5)
 
 
 def _figures(rig: Any, target: Target, error: float) -> str:

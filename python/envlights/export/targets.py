@@ -157,6 +157,7 @@ TARGETS = (
         Capabilities(
             sizes="none",
             cards=True,
+            uniform_cards=("rectangle", "tube", "disc"),
             remark="sizes are in `userData`",
             source="three.js, src/lights: DirectionalLight, HemisphereLight, LightProbe",
         ),
@@ -170,6 +171,7 @@ TARGETS = (
         Capabilities(
             harmonics="map",
             cards=True,
+            uniform_cards=("disc",),
             remark="Storm, the viewer of usdview, ignores `angle`",
             source="OpenUSD, UsdLux: DistantLight, inputs:angle",
         ),
@@ -185,6 +187,7 @@ TARGETS = (
         Capabilities(
             harmonics="map",
             cards=True,
+            uniform_cards=("disc",),
             remark="sizes are in a map",
             source="Mitsuba 3, plugins: envmap",
         ),
@@ -224,6 +227,7 @@ TARGETS = (
         Capabilities(
             harmonics="map",
             cards=True,
+            uniform_cards=("disc",),
             remark="sizes below 0.7 degrees are points, others are in a map",
             source="pbrt-v4 file format: infinite and distant lights",
         ),
