@@ -113,7 +113,7 @@ class TransferPrior(Result):
             1.0, self.visible, out=np.zeros_like(self.visible), where=self.visible > 0
         )
         reflected = self.direct_albedo.T[:, :, None]
-        bounced = _bounced(reflected * (self.between * fraction))
+        bounced = _sum_of_bounces(reflected * (self.between * fraction))
         shown: NDArray[np.float64] = fraction[:, None] * bounced
         return shown * self.direct_albedo.T[:, None] if self.irradiance else shown
 
@@ -243,7 +243,7 @@ def _check_albedo(albedo: NDArray[np.float64]) -> None:
         )
 
 
-def _bounced(reflected: NDArray[np.float64]) -> NDArray[np.float64]:
+def _sum_of_bounces(reflected: NDArray[np.float64]) -> NDArray[np.float64]:
     """Sum of all bounces, or a refusal if light would not fade.
 
     The inverse is that sum, without negative numbers, if and only if it converges.
@@ -258,7 +258,7 @@ def _bounced(reflected: NDArray[np.float64]) -> NDArray[np.float64]:
             "light among the direct texels would not fade: `between` divided by `visible`, times"
             " the albedo, reflects more than it gets; gather the prior again"
         )
-    return bounced
+    return np.asarray(bounced)
 
 
 def _from_file(data: Mapping[str, NDArray[Any]]) -> TransferPrior:
