@@ -67,7 +67,6 @@ __all__ = [
     "hammersley",
     "harmonic_irradiance",
     "harmonic_radiance",
-    "has_two_discs",
     "hidden_fractions",
     "icosphere",
     "irradiance",
@@ -77,6 +76,7 @@ __all__ = [
     "merge_along_lines",
     "neighbour_maximum",
     "nine_harmonics",
+    "overview",
     "pack_lights",
     "pixel_directions",
     "pixel_solid_angles",
@@ -152,7 +152,7 @@ class ClippedDetection:
 @final
 class ReducedMap:
     floor: bool
-    has_two_discs: bool
+    overview: _Image
 
 @final
 class RowReducer:
@@ -327,7 +327,6 @@ def fit_samples(
 def gloss_spectrum(roughness: float, degree: int, base: float | None) -> _Reals: ...
 def halton(count: int, bases: list[int]) -> _Reals: ...
 def hammersley(count: int) -> _Reals: ...
-def has_two_discs(radiance: _Image, border_sampled: bool, columns: int) -> bool: ...
 def harmonic_irradiance(normals: _Reals) -> _Reals: ...
 def harmonic_radiance(directions: _Reals) -> _Reals: ...
 def hidden_fractions(stage: Stage, directions: _Reals, radii: _Reals, floor: bool) -> _Reals: ...
@@ -348,6 +347,7 @@ def neighbour_maximum(
 ) -> tuple[_Image, _Indices]: ...
 def nine_harmonics(radiance: _Image, border_sampled: bool) -> _Reals: ...
 def pack_lights(ambient: _Reals, directions: _Reals, irradiance: _Reals) -> _Reals: ...
+def overview(radiance: _Image, border_sampled: bool, columns: int) -> _Image: ...
 def pixel_directions(
     height: int, width: int, border_sampled: bool, top: int, bottom: int
 ) -> _Reals: ...

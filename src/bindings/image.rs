@@ -42,16 +42,17 @@ pub fn clean<'py>(
     Ok(Some((samples, counts_of(&cleaning))))
 }
 
-/// See `envlights.environment.open`: true for two discs in black squares, by a map reduced to `columns`.
+/// See `envlights.environment.open`: means over the blocks of a map reduced to `columns`.
 #[pyfunction]
-pub fn has_two_discs(
-    py: Python<'_>,
-    radiance: PyReadonlyArray3<'_, f32>,
+pub fn overview<'py>(
+    py: Python<'py>,
+    radiance: PyReadonlyArray3<'py, f32>,
     border_sampled: bool,
     columns: usize,
-) -> PyResult<bool> {
+) -> PyResult<Bound<'py, PyArray3<f32>>> {
     let radiance = radiance.as_array();
-    interruptible(py, || image::has_two_discs(radiance, registration(border_sampled), columns))
+    let cells = interruptible(py, || image::overview(radiance, registration(border_sampled), columns))?;
+    Ok(cells.into_pyarray(py))
 }
 
 /// See `envlights._common.srgb.look_up`: values of 8-bit codes by one table, or by one for each channel, in `values`.

@@ -76,8 +76,8 @@ mod _native {
     use super::hierarchy::{TriangleTree, bounding_volume_hierarchy};
     #[pymodule_export]
     use super::image::{
-        apply_matrix, area_means, clean, code_histogram_8, code_histogram_16, decode_8, decode_16,
-        has_two_discs, white_code, widen,
+        apply_matrix, area_means, clean, code_histogram_8, code_histogram_16, decode_8, decode_16, overview,
+        white_code, widen,
     };
     #[pymodule_export]
     use super::loghin::{

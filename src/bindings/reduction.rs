@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use half::f16;
-use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray3};
+use numpy::{PyArray1, PyArray3, PyReadonlyArray1, PyReadonlyArray3};
 use pyo3::prelude::*;
 
 use super::image::{CleaningCounts, counts_of};
@@ -41,10 +41,10 @@ impl ReducedMap {
 
 #[pymethods]
 impl ReducedMap {
-    /// True if the map is a picture of two discs in black squares.
+    /// Mean radiance of each cell, (rows, columns, 3).
     #[getter]
-    fn has_two_discs(&self) -> bool {
-        self.map.has_two_discs
+    fn overview<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray3<f32>> {
+        PyArray3::from_array(py, &self.map.overview)
     }
 }
 

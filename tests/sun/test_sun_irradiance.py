@@ -7,6 +7,7 @@ import pytest
 
 import envlights as el
 from envlights.kernels.image import LUMINANCE
+from envlights.kernels.sphere import pixel_directions
 from tests.conftest import real_maps
 from tests.helpers import angle_deg
 from tests.sun.skies import expose, sunny, towards
@@ -107,6 +108,68 @@ def test_a_lamp_in_a_dark_room_of_floats_is_no_sun():
     lamp = el.synthetic.Disc((0.3, 0.8, 0.2), 1.0, (500, 500, 500))
     room = el.synthetic.scene(128, background=[0.1] * 3, shapes=[lamp])
     assert el.find_sun(room.radiance).answer == "no"
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_sun_with_half_of_the_light_is_a_sun_among_clouds(seed):
+    sky = np.asarray(el.synthetic.clear_sky(128).radiance, float)
+    directions = pixel_directions(128, 256)
+    waves = np.random.default_rng(seed).normal(size=(20, 3)) * 12
+    cover = 1 / (1 + np.exp(-3 * np.sin(directions @ waves.T).sum(-1, keepdims=True)))
+    free = (directions @ [0.48, 0.6, 0.64] > 0.999)[..., None] | (directions[..., 1:2] < 0)
+    cloudy = np.where(free, sky, sky * (1 - cover) + 0.8 * cover)
+    answer = el.find_sun(cloudy)
+    assert answer.answer == "sun"
+    assert angle_deg(answer.direction, [0.48, 0.6, 0.64]) < 1
+    lights = el.with_sun(cloudy).lights
+    assert lights.luminance[0] == pytest.approx(4, rel=0.05)
+
+
+def test_a_dominant_lamp_of_the_size_of_the_sun_is_perhaps_one():
+    lamp = el.synthetic.Disc((0.3, 0.8, 0.2), 1.0, (5000, 5000, 5000))
+    room = el.synthetic.scene(128, background=[0.1] * 3, shapes=[lamp]).radiance
+    answer = el.find_sun(room)
+    assert (answer.answer, answer.evidence) == ("perhaps", ("map",))
+    assert not len(el.with_sun(room).lights)
+    assert len(el.with_sun(room, (0.3, 0.8, 0.2)).lights) == 1
+
+
+def test_floats_of_a_clipped_picture_have_the_sun_of_its_codes():
+    picture = expose(sunny(PLACE)[0], 0.01)[0]
+    of_codes = el.find_sun(picture)
+    linear = np.asarray(el.EnvMap(picture).radiance)
+    for floats in (linear, picture.astype(float), picture / 255):
+        answer = el.find_sun(floats)
+        assert answer.answer == of_codes.answer == "sun"
+        assert angle_deg(answer.direction, of_codes.direction) < 0.2
+
+
+#: Red and blue over green of the sun in Mitsuba 3.9, `sunsky` with a turbidity of 3, by elevation.
+_OF_SUNSKY = {
+    3: (2.725, 0.0717),
+    5: (2.242, 0.135),
+    10: (1.649, 0.357),
+    20: (1.359, 0.569),
+    30: (1.271, 0.666),
+    60: (1.194, 0.770),
+}
+
+
+@pytest.mark.parametrize("degrees", _OF_SUNSKY)
+def test_the_colour_of_the_sun_follows_its_elevation(degrees):
+    red, blue = _OF_SUNSKY[degrees]
+    wanted = np.array([red, 1, blue]) / (np.array([red, 1, blue]) @ LUMINANCE)
+    sine = np.sin(np.radians(degrees))
+    answer = el.find_sun(sunny(PLACE)[0], direction=[0, sine, np.cos(np.radians(degrees))])
+    found = answer.irradiance / (answer.irradiance @ LUMINANCE)
+    np.testing.assert_allclose(found, wanted, rtol=0.2)
+
+
+def test_an_estimate_far_above_the_light_of_an_unclipped_map_is_noted():
+    sky, _, _ = sunny(PLACE, ratio=0.1)
+    answer = el.find_sun(sky, direction=PLACE)
+    assert any("times the light within 3 degrees" in note for note in answer.notes)
+    assert not any("times the light" in note for note in el.find_sun(sunny(PLACE)[0]).notes)
 
 
 def test_a_known_direction_needs_no_question(env, sun):

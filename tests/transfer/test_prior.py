@@ -295,3 +295,30 @@ def test_a_model_with_a_prior_does_not_grow():
 def test_albedo_that_never_fades_is_refused():
     with pytest.raises(el.EnvLightsError, match=r"albedo must be from 0 to below 1.*to 1;"):
         furnace(1.0)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"between": np.full((16, 16), -5.0)}, "between must be from 0 to 1"),
+        ({"between": np.eye(16) * 2}, "between must be from 0 to 1.* 0 to 2"),
+        ({"between": np.full((16, 16), 0.1)}, "sum of a row of between .* 0 to 1.6"),
+        ({"between": np.full((16, 16), np.nan)}, "between must be from 0 to 1"),
+        ({"visible": -np.ones(16)}, "visible must be from 0 to 1.*from -1"),
+        ({"visible": np.full(16, 1.5)}, "visible must be from 0 to 1"),
+        ({"rays": 63}, "sum of a row of hits over rays must be from 0 to 1"),
+    ],
+)
+def test_fractions_that_are_none_are_refused(changes, message):
+    with pytest.raises(el.EnvLightsError, match=message):
+        replace(furnace(), **changes)
+
+
+@pytest.mark.parametrize("visible", [1e-300, 1e-3, 0.5])
+def test_light_that_would_not_fade_is_refused(visible):
+    """A furnace of albedo a reflects a / v of its light: from 1 on the sum of bounces diverges."""
+    prior = replace(furnace(0.5), visible=np.full(16, visible))
+    with pytest.raises(el.EnvLightsError, match="light among the direct texels would not fade"):
+        prior.predict(np.ones((SIDE, SIDE, 3)))
+    half = replace(furnace(0.5), visible=np.full(16, 0.8)).predict(np.ones((SIDE, SIDE, 3)))
+    np.testing.assert_allclose(half, 0.5 / 0.8 / (1 - 0.5 / 0.8), rtol=1e-6)

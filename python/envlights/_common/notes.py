@@ -34,6 +34,11 @@ CODES = {
     "sun-added": Code(("added as a disc: ", "as a light of its own: "), "A sun was added."),
     "sun-missing": Code(("no sun was added",), "No sun was added, and why.", True),
     "calibrated": Code(("calibrated to cd/m2", "(whiteLuminance)"), "Radiance is in cd/m2."),
+    "codes": Code(
+        ("decoded as 8-bit codes from sRGB", "but were taken for linear radiance"),
+        "Floats that look like codes of 8 bits.",
+        True,
+    ),
     "colour-assumed": Code((" was assumed",), "The colour space is a guess.", True),
     "colour-ignored": Code(
         ("of the gAMA chunk was ignored", "the primaries of the file were ignored"),
@@ -69,6 +74,11 @@ CODES = {
     ),
     "horizon": Code(("the horizon is taken to be the middle row",), "Horizon is a guess.", True),
     "shape": Code(("nearly twice as wide as high",), "Read as the whole sphere all the same."),
+    "layout-doubt": Code(
+        ("the picture may be no panorama", "was taken for the front of the map"),
+        "Two lenses, two eyes, a part of a panorama, or a direction that nobody gave.",
+        True,
+    ),
     "layout": Code(
         ("pixels, converted to ", "so the samples lie on them (border-sampled)"),
         "Layout of the picture, and its conversion.",

@@ -52,6 +52,7 @@ def image_of_array(
         array, order = faces_of_mapping(array)
         hints = hints._replace(order=order)
     samples, seen = _samples_of(array, notes, what)
+    samples = _codes_of_floats(samples, notes)
     clip_level = known_level
     if clip_level is None and samples.dtype.kind != "f":
         clip_level = clip_level_of_codes(samples, seen, notes)
@@ -63,6 +64,43 @@ def image_of_array(
         if given is not None:
             seen = given if seen is None else seen * given
     return Image(linear, False, tuple(notes), clip_level, seen, hints)
+
+
+#: Fewest different values of a picture of codes, and the least median of codes in floats with fewer
+#: values: maps that are made by hand are often 0 or 1, with a lamp.
+_VALUES, _MEDIAN = 32, 4
+
+
+def _codes_of_floats(samples: NDArray[Any], notes: list[str]) -> NDArray[Any]:
+    """Codes from 0 to 255, or divided by 255, in floats as uint8; other samples as they are."""
+    if samples.dtype.kind != "f" or not samples.size:
+        return samples
+    some = samples[..., :: max(samples.shape[-2] // 64, 1), :]
+    for scale, name in ((1, "whole numbers from 0 to 255"), (255, "multiples of 1/255 up to 1")):
+        if not (_are_codes(some, scale) and _are_codes(samples, scale)):
+            continue
+        values = np.unique(samples) * scale
+        if len(values) >= _VALUES:
+            notes.append(
+                f"the samples are {name} in floats: decoded as 8-bit codes from sRGB; scaled by"
+                " another factor they would be linear radiance"
+            )
+            return np.round(samples.astype(np.float64) * scale).astype(np.uint8)
+        if scale == 1 and np.median(samples) >= _MEDIAN:
+            notes.append(
+                f"the samples are {name}, as of codes, but were taken for linear radiance, because"
+                " they are floats; give uint8 to decode them from sRGB"
+            )
+    return samples
+
+
+def _are_codes(samples: NDArray[Any], scale: int) -> bool:
+    """True if all samples times `scale` are whole numbers from 0 to 255, some above 1."""
+    scaled = samples.astype(np.float64) * scale
+    tolerance = 0 if scale == 1 else 1e-4
+    if not (scaled.min() >= 0 and 1 < scaled.max() <= 255 + tolerance):
+        return False
+    return bool((np.abs(scaled - np.round(scaled)) <= tolerance).all())
 
 
 def _linear(samples: NDArray[Any], notes: list[str]) -> NDArray[np.float32]:

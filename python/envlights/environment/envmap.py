@@ -891,8 +891,8 @@ def apply_to_map(env: Any, work: Callable[[EnvMap], _T]) -> tuple[EnvMap, _T]:
     if isinstance(env, EnvMap) or is_picture_source(env):
         world = as_envmap(env)
         return world, work(world)
-    world = EnvMap._of(unchecked_map(env))
     try:
+        world = EnvMap._of(unchecked_map(env))
         return world, work(world)
     except UnusableSamplesError:
         world = EnvMap(env)

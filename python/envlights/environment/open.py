@@ -35,9 +35,10 @@ from envlights.environment.coverage import multiply_by_coverage
 from envlights.environment.exposures import merge_exposures
 from envlights.environment.files.hints import Hints
 from envlights.environment.files.images import Image
+from envlights.environment.layouts.panorama_check import notes_on_panorama
 from envlights.environment.layouts.picture_layout import equirectangular
 from envlights.environment.layouts.projections import REGISTRATIONS, Layout, layout_of
-from envlights.environment.layouts.recognition import recognise, refusal_of_discs
+from envlights.environment.layouts.recognition import recognise
 from envlights.environment.layouts.records import ArrangedPicture, Origin
 from envlights.environment.picture_files import PictureSource, read_picture
 from envlights.environment.pixels import PROJECTION, MapPixels, with_coverage
@@ -77,8 +78,7 @@ def map_of_image(
     picture = recognise(image.pixels, image.hints, layout, image.coverage)
     notes = [*image.notes, *picture.notes]
     radiance, infinite = clean(_seen(picture), notes)
-    if layout.projection is None and not image.hints.layout:
-        _check_discs(radiance, picture)
+    notes += _doubts(radiance, picture)
     known = (level for level in (clip_level, image.clip_level, infinite) if level is not None)
     pixels = MapPixels(
         radiance,
@@ -126,7 +126,9 @@ def unchecked_map(array: ArrayLike) -> MapPixels:
     layout = equirectangular(height, width)
     source = Origin(PROJECTION, (height, width), "", REGISTRATIONS[0], "shape", layout)
     picture = ArrangedPicture(image.pixels, image.coverage, layout, source, ())
-    pixels = MapPixels(_seen(picture), False, source, None, image.clip_level, image.notes)
+    radiance = _seen(picture)
+    notes = (*image.notes, *_doubts(radiance, picture))
+    pixels = MapPixels(radiance, False, source, None, image.clip_level, notes)
     return with_coverage(pixels, image.coverage)
 
 
@@ -137,13 +139,13 @@ def _seen(picture: ArrangedPicture) -> NDArray[np.float32]:
     return multiply_by_coverage(picture.samples, np.float32(1) * (picture.coverage > 0))
 
 
-def _check_discs(radiance: NDArray[np.float32], picture: ArrangedPicture) -> None:
-    """Refuse two discs in black squares, which only the reduced map shows."""
+def _doubts(radiance: NDArray[np.float32], picture: ArrangedPicture) -> tuple[str, ...]:
+    """Notes on a picture that only its shape makes a panorama, or a refusal."""
     layout = picture.layout
-    if not layout.is_whole_sphere:
-        return
-    if _native.has_two_discs(radiance, layout.border_sampled, WORKING_COLUMNS):
-        raise EnvLightsError(refusal_of_discs(layout.height, layout.width))
+    if not layout.is_whole_sphere or picture.source.recognised_by != "shape":
+        return ()
+    cells = _native.overview(radiance, layout.border_sampled, WORKING_COLUMNS)
+    return notes_on_panorama(cells, layout.height, layout.width)
 
 
 def _on_sphere(pixels: MapPixels, picture: ArrangedPicture, columns: int | None) -> MapPixels:

@@ -87,6 +87,13 @@ class MapPixels:
         """Fractions of the sphere, and of the luminance flux, of clipped pixels."""
         return _native.clipped_fraction(self.radiance, self.is_border_sampled, self.clip_level)
 
+    @property
+    def found_clip_level(self) -> float | None:
+        """Clip level: the known one, or the largest sample if it is a flat top; None without."""
+        if self.clip_level is None and self.clipped_fractions[0]:
+            return float(self.radiance.max())
+        return self.clip_level
+
     def cells(self) -> NDArray[np.float32]:
         """Radiance of a cell-centred map of the same size and flux."""
         if self.is_border_sampled:

@@ -18,7 +18,7 @@ from envlights.environment.clean import Cleaned, notes_of_cleaning
 from envlights.environment.clip_level import CodeHistogram, white_of
 from envlights.environment.decoders.source import AnySource
 from envlights.environment.files.images import OpenImage, open_image
-from envlights.environment.layouts.recognition import refusal_of_discs
+from envlights.environment.layouts.panorama_check import notes_on_panorama
 
 
 class ReducedFile(NamedTuple):
@@ -71,10 +71,18 @@ def reduce_file(
         if table is None:
             return None
         reduced = _of_rows(file, _Cells(columns, source_fraction, floor), table)
-        if reduced.cells.has_two_discs:
-            size = file.raw.header.height, file.raw.header.width
-            raise EnvLightsError(f"{file.name}: {refusal_of_discs(*size)}")
-        return reduced
+        return reduced._replace(notes=(*reduced.notes, *_doubts(file, reduced)))
+
+
+def _doubts(file: OpenImage, reduced: ReducedFile) -> tuple[str, ...]:
+    """Notes on a picture that only its shape makes a panorama, or a refusal."""
+    if file.hints.environment or file.hints.projection:
+        return ()
+    size = file.raw.header.height, file.raw.header.width
+    try:
+        return notes_on_panorama(reduced.cells.overview, *size)
+    except EnvLightsError as refusal:
+        raise EnvLightsError(f"{file.name}: {refusal}") from None
 
 
 def _is_plain(file: OpenImage, least_width: int) -> bool:

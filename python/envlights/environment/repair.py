@@ -92,9 +92,7 @@ def repair(
     `from_unseen` is the luminance of the irradiance of this surface from what is not seen.
     """
     radiance, border_sampled, coverage = pixels.radiance, pixels.is_border_sampled, pixels.coverage
-    clip_level = pixels.clip_level
-    if clip_level is None and pixels.clipped_fractions[0]:
-        clip_level = float(radiance.max())
+    clip_level = pixels.found_clip_level
     if irradiance is not None and ratio is not None:
         raise EnvLightsError("give irradiance or ratio, not both")
     irradiance = None if irradiance is None else amount("irradiance", irradiance)

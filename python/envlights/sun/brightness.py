@@ -31,8 +31,22 @@ _LEAST_UNCLIPPED = 0.1
 #: Factors of the estimate between which two of three, and nine of ten, suns of that benchmark lie.
 INTERVAL, WIDE_INTERVAL = (0.57, 1.5), (0.3, 2.0)
 
-#: Colour of a sun in a clear sky, before it is scaled to luminance 1.
-_COLOUR = np.array([1.0, 0.95, 0.85])
+#: Colour of the sun above the air, and how much less, or more, of it than of green each unit of air
+#: mass takes away: extinction by molecules (Rayleigh) and a standard aerosol in the three channels.
+#: Within 15 % of the spectral model of Hosek and Wilkie (2013) for the turbidity 3, from 3 to 60
+#: degrees.
+_ABOVE_AIR, _DEPTH = np.array([1.105, 1.0, 0.951]), np.array([-0.064, 0.0, 0.175])
+
+
+def sun_colour(sine: float) -> NDArray[np.float64]:
+    """Colour of luminance 1 of a sun in a clear sky, for the sine of its elevation.
+
+    The air mass is that of Kasten and Young (1989).
+    """
+    degrees = float(np.degrees(np.arcsin(np.clip(sine, 0, 1))))
+    air_mass = 1 / (sine + 0.50572 * (degrees + 6.07995) ** -1.6364)
+    colour = _ABOVE_AIR * np.exp(-_DEPTH * air_mass)
+    return np.asarray(colour / (colour @ LUMINANCE))
 
 
 def sun_irradiance(image: SkyImage, sine: float) -> tuple[NDArray[np.float64], bool]:
@@ -45,7 +59,7 @@ def sun_irradiance(image: SkyImage, sine: float) -> tuple[NDArray[np.float64], b
     sky = float((image.luminance * weight * up).sum())
     low = np.broadcast_to(image.elevation < -_GROUND, weight.shape)
     ground = low & ~image.is_touched
-    colour: NDArray[np.float64] = _COLOUR / (_COLOUR @ LUMINANCE)
+    colour = sun_colour(sine)
     if (weight * ground).sum() < _LEAST_UNCLIPPED * (weight * low).sum():
         return _SKY_FACTOR * sky * colour, False
     luminance = float(np.average(image.luminance[ground], weights=weight[ground]))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -41,20 +42,20 @@ def sun_of(env: EnvMap, sun: AnySun) -> Sun:
 
 def is_of_map(sun: Sun) -> bool:
     """True for the sun of a map that shows its true radiance."""
-    return "map" in sun.evidence
+    return sun.answer == "sun" and "map" in sun.evidence
 
 
 def _towards(env: EnvMap, direction: NDArray[np.float64]) -> Sun:
     """Sun in a direction; that of the map itself if it holds one."""
     if env.clip_level is None:
         own = find_sun(env)
-        if is_of_map(own) and own.direction is not None:
+        if "map" in own.evidence and own.direction is not None:
             if own.direction @ direction < _SAME:
                 raise EnvLightsError(
                     f"sun must be the one that the map holds, {own.in_short()}; got"
                     f" {place_of(direction)}; `split` removes it"
                 )
-            return own
+            return replace(own, answer="sun")
     return find_sun(env, direction=direction)
 
 

@@ -10,6 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 from envlights._common.check import amount, named_arguments, reals
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
+from envlights.kernels.image import LUMINANCE
+from envlights.kernels.sphere import pixel_directions, pixel_solid_angles
 from envlights.sun.brightness import INTERVAL, WIDE_INTERVAL, sun_irradiance
 from envlights.sun.direction import SunPosition, fit_about, spot_position, sun_position
 from envlights.sun.float_map import sun_of_float_map
@@ -19,6 +21,9 @@ from envlights.sun.questions import PERHAPS, SUN, points_of
 from envlights.sun.result import SUN_RADIUS, Sun
 from envlights.sun.sky_image import SkyImage, sky_image
 from envlights.sun.spots import single_spot
+
+#: Angle in degrees around a sun whose light is its own.
+_NEAR = 3.0
 
 #: Notes on the answer.
 _SUN_OR_MOON = "sun or moon: a picture does not say which"
@@ -78,10 +83,13 @@ def find_sun(
     if given is not None:
         return _given_sun(world, given)
     if world.clip_level is None or not world.clipped_fraction:
-        return sun_of_float_map(world)
-    radiance = world.cells()
-    image = sky_image(radiance, world.clip_level)
-    spot = single_spot(image, radiance, world.clip_level) if height is None else None
+        own = sun_of_float_map(world)
+        # Floats of a clipped picture hold no sun of their own.
+        if own.answer != "no" or not world.clipped_fraction:
+            return own
+    radiance, clip_level = world.cells(), _level(world)
+    image = sky_image(radiance, clip_level)
+    spot = single_spot(image, radiance, clip_level) if height is None else None
     if spot is not None:
         return _answer(world, image, _Search(None, spot_position(image, spot)))
     part = best_part(image)
@@ -110,11 +118,12 @@ def _answer(world: EnvMap, image: SkyImage, found: _Search) -> Sun:
 
 def _given_sun(world: EnvMap, direction: NDArray[np.float64]) -> Sun:
     """Result for a known direction."""
-    clip_level = world.clip_level or float(world.radiance.max())
+    clip_level = _level(world)
     if clip_level <= 0:
         raise EnvLightsError("the map is black, so the irradiance of its sun is not known")
     image = sky_image(world.cells(), clip_level)
-    part = part_at(image, direction) if world.clip_level is not None else None
+    is_clipped = world._pixels.found_clip_level is not None
+    part = part_at(image, direction) if is_clipped else None
     position = SunPosition(direction, 0.0, ("given",), fit_about(image, direction))
     return _with_irradiance(world, image, _Search(part, position), "sun", {})
 
@@ -128,11 +137,12 @@ def _with_irradiance(
 ) -> Sun:
     """Result with irradiance and plateau."""
     part, position = found
-    clip_level = world.clip_level or float(world.radiance.max())
+    clip_level = _level(world)
     relative, is_measured = sun_irradiance(image, float(position.direction[1]))
     notes = [] if "given" in position.evidence else [_SUN_OR_MOON]
     notes += [] if is_measured else [_NO_GROUND]
     notes += [] if world.coverage is None else [_UNSEEN]
+    notes += _contradiction(world, position.direction, clip_level * relative)
     plateau = None
     if part is not None:
         # Without evidence of the sky, its fit is not better than white.
@@ -154,6 +164,29 @@ def _with_irradiance(
         plateau,
         units=world.units,
     )
+
+
+def _level(world: EnvMap) -> float:
+    """Radiance of white in the reduced image: the clip level, or the largest sample."""
+    return world._pixels.found_clip_level or float(world.radiance.max())
+
+
+def _contradiction(
+    world: EnvMap, direction: NDArray[np.float64], irradiance: NDArray[np.float64]
+) -> list[str]:
+    """Note on an estimate that is far above the light of a map that is not clipped."""
+    if world.clipped_fraction:
+        return []
+    cells = world.cells()
+    near = pixel_directions(*cells.shape[:2]) @ direction > np.cos(np.radians(_NEAR))
+    light = (cells @ LUMINANCE * pixel_solid_angles(*cells.shape[:2]))[near].sum()
+    times = float(irradiance @ LUMINANCE) / max(float(light), 1e-12)
+    if times * WIDE_INTERVAL[0] < 1:
+        return []
+    return [
+        f"the estimate is {times:.3g} times the light within {_NEAR:g} degrees of the sun, which"
+        " the map, because it is not clipped, shows; `split` takes that light"
+    ]
 
 
 def _direction(values: ArrayLike) -> NDArray[np.float64]:

@@ -11,17 +11,22 @@ from envlights.detection.lights import DetectedLights
 from envlights.environment.envmap import EnvMap
 from envlights.kernels.image import LUMINANCE
 from envlights.sun.direction import spot_position
-from envlights.sun.questions import SUN, points_of
+from envlights.sun.questions import PERHAPS, SUN, points_of
 from envlights.sun.result import SUN_RADIUS, Sun
 from envlights.sun.sky_image import sky_image
 
 #: Largest radius of a sun with its blur, in degrees, and its least irradiance over that of the sky.
 _WIDEST, _LEAST_RATIO = 2.5, 0.5
+#: Largest radius of a disc of the size of the sun with its blur, in degrees and in pixels, and the
+#: least fraction of all light that makes it dominant. Suns among clouds have 0.5 and 6 to 7 points,
+#: lamps in dark rooms and squares 4.
+_SUN_SIZE, _SUN_PIXELS, _DOMINANT = 1.1, 1.5, 0.4
 #: Fraction of the upper half that is above the clip level at which the sky is looked at.
 _CLIPPED = 0.004
 
 #: Note of a map that holds its sun already.
 _OWN_SUN = "the map is not clipped and holds its own sun"
+_OWN_LAMP = "the map holds a light of the size of the sun, but its surroundings are not like a sky"
 NO_SUN = "no pixel is clipped, and no light of the map is like a sun"
 
 
@@ -31,17 +36,21 @@ def sun_of_float_map(env: EnvMap) -> Sun:
     if not _is_compact(env, lights):
         return Sun("no", notes=(NO_SUN,), units=env.units)
     points = _points(env, lights.direction[0])
-    if sum(points.values()) < SUN:
+    count = sum(points.values())
+    # A disc of the size of the sun with half of the light needs no picture of a clear sky.
+    is_dominant = _is_dominant(env, lights)
+    if count < SUN and not is_dominant:
         return Sun("no", points, notes=(NO_SUN,), units=env.units)
+    is_sun = count >= (PERHAPS if is_dominant else SUN)
     return Sun(
-        "sun",
+        "sun" if is_sun else "perhaps",
         points,
         lights.direction[0],
         0.5 * np.pi / env.height,
         lights.irradiance[0],
         angular_radius=SUN_RADIUS,
         evidence=("map",),
-        notes=(_OWN_SUN,),
+        notes=(_OWN_SUN if is_sun else _OWN_LAMP,),
         units=env.units,
     )
 
@@ -56,6 +65,13 @@ def _is_compact(env: EnvMap, lights: DetectedLights) -> bool:
     sky = float(env.probe([[0.0, 1.0, 0.0]], fill="black")[0] @ LUMINANCE)
     sky -= first * lights.direction[0, 1]
     return bool(first > _LEAST_RATIO * max(sky, 0) and first > 2 * max(others, default=0.0))
+
+
+def _is_dominant(env: EnvMap, lights: DetectedLights) -> bool:
+    """True if the first light has the size of the sun and about half of all light."""
+    radius = np.degrees(lights.angular_radius[0])
+    is_small = radius <= max(_SUN_SIZE, _SUN_PIXELS * 180 / env.height)
+    return bool(is_small and lights.flux_fraction[0] > _DOMINANT)
 
 
 def _points(env: EnvMap, direction: NDArray[np.float64]) -> dict[str, bool]:

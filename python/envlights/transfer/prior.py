@@ -35,6 +35,8 @@ _BLOCK = 4096
 #: Arrays of a file, and its kind.
 _ARRAYS = ("hits", "between", "visible", "albedo", "covered", "direct_albedo")
 _KIND = Kind("prior", "envlights transfer prior", 1, (1,), (*_ARRAYS, "rays", "size", "irradiance"))
+#: Relative rounding of sums of fractions.
+_ROUNDING = 1e-9
 #: Assumptions of every prior.
 _ASSUMED = "diffuse surfaces, the same light over each direct texel"
 
@@ -94,6 +96,11 @@ class TransferPrior(Result):
             check_array(name, getattr(self, name), wanted, ("float64",))
         _check_albedo(self.albedo)
         _check_albedo(self.direct_albedo)
+        _check_fractions("visible", self.visible)
+        _check_fractions("between", self.between)
+        _check_fractions("the sum of a row of between", self.between.sum(axis=1))
+        hits = self.hits.sum(axis=1, dtype=np.int64) / self.rays
+        _check_fractions("the sum of a row of hits over rays", hits)
 
     @cached_property
     def leaving(self) -> NDArray[np.float64]:
@@ -106,7 +113,7 @@ class TransferPrior(Result):
             1.0, self.visible, out=np.zeros_like(self.visible), where=self.visible > 0
         )
         reflected = self.direct_albedo.T[:, :, None]
-        bounced = np.linalg.inv(np.eye(len(fraction)) - reflected * (self.between * fraction))
+        bounced = _sum_of_bounces(reflected * (self.between * fraction))
         shown: NDArray[np.float64] = fraction[:, None] * bounced
         return shown * self.direct_albedo.T[:, None] if self.irradiance else shown
 
@@ -217,13 +224,14 @@ class TransferPrior(Result):
         return [f"images of {light}", f"assumed: {_ASSUMED}", *([note] if hidden else [])]
 
 
-def _from_arrays(data: Mapping[str, NDArray[Any]]) -> TransferPrior:
-    return TransferPrior(
-        **{name: data[name] for name in _ARRAYS},
-        rays=int(data["rays"]),
-        size=tuple(data["size"].tolist()),
-        irradiance=bool(data["irradiance"]),
-    )
+def _check_fractions(name: str, values: NDArray[np.float64]) -> None:
+    """Refuse fractions below 0 or above 1, up to rounding, and NaN."""
+    least, most = values.min(initial=0), values.max(initial=0)
+    if not (least >= 0 and most <= 1 + _ROUNDING):
+        raise EnvLightsError(
+            f"{name} must be from 0 to 1, because it is a fraction; it is from {least:.6g} to"
+            f" {most:.6g}; gather the prior again"
+        )
 
 
 def _check_albedo(albedo: NDArray[np.float64]) -> None:
@@ -233,6 +241,24 @@ def _check_albedo(albedo: NDArray[np.float64]) -> None:
             f"albedo must be from 0 to below 1, or light would not fade; it is from {least:.6g}"
             f" to {most:.6g}; divide the albedo of the scene by a scale"
         )
+
+
+def _sum_of_bounces(reflected: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Sum of all bounces, or a refusal if light would not fade.
+
+    The inverse is that sum, without negative numbers, if and only if it converges.
+    """
+    try:
+        bounced = np.linalg.inv(np.eye(reflected.shape[-1]) - reflected)
+    except np.linalg.LinAlgError:
+        bounced = np.full_like(reflected, np.nan)
+    least, most = bounced.min(initial=0), bounced.max(initial=0)
+    if not (least >= -_ROUNDING * most and most < 1 / _ROUNDING):
+        raise EnvLightsError(
+            "light among the direct texels would not fade: `between` divided by `visible`, times"
+            " the albedo, reflects more than it gets; gather the prior again"
+        )
+    return np.asarray(bounced)
 
 
 def _from_file(data: Mapping[str, NDArray[Any]]) -> TransferPrior:

@@ -2,12 +2,16 @@
 //!
 //! If the largest value that a map can hold is known, a light is clipped if one of its samples reaches it. Otherwise a
 //! light is clipped if several of its pixels hold the map's largest sample, a flat top. In an evenly lit window, only one
-//! pixel is the brightest.
+//! pixel is the brightest. A rendered lamp of uniform radiance has a flat top of one colour, while the channels of a
+//! clipped light reach the ceiling in different pixels; so a top of one colour counts only at a usual ceiling.
 
 use crate::kernels::image::LEAST_WHITE;
 
 /// A top of this many pixels or more is flat.
 const FLAT_TOP_PIXELS: usize = 4;
+
+/// Largest samples of formats and programs: of pictures, bytes, some renderers, Blender, squared bytes and half floats.
+const USUAL_CEILINGS: [f32; 6] = [1.0, 255.0, 4096.0, 32000.0, 65025.0, 65504.0];
 
 /// Largest sample that a map holds or can hold.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,6 +29,10 @@ pub struct Top {
     pub sample: f32,
     /// Number of pixels that hold it, up to that of a flat top.
     pixels: usize,
+    /// Colour of one of them.
+    colour: [f32; 3],
+    /// True if they differ in colour.
+    is_coloured: bool,
 }
 
 impl Top {
@@ -41,22 +49,32 @@ impl Top {
             return self;
         }
         let is_top = |pixel: &&[f32; 3]| pixel[0] >= sample || pixel[1] >= sample || pixel[2] >= sample;
-        self.and(Self { sample, pixels: pixels.iter().filter(is_top).take(FLAT_TOP_PIXELS).count() })
+        let tops = || pixels.iter().filter(is_top);
+        let colour = tops().next().copied().unwrap_or_default();
+        let is_coloured = tops().any(|pixel| *pixel != colour);
+        let count = tops().take(FLAT_TOP_PIXELS).count();
+        self.and(Self { sample, pixels: count, colour, is_coloured })
     }
 
     /// The top of both.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
         let (higher, lower) = if self.sample >= other.sample { (self, other) } else { (other, self) };
-        let more = if lower.sample < higher.sample { 0 } else { lower.pixels };
-        Self { sample: higher.sample, pixels: higher.pixels + more }
+        if lower.sample < higher.sample || lower.pixels == 0 {
+            return higher;
+        }
+        let is_coloured = higher.is_coloured || lower.is_coloured || higher.colour != lower.colour;
+        Self { pixels: higher.pixels + lower.pixels, is_coloured, ..higher }
     }
 
     /// True if the samples are cut off at this ceiling.
     pub fn is_clipped(self, ceiling: Ceiling) -> bool {
         match ceiling {
             Ceiling::White(clip_level) => f64::from(self.sample) >= LEAST_WHITE * f64::from(clip_level),
-            Ceiling::Maximum(maximum) => self.sample >= maximum && self.pixels >= FLAT_TOP_PIXELS,
+            Ceiling::Maximum(maximum) => {
+                let is_flat = self.sample >= maximum && self.pixels >= FLAT_TOP_PIXELS;
+                is_flat && (self.is_coloured || USUAL_CEILINGS.contains(&self.sample))
+            }
         }
     }
 }
@@ -87,6 +105,16 @@ mod tests {
         assert!(top(&[4096.0, 3.0, 4096.0, 4096.0, 4096.0]).is_clipped(ceiling));
         assert!(!top(&[4096.0, 4096.0, 4096.0]).is_clipped(ceiling));
         assert!(!top(&[4000.0; 9]).is_clipped(ceiling), "the map is brighter elsewhere");
+    }
+
+    #[test]
+    fn a_top_of_one_colour_is_a_lamp_unless_it_lies_at_a_usual_ceiling() {
+        assert!(!top(&[50.0; 9]).is_clipped(Ceiling::Maximum(50.0)));
+        assert!(top(&[1.0; 9]).is_clipped(Ceiling::Maximum(1.0)));
+        let coloured: Vec<[f32; 3]> = (0..9).map(|i| [50.0, 40.0 + i as f32, 9.0]).collect();
+        assert!(Top::of(&coloured).is_clipped(Ceiling::Maximum(50.0)));
+        let by_parts = Top::of(&coloured[..3]).and_of(&coloured[3..]);
+        assert!(by_parts.is_clipped(Ceiling::Maximum(50.0)));
     }
 
     #[test]

@@ -16,7 +16,7 @@
 //! | - buffers of decoded rows                     | `buffers.rs`   |
 //! | - samples in the type of a file               | `sample_types.rs` |
 //! | - pixels of the largest codes                 | `top_codes.rs` |
-//! | - two discs in black squares, which are no map | `two_discs.rs` |
+//! | - means over blocks, for a glance at a picture | `overview.rs` |
 //! | means over blocks of pixels                   | `block_rows.rs`, `block_layout.rs` |
 //! | - share of each block that a map shows        | `seen_part.rs` |
 //! | means of a plane image over equal areas       | `area_means.rs` |
@@ -33,6 +33,7 @@ mod codes;
 mod colour;
 mod grid;
 mod luminance;
+mod overview;
 mod parts;
 mod reduce;
 mod resample;
@@ -42,7 +43,6 @@ mod samples;
 mod seen_part;
 mod splat;
 mod top_codes;
-mod two_discs;
 mod white;
 
 pub use area_means::area_means;
@@ -52,6 +52,7 @@ pub use codes::{decode, widen};
 pub use colour::apply_matrix;
 pub use grid::{CellCentres, Grid};
 pub use luminance::{LUMINANCE, LUMINANCE_F32, luminance, luminance_f32};
+pub use overview::overview;
 pub use parts::{MOST_PARTS, Part};
 pub use reduce::{WorkingMap, reduce};
 pub use resample::{SourcePicture, resample};
@@ -60,5 +61,4 @@ pub use sample_types::Sample;
 pub use samples::{Unusable, unusable};
 pub(crate) use samples::{check_rgb, check_samples};
 pub use seen_part::SeenPart;
-pub use two_discs::has_two_discs;
 pub use white::{CODES, LEAST_WHITE, code_histogram, white_of};

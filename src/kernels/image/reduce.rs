@@ -9,7 +9,6 @@ use super::cell_flux::CellFlux;
 use super::grid::Grid;
 use super::parts::{BrightCell, PART_SHARE, Part, Pixel, parts};
 use super::samples::{check_rgb, rows_of_map};
-use super::two_discs::are_two_discs;
 use crate::error::Result;
 use crate::kernels::sphere::{Registration, angles};
 
@@ -28,8 +27,8 @@ pub struct WorkingMap {
     pub parts: Vec<Part>,
     /// Sides of a pixel of the map itself.
     pub pixel: Pixel,
-    /// True if the map is a picture of two discs in black squares.
-    pub has_two_discs: bool,
+    /// Mean radiance of each cell, without a floor and with all sources.
+    pub overview: Array3<f32>,
 }
 
 impl WorkingMap {
@@ -104,13 +103,13 @@ pub(super) struct ReducedFlux {
     whole: f64,
     sources: Vec<(usize, usize)>,
     bright: Vec<(usize, usize)>,
-    has_two_discs: bool,
+    overview: Array3<f32>,
 }
 
 impl ReducedFlux {
     /// Means of the cells, with those that are sources or bright.
     pub fn new(mut flux: CellFlux, layout: &BlockLayout, source_fraction: f64, has_floor: bool) -> Self {
-        let has_two_discs = are_two_discs(&flux, &layout.grid);
+        let overview = flux.means(&layout.grid).0;
         if has_floor {
             flux.hide_below(&layout.grid);
         }
@@ -120,7 +119,7 @@ impl ReducedFlux {
             flux.remove(cell);
         }
         let (radiance, bright) = flux.means(&layout.grid);
-        Self { radiance, whole: whole.iter().sum(), sources, bright, has_two_discs }
+        Self { radiance, whole: whole.iter().sum(), sources, bright, overview }
     }
 
     /// Rows and columns of the cells whose pixels are needed: sources, then bright cells.
@@ -144,7 +143,7 @@ impl ReducedFlux {
         let mut parts = parts(bright_cells);
         parts.retain(is_seen);
         let (radiance, grid, bright) = (self.radiance, layout.grid.clone(), self.bright);
-        WorkingMap { radiance, grid, sources, bright, parts, pixel, has_two_discs: self.has_two_discs }
+        WorkingMap { radiance, grid, sources, bright, parts, pixel, overview: self.overview }
     }
 }
 

@@ -423,12 +423,21 @@ def _fisheye(layout: Layout, size: _Size, hints: Hints) -> Placement:
     mapping = _value_of(layout, "mapping", " or ".join(map(repr, MAPPINGS)))
     view = math.radians(_value_of(layout, "fov", "the degrees across its circle"))
     circle: Any = layout.circle
-    return layouts.fisheye(size, mapping, view, circle=circle, axes=_axes_of(layout)), ()
+    made = layouts.fisheye(size, mapping, view, circle=circle, axes=_axes_of(layout))
+    return made, _note_on_front(layout)
 
 
 def _planar(layout: Layout, size: _Size, hints: Hints) -> Placement:
     view = math.radians(_value_of(layout, "fov", "its horizontal field of view in degrees"))
-    return layouts.planar(*size, field_of_view=view, axes=_axes_of(layout)), ()
+    made = layouts.planar(*size, field_of_view=view, axes=_axes_of(layout))
+    return made, _note_on_front(layout)
+
+
+def _note_on_front(layout: Layout) -> tuple[str, ...]:
+    """Note on a camera whose direction neither the user nor the file stated."""
+    if layout.forward is not None or layout.axes is not None:
+        return ()
+    return ("the centre of the picture was taken for the front of the map, +z (forward=)",)
 
 
 def _as_wide(width: int, _: Layout) -> int:

@@ -152,15 +152,6 @@ def _arrange(
     return ArrangedPicture(picture, coverage, made, source, notes)
 
 
-def refusal_of_discs(height: int, width: int) -> str:
-    """Sentence on a picture that seems a panorama and is two discs in black squares."""
-    return (
-        f"a picture of {width}x{height} pixels with two discs in black squares is a dual"
-        " fisheye, whose lenses only its camera knows; stitch it in the camera's program, or"
-        " give layout='equirectangular' if it is a panorama"
-    )
-
-
 def samples_of(samples: NDArray[Any]) -> NDArray[Any]:
     """Samples as (height, width, channels) or (6, n, n, channels), or a refusal of other shapes."""
     shape = samples.shape

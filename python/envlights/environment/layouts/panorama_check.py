@@ -1,0 +1,175 @@
+"""Pictures of 2:1 that are no panorama: two lenses, two eyes, and parts without metadata.
+
+They are evaluated on the overview of a map, its means over blocks, which each way of a file or an
+array to a map has. The numbers were chosen on 30 real maps in 6 exposures, 4 sizes and 3 codings,
+and on pictures made of them with margins, noise and JPEG compression.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from envlights._native import EnvLightsError
+
+#: Columns on which lenses are searched, and the others compared: enough to average the noise of
+#: codes, and to keep a parallax of two eyes below a cell.
+_COARSE, _FINE = 64, 128
+
+#: Fraction of the contrast of disc and background up to which a cell is background: noise, glare.
+_EVEN = 0.2
+#: Least fraction of the corners that is background.
+_CORNERS = 0.9
+#: Radii of discs relative to half the square, and offsets of their centres.
+_RADII, _OFFSETS = (0.6, 1.25), np.linspace(-0.12, 0.12, 5)
+#: Least ratio of intersection to union of background and outside of a disc, for a note and for a
+#: refusal. Real maps have up to 0.36, and lenses that a picture cuts at 8 % of their radius 0.47.
+_LENSES, _SURE = 0.45, 0.7
+
+#: Least correlation of the halves of two eyes. Real maps have up to 0.84, in a room with alike
+#: halves.
+_ALIKE = 0.9
+#: Least deviation of log radiance along the rows, for a correlation that means something.
+_CONTRAST = 0.02
+
+#: Least step across the seam, relative to the mean difference of columns two cells apart: median of
+#: bands of rows. Real maps have up to 0.8, and 92 % of their parts more than 1.2.
+_SEAM = 1.2
+#: Row that is compared with the outermost one, as a fraction of the height: it is 8 degrees from
+#: the pole, so that its circle is some 13 times as long.
+_BESIDE_POLE = 0.047
+#: Largest ratio of the deviation of the outermost row to that beside it at a pole, and the least
+#: ratio in a part of a panorama.
+_POLE, _NO_POLE = 0.2, 0.4
+
+Array = NDArray[np.float64]
+
+
+def notes_on_panorama(overview: NDArray[np.float32], height: int, width: int) -> tuple[str, ...]:
+    """Notes on a picture that may be no panorama, or a refusal.
+
+    Parameters
+    ----------
+    overview : ndarray, shape (rows, columns, 3)
+        Means over blocks of a picture that is read as a whole panorama.
+    height, width : int
+        Size of the picture.
+
+    Raises
+    ------
+    EnvLightsError
+        If it shows the circles of two lenses.
+    """
+    if overview.shape[1] < _COARSE:  # too few cells for a statement
+        return ()
+    fit = _fit_of_lenses(_means(overview, _COARSE).sum(axis=2))
+    what = f"a picture of {width}x{height} pixels with two discs on an even background"
+    if fit >= _SURE:
+        raise EnvLightsError(
+            f"{what} is a dual fisheye, whose lenses only its camera knows; stitch it in the"
+            " camera's program, or give layout='equirectangular' if it is a panorama"
+        )
+    logs = _logs(_means(overview, _FINE))
+    doubts = []
+    if fit >= _LENSES:
+        doubts.append(f"{what} may be a dual fisheye; stitch it in the camera's program")
+    if _has_two_eyes(logs):
+        doubts.append("its halves are alike, so that it may hold two eyes; cut out one of them")
+    if _is_part(logs):
+        doubts.append(
+            "its left and right edges do not meet, and its upper and lower rows are no poles, so"
+            " that it may be a part of one or a photograph; give fov="
+        )
+    end = "; layout='equirectangular' reads it as a panorama without this note"
+    return tuple(f"the picture may be no panorama: {doubt}{end}" for doubt in doubts)
+
+
+def _means(picture: NDArray[np.floating], columns: int) -> Array:
+    """Means over blocks, at least some columns wide."""
+    step = max(picture.shape[1] // columns, 1)
+    height, width = (side // step * step for side in picture.shape[:2])
+    cells = picture[:height, :width].reshape(height // step, step, width // step, step, -1)
+    means: Array = cells.mean(axis=(1, 3), dtype=np.float64)
+    return means
+
+
+def _logs(cells: Array) -> Array:
+    """Logarithm of radiance over its median, with an end for noise in the dark and for lamps."""
+    middle = float(np.median(cells)) or float(cells.mean()) or 1.0
+    logs: Array = np.minimum(np.log(cells / middle + 0.03), 3)
+    return logs
+
+
+def _fit_of_lenses(cells: Array) -> float:
+    """Intersection over union of background and outside of the best disc, in both halves."""
+    columns = cells.shape[1] // 2
+    halves = cells[:, :columns], cells[:, -columns:]
+    y, x = ((2 * np.arange(n)[:, None] + 1) / n - 1 for n in halves[0].shape)
+    corner, middle = (np.abs(y) > 0.9) & (np.abs(x.T) > 0.9), np.hypot(x.T, y) < 0.7
+    if not corner.any() or not middle.any():
+        return 0.0
+    corners = np.stack([half[corner] for half in halves])
+    background = float(np.median(corners))
+    contrast = abs(float(np.median([half[middle] for half in halves])) - background)
+    if contrast == 0 or np.mean(np.abs(corners - background) <= _EVEN * contrast) < _CORNERS:
+        return 0.0
+    return min(_overlap(np.abs(half - background) <= _EVEN * contrast, x.T, y) for half in halves)
+
+
+def _overlap(background: NDArray[np.bool_], x: Array, y: Array) -> float:
+    """Largest intersection over union of a mask with the outside of a disc."""
+    best = 0.0
+    for at_x in _OFFSETS:
+        for at_y in _OFFSETS:
+            radius = np.hypot(x - at_x, y - at_y).ravel()
+            order = np.argsort(-radius, kind="stable")
+            common = np.cumsum(background.ravel()[order])
+            union = np.arange(1, len(order) + 1) + common[-1] - common
+            usable = (radius[order] >= _RADII[0]) & (radius[order] <= _RADII[1])
+            best = max(best, float((common / union)[usable].max(initial=0)))
+    return best
+
+
+def _has_two_eyes(logs: Array) -> bool:
+    """True if the halves show one world, beside each other or one above the other."""
+    rows, columns = (side // 2 for side in logs.shape[:2])
+    beside = _likeness(logs[:, :columns], logs[:, -columns:])
+    above = _likeness(logs[:rows], logs[-rows:])
+    return max(beside, above) > _ALIKE
+
+
+def _likeness(one: Array, other: Array) -> float:
+    """Largest correlation of deviations from the means of rows, over shifts of a parallax."""
+    one, other = (half - half.mean(axis=1, keepdims=True) for half in (one, other))
+    if min(one.std(), other.std()) < _CONTRAST:
+        return 0.0
+    reach = one.shape[1] // 24
+    turned = (np.roll(other, shift, axis=1) for shift in range(-reach, reach + 1))
+    return max(float(np.corrcoef(one.ravel(), each.ravel())[0, 1]) for each in turned)
+
+
+def _is_part(logs: Array) -> bool:
+    """True if the outer columns are no neighbours, and the outer rows are no poles."""
+    height, width = logs.shape[:2]
+    beside = round(_BESIDE_POLE * height)
+    if beside < 1 or width < 32:
+        return False
+    # Bands of rows and groups of columns average the noise.
+    bands = _bands(logs, 16)[1:-1]
+    seam = np.abs(bands[:, 0] - bands[:, -1]).mean(axis=1)
+    inside = np.abs(bands[:, 2:] - bands[:, :-2]).mean(axis=(1, 2))
+    if np.median(seam / (inside + 0.005)) <= _SEAM:
+        return False
+    groups = _bands(logs.swapaxes(0, 1), 32)
+    spread = groups.std(axis=0).mean(axis=1)
+    ends = (spread[0], spread[beside]), (spread[-1], spread[-1 - beside])
+    is_pole = any(near < _POLE * far and far > _CONTRAST for near, far in ends)
+    return not is_pole and any(near > max(_NO_POLE * far, _CONTRAST) for near, far in ends)
+
+
+def _bands(logs: Array, count: int) -> Array:
+    """Means over about a number of bands of rows."""
+    step = max(len(logs) // count, 1)
+    height = len(logs) // step * step
+    bands: Array = logs[:height].reshape(height // step, step, *logs.shape[1:]).mean(axis=1)
+    return bands
