@@ -68,6 +68,7 @@ OTHER_NAMES = {
     ("view", "source"): "--model",
     ("export", "rig"): "RIG",
     ("export", "path"): "TARGET",
+    ("export", "options"): "--up",
     ("transfer fit", "direct"): "FOLDER",
     ("transfer fit", "indirect"): "FOLDER",
     ("transfer apply", "direct"): "DIRECT",

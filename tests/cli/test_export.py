@@ -181,3 +181,21 @@ def test_split_does_not_overwrite_its_map_with_the_map_of_a_scene(folder, tmp_pa
     assert "it is the map; give another name" in result.stderr
     assert list(tmp_path.iterdir()) == [source]
     assert source.read_bytes() == (folder / "hall.exr").read_bytes()
+
+
+def test_the_up_axis_is_that_of_files_for_openusd_alone(folder, tmp_path):
+    scene = tmp_path / "a.usda"
+    for arguments in (
+        ("export", folder / "rig.json", scene),
+        ("fit", folder / "hall.exr", "-n", 1, "-o", scene, "-o", tmp_path / "a.json"),
+        ("detect", folder / "hall.exr", "-o", scene),
+        ("split", folder / "hall.exr", "-n", 1, "-o", scene),
+    ):
+        result = run(*arguments, "--up", "z", "--metres-per-unit", 0.01)
+        assert result.exit_code == 0, result.output
+        assert 'upAxis = "Z"' in scene.read_text()
+        assert "metersPerUnit = 0.01" in scene.read_text()
+        scene.unlink()
+    result = run("export", folder / "rig.json", tmp_path / "a.gltf", "--up", "z")
+    assert result.exit_code == 2
+    assert "--up changes nothing for glTF 2.0; it is an option of OpenUSD" in result.stderr

@@ -32,6 +32,7 @@ from envlights.cli.outputs import (
     output_option,
     print_result,
     say_written,
+    stage_options,
     strict_option,
     verbose_option,
     write,
@@ -81,6 +82,7 @@ from envlights.sun.choice import AnySun
 @sun_options
 @unseen_option()
 @output_option(OUTPUTS)
+@stage_options
 @strict_option()
 @verbose_option()
 @json_option("rig")
@@ -92,6 +94,7 @@ def command(
     fixed: Sequence[str],
     fill: str | None,
     outputs: Sequence[str],
+    stage: dict[str, Any],
     strict: bool,
     verbose: bool,
     as_json: bool,
@@ -99,7 +102,7 @@ def command(
     **options: Any,
 ) -> None:
     """Fit an ambient term and a few lights to MAP (.hdr, .exr, .png, .jpg, .tif)."""
-    check_outputs(outputs, (*SUFFIXES, *PICTURES), {"the map": map_file.path})
+    check_outputs(outputs, (*SUFFIXES, *PICTURES), {"the map": map_file.path}, stage)
     choice = radiance_or_name(fill)
     options |= {
         "max_radius": radius_of(max_radius),
@@ -113,7 +116,7 @@ def command(
     env = map_file.open(choice) if any(map(is_picture, outputs)) else None
     rig = fit(map_file.unread(choice) if env is None else env, sun=sun, **options)
     seen = env and env.filled(choice)
-    write(outputs, rig.save, lambda plot: plot.picture(seen, rig), strict=strict)
+    write(outputs, rig.save, lambda plot: plot.picture(seen, rig), strict=strict, stage=stage)
     print_result(rig, as_json, verbose)
     say_written(outputs)
 

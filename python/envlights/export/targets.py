@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from importlib import import_module
+from inspect import signature
 from typing import Any, NamedTuple
 
 from envlights._common.check import check_choice, describe
@@ -94,6 +95,13 @@ class Target(NamedTuple):
 
     file: str = ""
     """Name of its file in `export.formats`, if that is not its own name."""
+
+    @property
+    def options(self) -> tuple[str, ...]:
+        """Names of further arguments of its writer, such as "up" of OpenUSD."""
+        parameters = signature(function_named(f"save_{self.name}")).parameters.values()
+        named = (each.name for each in parameters if each.kind is each.KEYWORD_ONLY)
+        return tuple(name for name in named if name != "texture")
 
     def save(self, rig: Any, path: AnyPath, *environment: Any, **options: Any) -> None:
         """Write a rig or lights, with an `environment` map if the target shows one."""
