@@ -28,6 +28,7 @@ FUNCTIONS = {
     "view": (el.view, el.viewer.Model.open, *OPEN),
     "photograph": (el.detect_photograph,),
     "export": (el.export.save,),
+    "vary": (el.vary,),
     "transfer fit": (el.TransferModel.fit,),
     "transfer apply": (el.TransferModel.predict,),
 }
@@ -36,7 +37,6 @@ WITHOUT = {
     "bake": "it takes a scene of Mitsuba, a Python object",
     "find_sun": "the answer behind --sun, which split and repair print",
     "fit_probe": "it takes arrays of normals and irradiance",
-    "label_arrays": "it returns arrays for training",
     "read_pairs": "the first step of transfer fit",
     "shadow_overlay": "it takes Python objects: solids and a camera",
     "threads": "the variable RAYON_NUM_THREADS",
@@ -68,6 +68,7 @@ OTHER_NAMES = {
     ("view", "source"): "--model",
     ("export", "rig"): "RIG",
     ("export", "path"): "TARGET",
+    ("vary", "rigs"): "RIG",
     ("export", "options"): "--up",
     ("transfer fit", "direct"): "FOLDER",
     ("transfer fit", "indirect"): "FOLDER",
