@@ -28,7 +28,7 @@ BATCH_CALLS = {
         {"path": st.just("table.jsonl"), "of": st.sampled_from(["lights", "maps"])},
     ),
     "label_arrays": (
-        el.label_arrays,
+        el.batches.label_arrays,
         {"labels": st.one_of(st.just(BATCH), st.lists(RIGS)), "lights": COUNT},
     ),
 }

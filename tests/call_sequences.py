@@ -21,6 +21,18 @@ SEQUENCE_CALLS = {
             "floor": FLAG,
         },
     ),
+    "vary": (
+        lambda **options: list(el.vary(RIG, **options)),
+        {
+            "count": st.integers(0, 3),
+            "seed": st.integers(0, 9),
+            "azimuth": SMALL,
+            "exposure": st.one_of(SMALL, st.tuples(SMALL, SMALL)),
+            "temperature": SMALL,
+            "drop": SMALL,
+            "jitter": SMALL,
+        },
+    ),
     "FrameRig": (
         lambda **fields: el.sequence.FrameRig([0.1, 0.1, 0.1], RIG.lights, 0.0, **fields),
         {"frame": st.integers(0, 9), "ids": st.just(tuple(range(len(RIG.lights))))},

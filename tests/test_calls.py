@@ -81,6 +81,7 @@ LEFT_OUT = {
     "Surface": "comes from a scene",
     "RemovedLights": "comes from split",
     "ShadowOverlay": "comes from shadow_overlay",
+    "Variation": "comes from vary",
     "View": "comes from view",
     "TransferPrior": "comes from MitsubaScene.gather",
     "TransferReport": "comes from TransferModel.fit",

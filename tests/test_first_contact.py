@@ -28,7 +28,7 @@ GREY = np.full((16, 32, 3), 0.5, np.float32)
         (lambda: el.detect_photograph(GREY, fovv=3), r"detect_photograph\(\) .*mean fov=\?"),
         (lambda: el.error_curve(GREY, light=3), r"error_curve\(\) .*mean lights=\?"),
         (lambda: el.limit(GREY, maximun=3), r"limit\(\) .*mean maximum=\?"),
-        (lambda: el.label_arrays([], light=3), r"label_arrays\(\) .*mean lights=\?"),
+        (lambda: el.batches.label_arrays([], light=3), r"label_arrays\(\) .*mean lights=\?"),
         (lambda: el.view(GREY, rigs=3), r"view\(\) .*mean rig=\?"),
     ],
 )

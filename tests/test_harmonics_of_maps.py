@@ -5,7 +5,7 @@ import pytest
 
 import envlights as el
 from envlights import kernels
-from envlights.environment.harmonics import _AXES, FACTORS
+from envlights.environment.harmonics import _PROGRAMS, FACTORS
 from envlights.export import AXES
 
 RNG = np.random.default_rng(5)
@@ -92,9 +92,32 @@ def test_the_irradiance_over_pi_is_that_of_the_shader_of_unity(env):
     np.testing.assert_allclose(irradiance(env) / np.pi, expected, rtol=1e-10)
 
 
+def polynomials(x, y, z):
+    """`Irradiance_SphericalHarmonics` of Filament and `computeEnvironmentIrradiance` of Babylon."""
+    return [x**0, y, z, x, y * x, y * z, 3 * z * z - 1, z * x, x * x - y * y]
+
+
+def test_the_irradiance_over_pi_is_that_of_the_shader_of_filament(env):
+    """Its axes are those of glTF, which are ours."""
+    sh = env.harmonics(convention="filament")
+    expected = np.einsum("kni,kc->nc", polynomials(*NORMALS.T[..., None]), sh)
+    np.testing.assert_allclose(irradiance(env) / np.pi, expected, rtol=1e-10)
+
+
+def test_the_irradiance_over_pi_is_that_of_the_shader_of_babylon(env):
+    """`SphericalHarmonics.preScaleForRendering` of Babylon.js, then its shader."""
+    # Its importer of glTF scales z by -1 and turns by 180 degrees about y.
+    x, y, z = (NORMALS * [-1, 1, 1]).T[..., None]
+    basis = [1 / 4, -3 / 4, 3 / 4, -3 / 4, 15 / 4, -15 / 4, 5 / 16, -15 / 4, 15 / 16]
+    scaled = np.sign(basis) * np.sqrt(np.abs(basis) / np.pi)
+    sh = scaled[:, None] * env.harmonics(convention="babylon")
+    expected = np.einsum("kni,kc->nc", polynomials(x, y, z), sh)
+    np.testing.assert_allclose(irradiance(env) / np.pi, expected, rtol=1e-10)
+
+
 @pytest.mark.parametrize("program", ["three", "unity"])
 def test_the_axes_are_those_of_the_files(program):
-    assert _AXES[program] == AXES[program].matrix
+    assert _PROGRAMS[program][0] == AXES[program].matrix
 
 
 def test_the_factors_are_those_of_the_compiled_harmonics():

@@ -35,6 +35,7 @@ def facts(name: str) -> dict[str, str]:
         "at most": ", ".join(most) or "any number of lights",
         "a calibrated light is in": units.irradiance,
         "a calibrated map is in": units.radiance,
+        "versions that were checked": target.versions or "none; formulas of its documentation",
         "remark": shows.remark,
         "source": shows.source,
     }

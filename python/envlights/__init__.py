@@ -49,7 +49,6 @@ __all__ = [
     "follow",
     "io",
     "kernels",
-    "label_arrays",
     "limit",
     "papers",
     "plot",
@@ -63,6 +62,7 @@ __all__ = [
     "synthetic",
     "threads",
     "transfer",
+    "vary",
     "view",
     "with_sun",
 ]
@@ -94,16 +94,16 @@ _LATER = {
     "error_curve": "fitting.error_curve",
     "find_sun": "sun",
     "follow": "sequence",
-    "label_arrays": "batches.labels",
     "read_pairs": "transfer",
     "shadow_overlay": "scene",
+    "vary": "rigs.vary",
     "view": "viewer.page",
     "with_sun": "sun",
 }
 
 #: Former names in this module, by their package now; each warns, until the first release.
 _FORMER = {
-    "batches": "Batch LabelArrays",
+    "batches": "Batch LabelArrays label_arrays",
     "cards": "Card CardSplit",
     "comparison": "Comparison FolderComparison ImageErrors LightSetDifference Protocol"
     " compare_lights image_errors vector_angle",
@@ -147,11 +147,11 @@ if _typing.TYPE_CHECKING:
     from envlights import transfer as transfer
     from envlights import viewer as viewer
     from envlights.batches.batch import batch as batch
-    from envlights.batches.labels import label_arrays as label_arrays
     from envlights.comparison.compare import compare as compare
     from envlights.comparison.folders import compare_folders as compare_folders
     from envlights.fitting.error_curve import error_curve as error_curve
     from envlights.papers.photograph import detect_photograph as detect_photograph
+    from envlights.rigs.vary import vary as vary
     from envlights.scene.bake import bake as bake
     from envlights.scene.floor_shadow import shadow_overlay as shadow_overlay
     from envlights.sequence.follow import follow as follow

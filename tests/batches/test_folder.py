@@ -108,7 +108,7 @@ def test_a_batch_has_the_rows_of_its_call_and_names_other_runs(tmp_path):
     assert 'not listed: 1 row of another run in the folder: fit {"lights": 1}' in text
     assert 'not listed: 1 row of another run in the folder: fit {"lights": 2}' in text
     assert result.to_dict()["other_runs"] == {'fit {"lights": 1}': 1, 'fit {"lights": 2}': 1}
-    assert len(el.label_arrays(result, 1)) == 2
+    assert len(el.batches.label_arrays(result, 1)) == 2
     every = el.batches.Batch.load(tmp_path)
     assert [row["name"] for row in every.rows()] == ["attic", "hall", "roof", "room"]
     assert "not listed" not in str(every)

@@ -91,7 +91,7 @@ def test_fit_makes_points_for_a_program_without_sizes(folder, tmp_path):
     ("outputs", "options", "target"),
     [
         (["a.json", "a.csv"], [], []),
-        (["a.json", "a.gltf", "a.usda"], [], ["gltf", "usd"]),
+        (["a.json", "a.gltf", "a.usda"], ["--one-rig"], ["gltf", "usd"]),
         (["a.gltf"], ["--target", "three"], ["three"]),
     ],
 )
@@ -181,3 +181,58 @@ def test_split_does_not_overwrite_its_map_with_the_map_of_a_scene(folder, tmp_pa
     assert "it is the map; give another name" in result.stderr
     assert list(tmp_path.iterdir()) == [source]
     assert source.read_bytes() == (folder / "hall.exr").read_bytes()
+
+
+def test_the_up_axis_is_that_of_files_for_openusd_alone(folder, tmp_path):
+    scene = tmp_path / "a.usda"
+    for arguments in (
+        ("export", folder / "rig.json", scene),
+        ("fit", folder / "hall.exr", "-n", 1, "-o", scene, "-o", tmp_path / "a.json"),
+        ("detect", folder / "hall.exr", "-o", scene),
+        ("split", folder / "hall.exr", "-n", 1, "-o", scene),
+    ):
+        result = run(*arguments, "--up", "z", "--metres-per-unit", 0.01)
+        assert result.exit_code == 0, result.output
+        assert 'upAxis = "Z"' in scene.read_text()
+        assert "metersPerUnit = 0.01" in scene.read_text()
+        scene.unlink()
+    result = run("export", folder / "rig.json", tmp_path / "a.gltf", "--up", "z")
+    assert result.exit_code == 2
+    assert "--up changes nothing for glTF 2.0; it is an option of OpenUSD" in result.stderr
+
+
+def test_each_of_several_files_has_the_best_fit_for_its_program(folder, tmp_path):
+    env = el.EnvMap.open(folder / "hall.exr")
+    files = [tmp_path / name for name in ("a.three.json", "b.gltf", "c.usda", "d.py", "e.json")]
+    outputs = [word for file in files for word in ("-o", file)]
+    result = run("fit", folder / "hall.exr", "-n", 3, *outputs, "--json", "--strict")
+    assert result.exit_code == 0, result.output
+    rigs = json.loads(result.stdout)
+    for file, target in zip(
+        files, ("three", "gltf", ("blender", "usd"), ("blender", "usd"), None), strict=True
+    ):
+        wanted = el.fit(env, 3, target=target).to_dict()
+        assert rigs[str(file)] == wanted
+    assert rigs[str(files[0])]["error"] < rigs[str(files[1])]["error"]
+    # The files hold these rigs.
+    scene = json.loads(files[0].read_text())["object"]["children"]
+    assert [each["type"] for each in scene][-1] == "LightProbe"
+    assert el.Rig.load(files[4]).error == rigs[str(files[4])]["error"]
+
+
+def test_one_rig_is_that_of_what_all_programs_show(folder, tmp_path):
+    outputs = "-o", tmp_path / "a.three.json", "-o", tmp_path / "b.gltf"
+    result = run("fit", folder / "hall.exr", "-n", 3, *outputs, "--one-rig", "--json")
+    env = el.EnvMap.open(folder / "hall.exr")
+    assert json.loads(result.stdout) == el.fit(env, 3, target=("gltf", "three")).to_dict()
+    named = run("fit", folder / "hall.exr", "-n", 3, *outputs, "--target", "gltf", "--json")
+    assert json.loads(named.stdout)["report"]["target"] == ["gltf"]
+    text = run("fit", folder / "hall.exr", "-n", 3, *outputs).stdout
+    assert text.count("relative RMS error") == 2
+    assert text.startswith(f"{tmp_path / 'a.three.json'}:\n")
+
+
+def test_a_file_of_ours_joins_the_only_program(folder, tmp_path):
+    outputs = "-o", tmp_path / "a.gltf", "-o", tmp_path / "a.json"
+    result = run("fit", folder / "hall.exr", "-n", 3, *outputs, "--json")
+    assert json.loads(result.stdout)["report"]["target"] == ["gltf"]

@@ -1,7 +1,8 @@
 """Exported scripts in Blender, run by `bpy` in a new process.
 
 ``in_blender.py irradiance NORMALS.npy SCRIPT.py ...`` writes SCRIPT.npy, irradiance on surfaces
-with these normals; ``in_blender.py balls CAMERA.npy SCRIPT.py`` writes an image, SCRIPT.exr;
+with these normals; ``rec2020`` writes it in a file of that working space.
+``in_blender.py balls CAMERA.npy SCRIPT.py`` writes an image, SCRIPT.exr;
 ``in_blender.py towards DIRECTIONS.npy SCRIPT.py`` writes one for each direction, SCRIPT.0.exr.
 """
 
@@ -51,8 +52,12 @@ def facets(normals):
     return thing
 
 
-def irradiance(normals, script):
+def irradiance(normals, script, working_space=None):
     empty_scene(samples=512)
+    if working_space:
+        if not hasattr(bpy.data, "colorspace"):  # before Blender 5
+            return np.zeros((0, 3))
+        bpy.ops.wm.set_working_color_space(working_space=working_space)
     thing = facets(normals)
     runpy.run_path(str(script))
     mesh = thing.data
@@ -148,6 +153,9 @@ if __name__ == "__main__":
     for path in map(Path, scripts):
         if task == "irradiance":
             np.save(path.with_suffix(".npy"), irradiance(np.load(given), path))
+        elif task == "rec2020":
+            there = irradiance(np.load(given), path, "Linear Rec.2020")
+            np.save(path.with_suffix(".npy"), there)
         elif task == "still_life":
             still_life({name: each.tolist() for name, each in np.load(given).items()}, path)
         elif task == "towards":

@@ -20,9 +20,9 @@ def has(package):
     return bool(shutil.which("node")) and (_HERE / "node_modules" / package).is_dir()
 
 
-def report(script, path):
-    """Report of a script of this folder on a file."""
-    command = ["node", _HERE / script, path]
+def report(script, path, *more):
+    """Report of a script of this folder on a file, with further arguments."""
+    command = ["node", _HERE / script, path, *more]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert not done.stderr

@@ -54,4 +54,4 @@ def test_a_script_calls_each_of_its_functions_and_defines_what_it_calls(rig):
     calls = [node.func for node in nodes if isinstance(node, ast.Call)]
     called = {each.id for each in calls if isinstance(each, ast.Name)}
     assert defined <= called
-    assert called <= defined | set(dir(builtins)) | {"Vector", "Matrix"}
+    assert called <= defined | set(dir(builtins)) | {"Color", "Vector", "Matrix"}

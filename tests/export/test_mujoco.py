@@ -55,6 +55,8 @@ def camera(name, right, up, width=SQUARE, middle=(0, 0, 0)):
 def pictures(mujoco, folder, more="", colour="1 1 1 1"):
     """Picture of each camera in `more`, of a model that includes the rig in `folder`."""
     model = folder / "model.xml"
+    if not hasattr(mujoco.MjModel, "cam_projection"):  # of older versions
+        more = more.replace('projection="orthographic"', 'orthographic="true"')
     model.write_text(MODEL.format(file="rig.mujoco.xml", more=more, colour=colour))
     compiled = mujoco.MjModel.from_xml_path(str(model))
     data = mujoco.MjData(compiled)
@@ -168,7 +170,10 @@ def test_a_file_is_a_model_of_its_own(mujoco, tmp_path):
     np.testing.assert_allclose(
         -model.light_dir, AXES["mujoco"].to_target(DISCS.direction), atol=1e-7
     )
-    assert (model.light_type == mujoco.mjtLightType.mjLIGHT_DIRECTIONAL).all()
+    if hasattr(model, "light_type"):
+        assert (model.light_type == mujoco.mjtLightType.mjLIGHT_DIRECTIONAL).all()
+    else:  # before MuJoCo 3.3.3
+        assert model.light_directional.all()
     assert model.light_castshadow.tolist() == [True, True, True, False, False]
     assert not np.any([model.vis.headlight.diffuse, model.vis.headlight.specular])
 

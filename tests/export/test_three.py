@@ -43,12 +43,19 @@ def irradiance_of_file(path):
     return irradiance(found, AXES["three"].to_target(NORMALS))
 
 
-@node.needs("three")
+#: Packages of releases that people have.
+RELEASES = [
+    pytest.param(name, marks=node.needs(name))
+    for name in ("three-150", "three-160", "three-180", "three")
+]
+
+
+@pytest.mark.parametrize("release", RELEASES)
 @pytest.mark.parametrize("name", RIGS)
-def test_the_irradiance_that_three_js_reads_is_that_of_the_rig(name, tmp_path):
+def test_the_irradiance_that_three_js_reads_is_that_of_the_rig(name, release, tmp_path):
     rig = RIGS[name]
     rig.save(tmp_path / "rig.three.json")
-    found = node.report("three_lights.mjs", tmp_path / "rig.three.json")
+    found = node.report("three_lights.mjs", tmp_path / "rig.three.json", release)
     assert found["kinds"] == ["DirectionalLight"] * len(rig.lights) + KINDS[name]
     there = irradiance(found, AXES["three"].to_target(NORMALS))
     assert relative_error(there, rig) < 1e-6

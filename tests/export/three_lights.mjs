@@ -1,9 +1,13 @@
 // What three.js hands to its shaders for the lights of a file, as JSON.
-// Usage: node three_lights.mjs FILE; a glTF asset goes through GLTFLoader, all else through ObjectLoader.
+// Usage: node three_lights.mjs FILE [PACKAGE]; a glTF asset goes through GLTFLoader, all else through ObjectLoader.
+// PACKAGE is a release of three.js in package.json; "three" is the newest.
 import { readFileSync } from 'node:fs';
-import { ObjectLoader, PerspectiveCamera } from 'three';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
-import { WebGLLights } from 'three/src/renderers/webgl/WebGLLights.js';
+
+const name = process.argv[3] ?? 'three';
+const { ColorManagement, ObjectLoader, PerspectiveCamera } = await import(`${name}/src/Three.js`);
+const { WebGLLights } = await import(`${name}/src/renderers/webgl/WebGLLights.js`);
+ColorManagement.enabled = true; // the default from release 152 on
 
 globalThis.self ??= globalThis; // GLTFLoader expects a browser
 const text = readFileSync(process.argv[2], 'utf8');
@@ -22,7 +26,7 @@ setupView(lights, new PerspectiveCamera()); // looks along -z from the origin: v
 const rgb = ({ r, g, b }) => [r, g, b];
 const map = scene.environment ?? null;
 console.log(JSON.stringify({
-  kinds: lights.map((light) => light.type),
+  kinds: lights.map((light) => (light.isLightProbe ? 'LightProbe' : light.type)), // older releases call it a Light
   directional: state.directional.map((light) => [light.direction.toArray(), rgb(light.color)]),
   ambient: state.ambient,
   hemisphere: state.hemi.map((light) => [light.direction.toArray(), rgb(light.skyColor), rgb(light.groundColor)]),

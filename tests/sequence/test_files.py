@@ -194,6 +194,16 @@ class Vector(tuple):
         return np.array([w, x, y, z]).view(Turn)
 
 
+class Color(tuple):
+    """Colour of Blender in a file whose working space is Rec.709."""
+
+    __slots__ = ()
+
+    def from_rec709_linear_to_scene_linear(self):
+        """The colour in the working space."""
+        return self
+
+
 def blender_of(script):
     """Lamps by name, and the background, after a run of the script in a double of Blender."""
     lamps, suns, background = {}, {}, Recorder()
@@ -232,9 +242,9 @@ def blender_of(script):
     lines = [
         line
         for line in script.splitlines()
-        if line not in ("import bpy", "from mathutils import Vector")
+        if line not in ("import bpy", "from mathutils import Color, Vector")
     ]
-    exec("\n".join(lines), {**imports, "Vector": Vector, "__name__": "script"})
+    exec("\n".join(lines), {**imports, "Vector": Vector, "Color": Color, "__name__": "script"})
     return lamps, suns, background, scene
 
 

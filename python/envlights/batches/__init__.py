@@ -13,10 +13,11 @@
 | arrays for training                    | `labels.py`    |
 """
 
-from envlights.batches.labels import LabelArrays
+from envlights.batches.labels import LabelArrays, label_arrays
 from envlights.batches.result import Batch
 
 __all__ = [
     "Batch",
     "LabelArrays",
+    "label_arrays",
 ]

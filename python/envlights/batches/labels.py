@@ -112,7 +112,7 @@ def label_arrays(labels: Batch | Iterable[Rig | Lights], lights: int) -> LabelAr
     --------
     >>> import envlights as el
     >>> rigs = [el.fit(el.synthetic.plain(seed, 128).radiance, lights=2) for seed in range(3)]
-    >>> arrays = el.label_arrays(rigs, lights=4)
+    >>> arrays = el.batches.label_arrays(rigs, lights=4)
     >>> arrays.direction.shape, arrays.mask[0]
     ((3, 4, 3), array([ True,  True, False, False]))
     """

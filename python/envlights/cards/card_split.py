@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from envlights._common.former import former_attributes
 from envlights._native import EnvLightsError
@@ -42,6 +42,7 @@ class CardSplit(_Fields, LinkedParts):
         *paths: str | os.PathLike[str],
         distance: float | None = None,
         radius: float | None = None,
+        **options: Any,
     ) -> tuple[Path, ...]:
         """Write the cards with the rest around them, for one program or several.
 
@@ -59,6 +60,8 @@ class CardSplit(_Fields, LinkedParts):
             effect.
         radius : float, optional
             Radius of the scene that the cards light. Default: 1.
+        **options
+            Further arguments of the writers that have them: ``up="z"`` of OpenUSD.
 
         Returns
         -------
@@ -86,7 +89,9 @@ class CardSplit(_Fields, LinkedParts):
         """
         if not paths:
             raise EnvLightsError("there is no path; give one or several, such as 'room.usda'")
-        return save_with_map(at_place(self.cards, distance, radius), self.remainder, paths)
+        return save_with_map(
+            at_place(self.cards, distance, radius), self.remainder, paths, **options
+        )
 
 
 def at_place(cards: Cards, distance: float | None, radius: float | None) -> Cards:

@@ -37,6 +37,7 @@ _COMMANDS = {
     "show": "Write one page on a map: its lights, errors and notes.",
     "split": "Remove the lights from a map.",
     "transfer": "Learn indirect light from pairs of images, and predict it.",
+    "vary": "Vary rigs at random, for training.",
     "view": "Make a page that shows things in a map, lit by a few lights.",
 }
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import click
 
@@ -18,6 +19,7 @@ from envlights.cli.outputs import (
     output_option,
     print_result,
     say_written,
+    stage_options,
     verbose_option,
     write,
 )
@@ -48,6 +50,7 @@ from envlights.papers.loghin_steps import SAMPLINGS
 )
 @settings_option("method", SETTINGS)
 @output_option(OUTPUTS)
+@stage_options
 @verbose_option()
 @json_option("lights")
 def command(
@@ -57,11 +60,12 @@ def command(
     sampling: str | None,
     settings: Sequence[str],
     outputs: Sequence[str],
+    stage: dict[str, Any],
     verbose: bool,
     as_json: bool,
 ) -> None:
     """Find the lights of MAP (.hdr, .exr, .png, .jpg, .tif)."""
-    check_outputs(outputs, (*SUFFIXES, *PICTURES), {"the map": map_file.path})
+    check_outputs(outputs, (*SUFFIXES, *PICTURES), {"the map": map_file.path}, stage)
     if sampling is not None and method != "loghin":
         raise EnvLightsError(f"--sampling is an option of --method loghin; got {method}")
     options = detection_settings(settings, method)
@@ -71,6 +75,6 @@ def command(
     check_options("detect", options, METHODS[method])
     env = map_file.open()
     lights = METHODS[method](env, **options)
-    write(outputs, lights.save, lambda plot: plot.detection_picture(env, lights))
+    write(outputs, lights.save, lambda plot: plot.detection_picture(env, lights), stage=stage)
     print_result(lights, as_json, verbose)
     say_written(outputs)

@@ -30,6 +30,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "show": ("hall.exr -o report.html", "sky.hdr -n 6 --floor"),
     "split": ("hall.exr -n 2 -o rest.exr -o lights.json",),
     "transfer": ("fit room -o room.npz --ridge loo", "apply room.npz direct.exr -o lightmap.exr"),
+    "vary": ("hall.json sky.json -n 1000 -o train/rig.usda --up z --mix 0,0.5 --drop 0.1",),
     "view": ("hall.exr -o page.html", "hall.exr --rig rig.json"),
 }
 

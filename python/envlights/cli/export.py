@@ -4,11 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import click
 
 from envlights._native import EnvLightsError
-from envlights.cli.outputs import check_outputs, print_losses, say_written, strict_option
+from envlights.cli.outputs import (
+    check_outputs,
+    print_losses,
+    say_written,
+    stage_of,
+    stage_options,
+    strict_option,
+)
 from envlights.cli.standard_streams import STANDARD_INPUT
 from envlights.detection.lights_file import load_lights
 from envlights.environment.envmap import EnvMap
@@ -29,8 +37,15 @@ def _table() -> str:
 @click.argument("rig_path", metavar="RIG")
 @click.argument("targets", metavar="TARGET...", nargs=-1, required=True)
 @click.option("--environment", metavar="MAP", help="Map that replaces the ambient term.")
+@stage_options
 @strict_option()
-def command(rig_path: str, targets: Sequence[str], environment: str | None, strict: bool) -> None:
+def command(
+    rig_path: str,
+    targets: Sequence[str],
+    environment: str | None,
+    stage: dict[str, Any],
+    strict: bool,
+) -> None:
     """Write RIG, a file of `fit` or `detect` (.json, .csv), for other programs.
 
     TARGET is a file, whose suffix selects the program, or the name of a target. If TARGET is only a
@@ -38,12 +53,12 @@ def command(rig_path: str, targets: Sequence[str], environment: str | None, stri
     """
     outputs = [_place(rig_path, target) for target in targets]
     inputs = {"the rig": rig_path, **({"the map": environment} if environment else {})}
-    check_outputs(outputs, SUFFIXES, inputs)
+    check_outputs(outputs, SUFFIXES, inputs, stage)
     rig = load_lights(rig_path)
     env = None if environment is None else EnvMap.open(environment)
     for output in outputs:
         with print_losses(strict=strict):
-            save(rig, output, env)
+            save(rig, output, env, **stage_of(output, stage))
     say_written(outputs)
 
 

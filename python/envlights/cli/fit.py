@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import click
 
 from envlights._common.files import PICTURES
+from envlights._common.printable import printable
 from envlights.batches.work import check_options
 from envlights.cli.fit_input import (
     fixed_of,
@@ -32,14 +35,18 @@ from envlights.cli.outputs import (
     output_option,
     print_result,
     say_written,
+    stage_options,
     strict_option,
     verbose_option,
     write,
 )
 from envlights.cli.sun_input import sun_options
-from envlights.export.targets import SUFFIXES, target_of
+from envlights.environment.envmap import EnvMap
+from envlights.export.capabilities import Capabilities
+from envlights.export.targets import SUFFIXES, shown_by, target_of
 from envlights.fitting.fit import fit
 from envlights.fitting.request import AMBIENTS, AUTO
+from envlights.rigs.rig import Rig
 from envlights.sun.choice import AnySun
 
 
@@ -75,12 +82,19 @@ from envlights.sun.choice import AnySun
     multiple=True,
     metavar="NAME",
     help="Program that will show the lights (list: envlights export -h). Can be repeated. Default:"
-    " the programs of -o.",
+    " that of each -o.",
+)
+@click.option(
+    "--one-rig",
+    is_flag=True,
+    help="Fit one rig that all programs of -o show. Default: each file has the best fit for its"
+    " program.",
 )
 @start_options
 @sun_options
 @unseen_option()
 @output_option(OUTPUTS)
+@stage_options
 @strict_option()
 @verbose_option()
 @json_option("rig")
@@ -88,10 +102,12 @@ def command(
     map_file: MapFile,
     max_radius: float | None,
     targets: Sequence[str],
+    one_rig: bool,
     start: str,
     fixed: Sequence[str],
     fill: str | None,
     outputs: Sequence[str],
+    stage: dict[str, Any],
     strict: bool,
     verbose: bool,
     as_json: bool,
@@ -99,23 +115,66 @@ def command(
     **options: Any,
 ) -> None:
     """Fit an ambient term and a few lights to MAP (.hdr, .exr, .png, .jpg, .tif)."""
-    check_outputs(outputs, (*SUFFIXES, *PICTURES), {"the map": map_file.path})
+    check_outputs(outputs, (*SUFFIXES, *PICTURES), {"the map": map_file.path}, stage)
     choice = radiance_or_name(fill)
     options |= {
         "max_radius": radius_of(max_radius),
         "start": start_of(start),
         "fixed": fixed_of(fixed),
         "fill": choice,
-        "target": targets or _targets_of(outputs),
     }
-    check_options("fit", options)
-    # A picture of the map needs all of its pixels.
-    env = map_file.open(choice) if any(map(is_picture, outputs)) else None
-    rig = fit(map_file.unread(choice) if env is None else env, sun=sun, **options)
-    seen = env and env.filled(choice)
-    write(outputs, rig.save, lambda plot: plot.picture(seen, rig), strict=strict)
-    print_result(rig, as_json, verbose)
+    check_options("fit", {**options, "target": targets})
+    groups = {_targets_of(outputs): list(outputs)} if one_rig else _groups(outputs)
+    if targets:
+        groups = {tuple(targets): list(outputs)}
+    # A picture of the map needs all of its pixels, and several fits read the map once.
+    is_read = any(map(is_picture, outputs)) or len(groups) > 1
+    env = map_file.open(choice) if is_read else None
+    world, seen = (map_file.unread(choice), None) if env is None else (env, env.filled(choice))
+    rigs = {names: fit(world, sun=sun, target=names, **options) for names in groups}
+    for names, files in groups.items():
+        picture = partial(_picture, seen, rigs[names])
+        write(files, rigs[names].save, picture, strict=strict, stage=stage)
+    _print(rigs, groups, as_json, verbose)
     say_written(outputs)
+
+
+def _picture(env: EnvMap | None, rig: Rig, plot: Any) -> Any:
+    return plot.picture(env, rig)
+
+
+def _groups(outputs: Sequence[str]) -> dict[tuple[str, ...], list[str]]:
+    """Files that share a fit, by the names of their programs.
+
+    Programs that show the same share one. Pictures and our own files, which show everything, join
+    the only program, or have a fit of their own beside several.
+    """
+    found: dict[Capabilities | None, list[str]] = {}
+    for output in outputs:
+        names = _targets_of([output])
+        found.setdefault(shown_by(names) if names else None, []).append(output)
+    if len(found) == 2 and None in found:
+        return {_targets_of(outputs): list(outputs)}
+    return {_targets_of(files): files for files in found.values()} or {(): []}
+
+
+def _print(
+    rigs: dict[tuple[str, ...], Rig],
+    groups: dict[tuple[str, ...], list[str]],
+    as_json: bool,
+    verbose: bool,
+) -> None:
+    """Print the only rig, or each below the names of its files."""
+    if len(rigs) == 1:
+        print_result(next(iter(rigs.values())), as_json, verbose)
+    elif as_json:
+        each = {file: rigs[names].to_dict() for names, files in groups.items() for file in files}
+        click.echo(json.dumps(each, indent=2))
+    else:
+        for names, rig in rigs.items():
+            click.echo(f"{printable(', '.join(groups[names]))}:")
+            print_result(rig, False, verbose)
+            click.echo()
 
 
 def _targets_of(outputs: Sequence[str]) -> tuple[str, ...]:

@@ -17,6 +17,8 @@ from envlights.cli.outputs import (
     output_option,
     print_result,
     say_written,
+    stage_of,
+    stage_options,
 )
 from envlights.fitting.request import AMBIENTS
 from envlights.sequence.follow import follow
@@ -51,6 +53,7 @@ from envlights.sequence.formats import SUFFIXES
     show_default=True,
 )
 @unseen_option()
+@stage_options
 @output_option(f"File to write ({', '.join(SUFFIXES)}). Can be repeated.")
 @json_option("sequence")
 def command(
@@ -61,6 +64,7 @@ def command(
     max_radius: float | None,
     fill: str | None,
     outputs: Sequence[str],
+    stage: dict[str, Any],
     as_json: bool,
     **options: Any,
 ) -> None:
@@ -68,7 +72,8 @@ def command(
 
     FRAMES is a pattern in quotes ('frames/*.exr'), a folder or a video.
     """
-    check_outputs(outputs, SUFFIXES, {"the sequence": frames} if Path(frames).is_file() else {})
+    inputs = {"the sequence": frames} if Path(frames).is_file() else {}
+    check_outputs(outputs, SUFFIXES, inputs, stage)
     if lights is None and error is None:
         lights = default_of(follow, "lights")
     rigs = follow(
@@ -81,6 +86,6 @@ def command(
         **options,
     ).sequence()
     for output in outputs:
-        rigs.save(output)
+        rigs.save(output, **stage_of(output, stage))
     print_result(rigs, as_json)
     say_written(outputs)

@@ -8,6 +8,7 @@ import json
 import os
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -19,6 +20,8 @@ from envlights._common.files import NO_MATPLOTLIB, PICTURES, can_draw, check_wri
 from envlights._common.printable import printable
 from envlights._native import EnvLightsError
 from envlights.cli.standard_streams import is_standard_output
+from envlights.export.saving import check_options
+from envlights.export.targets import SUFFIXES, target_of
 from envlights.rigs.rig import Rig
 
 #: Help of ``-o`` for subcommands that write lights.
@@ -36,6 +39,33 @@ def default_of(function: Callable[..., Any], parameter: str) -> Any:
 def output_option(help_text: str) -> Callable[[Any], Any]:
     """Repeatable option ``-o``."""
     return click.option("-o", "--output", "outputs", multiple=True, metavar="OUT", help=help_text)
+
+
+def stage_options(command: Any) -> Any:
+    """Options ``--up`` and ``--metres-per-unit`` of OpenUSD, together the argument `stage`."""
+
+    def collect(context: click.Context, option: click.Parameter, value: Any) -> None:
+        stage = context.params.setdefault("stage", {})
+        if value is not None:
+            stage[option.name] = value
+
+    option = partial(click.option, callback=collect, expose_value=False)
+    up = option("--up", type=click.Choice(["y", "z"]), help="Up axis of files for OpenUSD.")
+    metres = option(
+        "--metres-per-unit", type=float, help="Unit of length of files for OpenUSD. Default: 1."
+    )
+    return up(metres(command))
+
+
+def stage_of(output: str, stage: Mapping[str, Any]) -> dict[str, Any]:
+    """Values of `stage_options` that the program of an output has."""
+    known = target_of(output).options if _is_scene(output) else ()
+    return {name: stage[name] for name in stage if name in known}
+
+
+def _is_scene(output: str) -> bool:
+    """True for a file of lights for a program."""
+    return output.lower().endswith(SUFFIXES)
 
 
 def json_option(what: str) -> Callable[[Any], Any]:
@@ -82,11 +112,15 @@ def check_output(output: str, suffixes: tuple[str, ...], inputs: Mapping[str, st
 
 
 def check_outputs(
-    outputs: Iterable[str], suffixes: tuple[str, ...], inputs: Mapping[str, str]
+    outputs: Sequence[str],
+    suffixes: tuple[str, ...],
+    inputs: Mapping[str, str],
+    stage: Iterable[str] = (),
 ) -> None:
-    """Refuse outputs as `check_output` does."""
+    """Refuse outputs as `check_output` does, and a `stage` if none is a file for OpenUSD."""
     for output in outputs:
         check_output(output, suffixes, inputs)
+    check_options(map(target_of, filter(_is_scene, outputs)), stage)
 
 
 def is_picture(output: str) -> bool:
@@ -96,10 +130,11 @@ def is_picture(output: str) -> bool:
 
 def write(
     outputs: Iterable[str],
-    save: Callable[[str], Any],
+    save: Callable[..., Any],
     draw: Callable[[Any], Any],
     *,
     strict: bool = False,
+    stage: Mapping[str, Any] | None = None,
 ) -> None:
     """Write each output by `save`, or as a picture, which `draw` makes by `envlights.plot`."""
     for output in outputs:
@@ -110,7 +145,7 @@ def write(
             plot.save(draw(plot), output)
         else:
             with print_losses(strict=strict):
-                save(output)
+                save(output, **stage_of(output, stage or {}))
 
 
 def check_can_draw(output: str) -> None:

@@ -16,6 +16,7 @@ from envlights.cli.outputs import (
     output_option,
     print_result,
     say_written,
+    stage_options,
     verbose_option,
     write,
 )
@@ -62,6 +63,7 @@ _SETTINGS = settings_of(
 )
 @settings_option("detection", _SETTINGS)
 @output_option(OUTPUTS)
+@stage_options
 @verbose_option()
 @json_option("lights")
 def command(
@@ -73,18 +75,19 @@ def command(
     sampling: str,
     settings: Sequence[str],
     outputs: Sequence[str],
+    stage: dict[str, Any],
     verbose: bool,
     as_json: bool,
     **options: Any,
 ) -> None:
     """Find the lights of PHOTO, a plane picture of any aspect (.jpg, .png, .tif, .exr, .hdr)."""
-    check_outputs(outputs, (*SUFFIXES, *PICTURES), {"the photograph": path})
+    check_outputs(outputs, (*SUFFIXES, *PICTURES), {"the photograph": path}, stage)
     given = settings_from(settings, "detection", _SETTINGS.__contains__)
     given |= {"relative": relative, "sampling": sampling}
     options["lights"] = lights
     options |= with_settings(detect_photograph, given)
     detect_photograph(np.ones((8, 16, 3), np.float32), **options)  # refuses impossible options
     found = detect_photograph(path, colour=colour, part=part, **options)
-    write(outputs, found.save, lambda plot: plot.photograph(found))
+    write(outputs, found.save, lambda plot: plot.photograph(found), stage=stage)
     print_result(found, as_json, verbose)
     say_written(outputs)

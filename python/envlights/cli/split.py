@@ -25,6 +25,7 @@ from envlights.cli.outputs import (
     print_losses,
     print_result,
     say_written,
+    stage_options,
     verbose_option,
 )
 from envlights.cli.settings import settings_of, settings_option
@@ -86,6 +87,7 @@ _Parts = Split | CardSplit | Limit | SunSplit
     " for the program of the suffix (list: envlights export -h), or a picture (.png, .pdf, .svg)."
     " Can be repeated; scenes name the .exr file."
 )
+@stage_options
 @verbose_option()
 @json_option("lights")
 def command(
@@ -102,11 +104,12 @@ def command(
     ratio: float | None,
     target: str,
     outputs: Sequence[str],
+    stage: dict[str, Any],
     verbose: bool,
     as_json: bool,
 ) -> None:
     """Remove the lights from MAP (.hdr, .exr, .png, .jpg, .tif)."""
-    check_outputs(outputs, (*SUFFIXES, *MAP_SUFFIXES, *PICTURES), {"the map": map_file.path})
+    check_outputs(outputs, (*SUFFIXES, *MAP_SUFFIXES, *PICTURES), {"the map": map_file.path}, stage)
     options = detection_settings(settings, "tree")
     if options and (sun is not None or maximum is not None):
         raise EnvLightsError("--set is of detected lights; leave out --sun and --limit, or --set")
@@ -117,7 +120,7 @@ def command(
     parts = _parts(env, lights, fraction, maximum, found, readings, shapes, options)
     parts = _at_place(parts, distance, radius)
     draw = partial(_draw, env, parts, found)
-    written = _write(parts, map_file.path, outputs, target, draw)
+    written = _write(parts, map_file.path, outputs, target, stage, draw)
     removed = parts.lights
     print_result(removed, as_json, verbose)
     say_written(written)
@@ -167,7 +170,12 @@ def _at_place(parts: _Parts, distance: float | None, radius: float | None) -> _P
 
 
 def _write(
-    parts: _Parts, source: str, outputs: Sequence[str], target: str, draw: Callable[[str], None]
+    parts: _Parts,
+    source: str,
+    outputs: Sequence[str],
+    target: str,
+    stage: dict[str, Any],
+    draw: Callable[[str], None],
 ) -> list[str]:
     """Write all outputs; paths of all files, with the maps that scenes bring."""
     pictures = [output for output in outputs if Path(output).suffix.lower() in PICTURES]
@@ -178,7 +186,7 @@ def _write(
     for path in written:
         check_source(path, {"the map": source})
     with print_losses():
-        save_with_map(parts.lights, parts.remainder, scenes)
+        save_with_map(parts.lights, parts.remainder, scenes, **stage)
     for output in maps:
         written += write_map(parts.remainder, output, target)
     for output in pictures:

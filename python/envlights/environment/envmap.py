@@ -394,12 +394,15 @@ class EnvMap:
         ----------
         degree : int
             Highest order, from 0 to 2.
-        convention : {"envlights", "ramamoorthi", "three", "unity"}
+        convention : {"envlights", "ramamoorthi", "three", "unity", "filament", "babylon"}
             "envlights" and "ramamoorthi": coefficients L of the radiance for the real harmonics of
             `kernels.harmonic_radiance`, which are those of Ramamoorthi and Hanrahan (2001) in our
             axes. "three": the same in the axes of three.js, for ``LightProbe.sh.coefficients``.
             "unity": row i is ``sh[channel, i]`` of ``SphericalHarmonicsL2``, in the axes of Unity:
-            irradiance over pi, with the factors of the polynomials multiplied in.
+            irradiance over pi, with the factors of the polynomials multiplied in. "filament": the
+            same in our axes, which are those of glTF, for ``IndirectLight::Builder::irradiance``
+            and Cesium's `sphericalHarmonicCoefficients`. "babylon": irradiance over pi for
+            ``SphericalHarmonics.FromArray`` of Babylon.js, in the left-handed axes of a glTF there.
         fill : {"black", "harmonic", "ground"}, float or array_like, shape (3,), optional
             Radiance where the map shows nothing; see `filled`.
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,14 +13,26 @@ from envlights.kernels.ambient import turned_ambient
 #: Factors of the polynomials 1, y, z, x, xy, yz, 3zz - 1, xz, xx - yy in irradiance.
 FACTORS = np.array(_native.HARMONIC_FACTORS)
 
-#: Rows: each axis of the program in our frame.
-_AXES = {
-    "envlights": None,
-    "ramamoorthi": None,
-    "three": ((0, 0, 1), (0, 1, 0), (-1, 0, 0)),
-    "unity": ((-1, 0, 0), (0, 1, 0), (0, 0, 1)),
+_SAME = None
+#: Our x is mirrored, as by the importers of glTF of left-handed programs.
+_MIRRORED = ((-1, 0, 0), (0, 1, 0), (0, 0, 1))
+#: Signs of the basis of Babylon.js, which is negative for odd orders.
+_ODD = np.array([1, -1, 1, -1, 1, -1, 1, -1, 1.0])
+#: Irradiance over radiance in each degree, over pi.
+_LAMBERT = np.array([1, *[2 / 3] * 3, *[1 / 4] * 5])
+
+#: Axes of each program, rows in our frame, and the factor of each coefficient.
+_PROGRAMS: dict[str, tuple[Any, Any]] = {
+    "envlights": (_SAME, 1.0),
+    "ramamoorthi": (_SAME, 1.0),
+    "three": (((0, 0, 1), (0, 1, 0), (-1, 0, 0)), 1.0),
+    # These hold the factors of the polynomials in irradiance over pi.
+    "unity": (_MIRRORED, FACTORS / np.pi),
+    "filament": (_SAME, FACTORS / np.pi),
+    # Babylon.js multiplies its basis in, `SphericalHarmonics.preScaleForRendering`.
+    "babylon": (_MIRRORED, _LAMBERT * _ODD),
 }
-CONVENTIONS = tuple(_AXES)
+CONVENTIONS = tuple(_PROGRAMS)
 
 
 def map_harmonics(radiance: NDArray[np.float32], border_sampled: bool) -> NDArray[np.float64]:
@@ -28,10 +42,7 @@ def map_harmonics(radiance: NDArray[np.float32], border_sampled: bool) -> NDArra
 
 def in_convention(harmonics: NDArray[np.float64], convention: str) -> NDArray[np.float64]:
     """Coefficients, (9, 3), of our axes as a program has them."""
-    axes = _AXES[convention]
+    axes, factors = _PROGRAMS[convention]
     turned = harmonics if axes is None else turned_ambient(harmonics, axes)
-    if convention != "unity":
-        return turned
-    # Unity holds the factors of the polynomials in irradiance over pi.
-    scaled: NDArray[np.float64] = FACTORS[:, None] / np.pi * turned
+    scaled: NDArray[np.float64] = np.broadcast_to(factors, 9)[:, None] * turned
     return scaled

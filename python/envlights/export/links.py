@@ -12,7 +12,7 @@ from envlights._native import EnvLightsError
 from envlights.environment.envmap import EnvMap
 from envlights.environment.files.image_output import MAP_SUFFIXES
 from envlights.export.files import AnyPath
-from envlights.export.saving import save_for
+from envlights.export.saving import check_options, save_for
 from envlights.export.targets import PANORAMA, Target, target_of
 
 
@@ -35,7 +35,9 @@ class LinkedFile(NamedTuple):
     """Textures of cards that are written with it."""
 
 
-def save_with_map(lights: Any, environment: EnvMap, paths: Iterable[AnyPath]) -> tuple[Path, ...]:
+def save_with_map(
+    lights: Any, environment: EnvMap, paths: Iterable[AnyPath], **options: Any
+) -> tuple[Path, ...]:
     """Write lights and the map around them; scenes name the map, which is written once.
 
     Parameters
@@ -45,6 +47,8 @@ def save_with_map(lights: Any, environment: EnvMap, paths: Iterable[AnyPath]) ->
         Map around the lights.
     paths : iterable of path-like
         Scenes for the targets of their suffixes, and files of the map (.exr, .hdr).
+    **options
+        Further arguments of the writers that have them, as of `saving.save`.
 
     Returns
     -------
@@ -57,6 +61,7 @@ def save_with_map(lights: Any, environment: EnvMap, paths: Iterable[AnyPath]) ->
         If a suffix is unknown, two of the files have the same path, or one cannot be written.
     """
     files = plan(environment, paths, lights)
+    check_options((file.target for file in files if file.target), options)
     # No scene names a missing map: files of the map are written first.
     for file in sorted(files, key=lambda file: file.target is not None):
         if file.target is None:
@@ -64,7 +69,8 @@ def save_with_map(lights: Any, environment: EnvMap, paths: Iterable[AnyPath]) ->
             continue
         around = environment if file.target.shows.environment else None
         link = {} if file.link is None else {"texture": file.link}
-        save_for(file.target, lights, file.path, around, **link)
+        own = {name: options[name] for name in options if name in file.target.options}
+        save_for(file.target, lights, file.path, around, **link, **own)
     return tuple(paths_of(files))
 
 
@@ -76,7 +82,7 @@ class LinkedParts:
     lights: Any
     remainder: EnvMap
 
-    def save(self, *paths: AnyPath) -> tuple[Path, ...]:
+    def save(self, *paths: AnyPath, **options: Any) -> tuple[Path, ...]:
         """Write the lights with the rest around them, for one program or several.
 
         A scene loads the rest by a relative name. Blender, OpenUSD, Unity and Unreal name the file
@@ -89,6 +95,8 @@ class LinkedParts:
         ----------
         *paths : path-like
             Scenes (`el.export.TARGETS` lists the suffixes), and files of the rest (.exr, .hdr).
+        **options
+            Further arguments of the writers that have them: ``up="z"`` of OpenUSD.
 
         Returns
         -------
@@ -113,7 +121,7 @@ class LinkedParts:
         """
         if not paths:
             raise EnvLightsError("there is no path; give one or several, such as 'sun.usda'")
-        return save_with_map(self.lights, self.remainder, paths)
+        return save_with_map(self.lights, self.remainder, paths, **options)
 
     def _repr_pretty_(self, printer: Any, _: bool) -> None:
         printer.text(repr(self) if printer.indentation else str(self))

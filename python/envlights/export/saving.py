@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Iterable
 from typing import Any
 
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import AnyMap, as_envmap
 from envlights.export.files import AnyPath
-from envlights.export.targets import Target, target_of
+from envlights.export.targets import TARGETS, Target, target_of
 from envlights.kernels.probe import relative_rms
 from envlights.kernels.sampling import icosphere
 
@@ -17,7 +18,7 @@ from envlights.kernels.sampling import icosphere
 _SMALL_ERROR, _SAME_ERROR = 1e-3, 1.1
 
 
-def save(rig: Any, path: AnyPath, environment: AnyMap | None = None) -> None:
+def save(rig: Any, path: AnyPath, environment: AnyMap | None = None, **options: Any) -> None:
     """Write a rig, or lights alone, in the format that the suffix of `path` names.
 
     Parameters
@@ -27,12 +28,15 @@ def save(rig: Any, path: AnyPath, environment: AnyMap | None = None) -> None:
         Textures are written beside it, ``scene.ambient.exr`` beside ``scene.usda``.
     environment : EnvMap or array_like, optional
         Map that replaces the ambient term, such as the remainder of a split map.
+    **options
+        Further arguments of the target's writer: ``up="z"`` of `save_usd`, ``scale=`` of
+        `save_mujoco`.
 
     Raises
     ------
     EnvLightsError
-        If the suffix is unknown, the target accepts no map but `environment` is one, or the file
-        cannot be written.
+        If the suffix is unknown, the target accepts no map or no such option, or the file cannot
+        be written.
 
     Warns
     -----
@@ -42,7 +46,19 @@ def save(rig: Any, path: AnyPath, environment: AnyMap | None = None) -> None:
     target = target_of(path)
     if environment is not None and not target.shows.environment:
         raise EnvLightsError(f"cannot write {path}: {target.title} accepts no environment map")
-    save_for(target, rig, path, environment)
+    check_options((target,), options)
+    save_for(target, rig, path, environment, **options)
+
+
+def check_options(targets: Iterable[Target], options: Iterable[str]) -> None:
+    """Refuse an option that no writer of the targets accepts."""
+    each = list(targets)
+    for name in options:
+        if not any(name in target.options for target in each):
+            titles = " and ".join(sorted({target.title for target in each})) or "this file"
+            owners = ", ".join(known.title for known in TARGETS if name in known.options)
+            hint = f"it is an option of {owners}" if owners else "no program has this option"
+            raise EnvLightsError(f"{name}= changes nothing for {titles}; {hint}")
 
 
 def save_for(

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from importlib import import_module
+from inspect import signature
 from typing import Any, NamedTuple
 
 from envlights._common.check import check_choice, describe
@@ -95,6 +96,16 @@ class Target(NamedTuple):
     file: str = ""
     """Name of its file in `export.formats`, if that is not its own name."""
 
+    versions: str = ""
+    """Versions of the program that read its files in a check; empty if none did."""
+
+    @property
+    def options(self) -> tuple[str, ...]:
+        """Names of further arguments of its writer, such as "up" of OpenUSD."""
+        parameters = signature(function_named(f"save_{self.name}")).parameters.values()
+        named = (each.name for each in parameters if each.kind is each.KEYWORD_ONLY)
+        return tuple(name for name in named if name != "texture")
+
     def save(self, rig: Any, path: AnyPath, *environment: Any, **options: Any) -> None:
         """Write a rig or lights, with an `environment` map if the target shows one."""
         function_named(f"save_{self.name}")(rig, path, *environment, **options)
@@ -147,6 +158,7 @@ TARGETS = (
             source="Khronos, KHR_lights_punctual: a directional light has no size",
         ),
         PANORAMA,
+        versions="three.js 0.187; validator of Khronos 2.0.0-dev.3.10",
     ),
     Target(
         "three",
@@ -161,6 +173,7 @@ TARGETS = (
             remark="sizes are in `userData`",
             source="three.js, src/lights: DirectionalLight, HemisphereLight, LightProbe",
         ),
+        versions="0.150, 0.160, 0.180, 0.187 (loader and lights, in Node)",
     ),
     Target(
         "usd",
@@ -177,6 +190,7 @@ TARGETS = (
         ),
         PANORAMA,
         Crops(".usd.exr"),
+        versions="24.11, 26.11 (usd-core)",
     ),
     Target(
         "mitsuba",
@@ -193,6 +207,7 @@ TARGETS = (
         ),
         ".ambient.mitsuba.exr",  # rows as Mitsuba reads them
         Crops(".mitsuba.exr"),
+        versions="3.9",
     ),
     Target(
         "blender",
@@ -208,6 +223,7 @@ TARGETS = (
         ),
         PANORAMA,
         Crops(".blender.exr", has_discs=True),
+        versions="4.2.0, 5.0.1 (bpy, Cycles)",
     ),
     Target(
         "radiance",
@@ -217,6 +233,7 @@ TARGETS = (
         TargetUnits("WHTEFFICACY of Radiance", "W/m2", "W/(m2 sr)", _RADIANCE),
         Capabilities(harmonics="map", source="Radiance, The RADIANCE Lighting Simulation: source"),
         ".ambient.hdr",  # mantissas rounded as Radiance reads them
+        versions="that of pyradiance 1.3",
     ),
     Target(
         "pbrt",
@@ -251,6 +268,7 @@ TARGETS = (
             remark="of a map, the mean alone; for the classic renderer",
             source="MuJoCo 3.12, src/render/classic/render_gl3.c: eight lights of OpenGL",
         ),
+        versions="3.2.0, 3.2.7, 3.3.0, 4.0.0 (classic renderer)",
     ),
     Target(
         "godot",
@@ -267,6 +285,7 @@ TARGETS = (
             source="Godot 4, scene_forward_lights_inc.glsl, light_storage.cpp",
         ),
         PANORAMA,
+        versions="4.6 (Compatibility)",
     ),
     Target(
         "unity",

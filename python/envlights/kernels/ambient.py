@@ -48,3 +48,21 @@ def turned_ambient(ambient: NDArray[np.float64], matrix: ArrayLike) -> NDArray[n
     turned /= np.linalg.norm(turned, axis=1, keepdims=True)
     values = harmonics.harmonic_radiance(turned)
     return np.asarray(np.linalg.lstsq(values, old, rcond=None)[0], np.float64)
+
+
+def turned_about_pole(
+    ambient: NDArray[np.float64], cosine: float, sine: float
+) -> NDArray[np.float64]:
+    """Ambient term after a turn about +y that raises azimuths, with the same bits everywhere."""
+    if ambient.ndim == 1:
+        return ambient
+    one, y, z, x, xy, yz, zz, xz, xx = ambient
+    half, root = 0.5, 0.5 * np.sqrt(3.0)
+    # The pole of 3zz - 1 and xx - yy is +z; their sums 3yy - 1, which stays, and xx - zz have +y.
+    pole, level = -half * zz - root * xx, half * xx - root * zz
+    double_cosine, double_sine = cosine * cosine - sine * sine, 2.0 * cosine * sine
+    level, xz = double_cosine * level - double_sine * xz, double_cosine * xz + double_sine * level
+    turned = [one, y, cosine * z + sine * x, cosine * x - sine * z]
+    turned += [cosine * xy - sine * yz, cosine * yz + sine * xy]
+    turned += [-half * pole - root * level, xz, half * level - root * pole]
+    return np.stack(turned)

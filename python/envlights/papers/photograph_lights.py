@@ -304,7 +304,10 @@ class PhotographLights(Result):
         )
 
     def save(
-        self, path: str | os.PathLike[str], environment: EnvMap | ArrayLike | None = None
+        self,
+        path: str | os.PathLike[str],
+        environment: EnvMap | ArrayLike | None = None,
+        **options: Any,
     ) -> None:
         """Write the lights in the format of the suffix; a failure leaves no file.
 
@@ -315,6 +318,8 @@ class PhotographLights(Result):
             directions is a table of places. The other formats of `Lights.save` need directions.
         environment : EnvMap or array_like, optional
             Map around the lights, for formats that accept one.
+        **options
+            Further arguments of the target's writer: ``up="z"`` of OpenUSD, ``scale=`` of MuJoCo.
 
         Raises
         ------
@@ -325,7 +330,7 @@ class PhotographLights(Result):
         if target == "csv" and self.direction is None:
             write_atomically(path, lambda beside: beside.write_text(self._csv(), encoding="utf-8"))
             return
-        saving.save(self if target == "json" else self.discs(), path, environment)
+        saving.save(self if target == "json" else self.discs(), path, environment, **options)
 
     def _csv(self) -> str:
         """Table with a row for each light, for spreadsheets."""

@@ -7,15 +7,18 @@
 | report of a fit                          | `report.py`                                |
 | checks of arrays of lights               | `light_arrays.py`                          |
 | lights as spherical Gaussians            | `lobes.py`                                 |
+| variations of rigs at random             | `vary.py`, `planck.py`, `portable.py`      |
 """
 
 from envlights.rigs.light import Light
 from envlights.rigs.report import FitReport, StopReason
 from envlights.rigs.rig import rigs_to_frame
+from envlights.rigs.vary import Variation
 
 __all__ = [
     "FitReport",
     "Light",
     "StopReason",
+    "Variation",
     "rigs_to_frame",
 ]

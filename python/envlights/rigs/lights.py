@@ -252,7 +252,10 @@ class Lights(Editable["Lights"], TableResult):
         }
 
     def save(
-        self, path: str | os.PathLike[str], environment: EnvMap | ArrayLike | None = None
+        self,
+        path: str | os.PathLike[str],
+        environment: EnvMap | ArrayLike | None = None,
+        **options: Any,
     ) -> None:
         """Write the lights in the format of the suffix; a failure leaves no file.
 
@@ -262,8 +265,10 @@ class Lights(Editable["Lights"], TableResult):
             `el.export.TARGETS` lists the suffixes, with the parts that each format keeps and loses.
         environment : EnvMap or array_like, optional
             Map around the lights, such as the rest of a split map, for formats that accept one.
+        **options
+            Further arguments of the target's writer: ``up="z"`` of OpenUSD, ``scale=`` of MuJoCo.
         """
-        saving.save(self, path, environment)
+        saving.save(self, path, environment, **options)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Lights:

@@ -208,7 +208,10 @@ class Rig(Result):
         return frame
 
     def save(
-        self, path: str | os.PathLike[str], environment: EnvMap | ArrayLike | None = None
+        self,
+        path: str | os.PathLike[str],
+        environment: EnvMap | ArrayLike | None = None,
+        **options: Any,
     ) -> None:
         """Write the rig in the format of the suffix; a failure leaves no file.
 
@@ -220,6 +223,8 @@ class Rig(Result):
             `el.export.TARGETS` lists the suffixes, with the parts that each format keeps and loses.
         environment : EnvMap or array_like, optional
             Map that replaces the ambient term, for formats that accept one.
+        **options
+            Further arguments of the target's writer: ``up="z"`` of OpenUSD, ``scale=`` of MuJoCo.
 
         Warns
         -----
@@ -230,7 +235,7 @@ class Rig(Result):
         --------
         envlights.export : functions that return dictionaries and text.
         """
-        saving.save(self, path, environment)
+        saving.save(self, path, environment, **options)
 
     def error_in(self, target: str) -> float:
         """Relative RMS error of the irradiance as a target shows the rig.

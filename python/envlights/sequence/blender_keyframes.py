@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from envlights._common.words import fill_template
+from envlights.export.formats.blender import WORKING_SPACE
 from envlights.export.targets import AXES
 from envlights.sequence.frame_rig import FrameRig
 from envlights.sequence.light_tracks import tracks_of
@@ -14,9 +15,9 @@ _SCRIPT = '''\
 """Animated lights of envlights: run this in Blender's Text Editor, or by blender --python."""
 
 import bpy
-from mathutils import Vector
+from mathutils import Color, Vector
 
-# Units: @UNITS@.
+# Units: @UNITS@. Colours are linear Rec.709, whatever the working space of the file.
 FPS = @FPS@
 FRAMES = @FRAMES@
 # Of each light by its identity, for each frame: direction towards the light (z up), colour,
@@ -26,6 +27,7 @@ LIGHTS = {
 # Radiance of the world in each frame.
 AMBIENT = @AMBIENT@
 
+@WORKING_SPACE@
 
 def add_light(collection, identity, keys):
     name = f"envlights_{identity}"
@@ -40,7 +42,10 @@ def add_light(collection, identity, keys):
             turn.make_compatible(last)  # the shorter way
         last = turn
         sun.rotation_quaternion = turn
-        lamp.color, lamp.energy, lamp.angle = colour, energy, angle  # energy in W/m2
+        rgb = in_working_space(colour)
+        most = max(rgb) or 1
+        lamp.color = [value / most for value in rgb]
+        lamp.energy, lamp.angle = most * energy, angle  # energy in W/m2
         sun.keyframe_insert("rotation_quaternion", frame=frame)
         for name in ("color", "energy", "angle"):
             lamp.keyframe_insert(name, frame=frame)
@@ -56,7 +61,7 @@ def set_world(scene):
     background.inputs["Strength"].default_value = 1
     links.new(background.outputs[0], nodes.new("ShaderNodeOutputWorld").inputs["Surface"])
     for frame, radiance in zip(FRAMES, AMBIENT):
-        background.inputs["Color"].default_value = (*radiance, 1)
+        background.inputs["Color"].default_value = (*in_working_space(radiance), 1)
         background.inputs["Color"].keyframe_insert("default_value", frame=frame)
     scene.world = world
 
@@ -122,6 +127,7 @@ def blender(rigs: Iterable[FrameRig], fps: float | None = None) -> str:
     return fill_template(
         _SCRIPT,
         units=tracks.statement,
+        working_space=WORKING_SPACE,
         fps=repr(tracks.fps),
         frames=repr(list(tracks.frames)),
         lights=lights,

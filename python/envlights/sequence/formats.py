@@ -18,6 +18,8 @@ from envlights._native import EnvLightsError
 from envlights.export.files import save_scene
 from envlights.export.formats.own_json import build_from, parse
 from envlights.export.formats.usd import crate
+from envlights.export.saving import check_options
+from envlights.export.targets import target_of
 from envlights.rigs.rig import rig_fields
 from envlights.sequence.blender_keyframes import blender
 from envlights.sequence.frame_rig import FrameRig
@@ -112,22 +114,33 @@ def save(
     path: str | os.PathLike[str],
     steadiness: int = 0,
     fps: float | None = None,
+    **options: Any,
 ) -> None:
-    """Write rigs of frames in the format of the suffix; a failure leaves no file."""
-    save_scene(path, _content(rigs, as_path(path).suffix.lower(), steadiness, fps))
+    """Write rigs of frames in the format of the suffix; a failure leaves no file.
+
+    `options` are those of an OpenUSD file, `up` and `metres_per_unit`.
+    """
+    suffix = as_path(path).suffix.lower()
+    if suffix in SUFFIXES:
+        check_options((target_of(f"rigs{suffix}"),) if suffix != ".jsonl" else (), options)
+    save_scene(path, _content(rigs, suffix, steadiness, fps, options))
 
 
 def _content(
-    rigs: Iterable[FrameRig], suffix: str, steadiness: int, fps: float | None
+    rigs: Iterable[FrameRig],
+    suffix: str,
+    steadiness: int,
+    fps: float | None,
+    options: dict[str, Any],
 ) -> str | bytes:
     if suffix == ".jsonl":
         return json_lines(rigs, steadiness, fps)
     if suffix == ".csv":
         return csv(rigs)
     if suffix in (".usda", ".usd"):
-        return usd(rigs, fps)
+        return usd(rigs, fps, **options)
     if suffix == ".usdc":
-        return crate(usd(rigs, fps))
+        return crate(usd(rigs, fps, **options))
     if suffix == ".gltf":
         return json.dumps(gltf(rigs, fps), allow_nan=False) + "\n"
     if suffix == ".py":

@@ -145,7 +145,7 @@ class RigSequence(TableResult):
             table[row, np.searchsorted(self.ids, rig.ids)] = values_of(rig)
         return table
 
-    def save(self, path: str | os.PathLike[str]) -> None:
+    def save(self, path: str | os.PathLike[str], **options: Any) -> None:
         """Write the sequence in the format of the suffix; a failure leaves no file.
 
         Parameters
@@ -154,12 +154,14 @@ class RigSequence(TableResult):
             ``.jsonl``: a rig in each line, lossless; `load` reads it. ``.csv``: a row for each
             light of each frame. ``.usda``, ``.usdc``, ``.usd``: time samples. ``.gltf``: an
             animation. ``.py``: keyframes for Blender.
+        **options
+            `up` and `metres_per_unit` of an OpenUSD file, as in `el.export.usd`.
 
         See Also
         --------
         envlights.sequence : functions that return text and dictionaries.
         """
-        save(self, path, self.steadiness, self.fps)
+        save(self, path, self.steadiness, self.fps, **options)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> RigSequence:

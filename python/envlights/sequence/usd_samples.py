@@ -7,29 +7,19 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._common.words import fill_template
-from envlights.export.formats.usd import QUANTITIES, light_matrix
-from envlights.export.formats.usd_text import prim, string
+from envlights.export.formats.usd_stage import Stage
+from envlights.export.formats.usd_text import prim
 from envlights.sequence.frame_rig import FrameRig
 from envlights.sequence.light_tracks import LightTrack, tracks_of
 
-_HEAD = """#usda 1.0
-(
-    defaultPrim = "rig"
-    doc = @UNITS@
-    endTimeCode = @END@
-    metersPerUnit = 1
-    startTimeCode = @START@
-    timeCodesPerSecond = @RATE@
-    upAxis = "Y"
-)
 
-def Xform "rig"
-{
-"""
-
-
-def usd(rigs: Iterable[FrameRig], fps: float | None = None) -> str:
+def usd(
+    rigs: Iterable[FrameRig],
+    fps: float | None = None,
+    *,
+    up: str = "y",
+    metres_per_unit: float = 1.0,
+) -> str:
     """A stage of animated lights as text; a time code is the number of a frame.
 
     Parameters
@@ -38,6 +28,8 @@ def usd(rigs: Iterable[FrameRig], fps: float | None = None) -> str:
         Rigs of the frames, such as a `RigSequence`.
     fps : float, optional
         Frames in a second. Default: 24.
+    up, metres_per_unit
+        Up axis and unit of the stage, as in `el.export.usd`.
 
     Returns
     -------
@@ -54,24 +46,24 @@ def usd(rigs: Iterable[FrameRig], fps: float | None = None) -> str:
     >>> "float inputs:intensity.timeSamples = {0: 3.0, 1: 3.0}" in text
     True
     """
+    stage = Stage(up, metres_per_unit).checked()
     tracks = tracks_of(rigs, "usd", fps)
-    prims = [_light(track, tracks.frames) for track in tracks.lights]
+    prims = [_light(stage, track, tracks.frames) for track in tracks.lights]
     if tracks.ambient.any():
         most = tracks.ambient.max(axis=1)
         colour = tracks.ambient / np.where(most > 0, most, 1)[:, None]
         prims.append(prim("DomeLight", "ambient", _colour(colour, most, tracks.frames)))
-    head = fill_template(
-        _HEAD,
-        units=string(f"{QUANTITIES}{tracks.statement}"),
-        start=str(tracks.frames[0]),
-        end=str(tracks.frames[-1]),
-        rate=repr(tracks.fps),
+    return stage.text(
+        prims,
+        tracks.statement,
+        startTimeCode=tracks.frames[0],
+        endTimeCode=tracks.frames[-1],
+        timeCodesPerSecond=tracks.fps,
     )
-    return head + "\n".join(prims) + "}\n"
 
 
-def _light(track: LightTrack, frames: Sequence[int]) -> str:
-    matrices = [light_matrix(direction) for direction in track.direction]
+def _light(stage: Stage, track: LightTrack, frames: Sequence[int]) -> str:
+    matrices = [stage.light_matrix(direction) for direction in track.direction]
     angles = [repr(float(2 * np.rad2deg(radius))) for radius in track.radius]
     return prim(
         "DistantLight",

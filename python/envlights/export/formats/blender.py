@@ -18,6 +18,12 @@ from envlights.export.targets import AXES
 from envlights.export.textures import Beside, save_beside
 from envlights.kernels.angles import POLES, angle_cells
 
+#: Function of scripts. Blender 5 has other working spaces than Rec.709, and mixes in them.
+WORKING_SPACE = '''
+def in_working_space(rgb):
+    """Linear Rec.709 in the primaries of this file, as Color Management names them."""
+    return tuple(Color(rgb).from_rec709_linear_to_scene_linear())
+'''
 #: Runs in Blender 4.2 and newer. A second run replaces the objects of the first.
 _SCRIPT = '''\
 """Lights of envlights: run this in Blender's Text Editor, or by blender --python."""
@@ -26,9 +32,10 @@ import math
 import os
 
 import bpy
-from mathutils import Matrix, Vector
+from mathutils import Color, Matrix, Vector
 
 # Units: @UNITS@.
+# Colours are linear Rec.709, whatever the working space of the file.
 # Direction towards the light (z up), irradiance at normal incidence, full angle in radians.
 # Comments: azimuth in the map, from its left edge to the right, and elevation above the horizon.
 LIGHTS = [
@@ -37,10 +44,11 @@ LIGHTS = [
 AMBIENT = @AMBIENT@
 MAP = @MAP@
 @CARDS@
+@WORKING_SPACE@
 
 def add_lights(collection):
-    for j, (towards, irradiance, angle) in enumerate(LIGHTS):
-        name = f"envlights_{j}"
+    for j, (towards, rgb, angle) in enumerate(LIGHTS):
+        name, irradiance = f"envlights_{j}", in_working_space(rgb)
         lamp = bpy.data.lights.new(name, "SUN")
         lamp.energy = max(irradiance)  # W/m2
         lamp.color = [value / (max(irradiance) or 1) for value in irradiance]
@@ -58,15 +66,22 @@ def set_world(scene):
     nodes, links = world.node_tree.nodes, world.node_tree.links
     nodes.clear()
     background = nodes.new("ShaderNodeBackground")
-    background.inputs["Color"].default_value = (*AMBIENT, 1)
+    background.inputs["Color"].default_value = (*in_working_space(AMBIENT), 1)
     background.inputs["Strength"].default_value = 1
     links.new(background.outputs[0], nodes.new("ShaderNodeOutputWorld").inputs["Surface"])
     if MAP:
         texture = nodes.new("ShaderNodeTexEnvironment")
-        texture.image = bpy.data.images.load(beside(MAP))
-        texture.image.pack()  # the .blend file needs no other
+        texture.image = load(MAP)
         links.new(texture.outputs["Color"], background.inputs["Color"])
     scene.world = world
+
+
+def load(name):
+    """An image of linear Rec.709 in this file, which needs no other."""
+    image = bpy.data.images.load(beside(name))
+    image.colorspace_settings.name = "Linear Rec.709"
+    image.pack()
+    return image
 
 
 def beside(name):
@@ -109,6 +124,8 @@ def blender(
     `EnvMap.calibrated` the numbers are lux and cd/m² over 683 lm/W, as Blender's glTF importer
     converts them, so that a glTF of the rig gives the same lamps. Exposure is a setting of the
     scene, in Color Management; the view transform "Standard" shows the map's colours unchanged.
+    Numbers are linear Rec.709; the script converts them to the working space of the open file,
+    which Blender 5 can choose.
 
     Kept: directions, irradiances, sizes; a constant ambient term as background, harmonics and an
     ambient term over a floor as a small map. Lost: harmonics where they are negative.
@@ -191,6 +208,7 @@ def _script(scene: Scene, names: Beside) -> str:
     return fill_template(
         _SCRIPT,
         units=scene.statement,
+        working_space=WORKING_SPACE,
         lights=written,
         ambient=str(scene.constant.tolist()),
         map="None" if scene.environment is None else ascii(names.map),

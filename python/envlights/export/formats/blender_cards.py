@@ -19,7 +19,8 @@ PLANES = [
 
 
 def add_cards(collection):
-    for name, matrix, width, height, radiance, texture in RECTANGLES:
+    for name, matrix, width, height, rgb, texture in RECTANGLES:
+        radiance = in_working_space(rgb)
         lamp = bpy.data.lights.new(f"envlights_{name}", "AREA")
         lamp.shape, lamp.size, lamp.size_y = "RECTANGLE", width, height
         lamp.color = [value / (max(radiance) or 1) for value in radiance]
@@ -84,8 +85,7 @@ def glowing(name, texture):
 
 def image_node(nodes, texture):
     node = nodes.new("ShaderNodeTexImage")
-    node.image = bpy.data.images.load(beside(texture))
-    node.image.pack()
+    node.image = load(texture)
     node.extension = "EXTEND"
     return node
 

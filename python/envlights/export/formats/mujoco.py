@@ -120,7 +120,7 @@ def _lamps(lights: Discs, factor: float) -> list[dict[str, str]]:
     """Attributes of each light; its highlights on a material are as bright as its diffuse light."""
     return [
         {
-            "type": "directional",
+            "directional": "true",  # `type` needs MuJoCo 3.3.3
             "pos": _numbers(_DISTANCE * towards),
             "dir": _numbers(0.0 - towards),
             "diffuse": _numbers(factor * irradiance),

@@ -100,7 +100,8 @@ def _ambient(scene: Scene) -> dict[str, Any]:
     if scene.term.ndim == 2:
         # three.js has our order, signs and lengths of harmonics.
         harmonics = turned_ambient(scene.term, AXES["three"].matrix)
-        return thing_of("LightProbe", "ambient", sh=harmonics.ravel().tolist())
+        # Releases up to 181 have no default for the intensity of a file.
+        return thing_of("LightProbe", "ambient", sh=harmonics.ravel().tolist(), intensity=1.0)
     lit = colour_of(np.pi * scene.term)
     if scene.floor:
         return thing_of("HemisphereLight", "ambient", groundColor=0, **lit)
