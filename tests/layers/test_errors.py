@@ -73,7 +73,7 @@ def test_a_batch_of_errors_is_that_of_its_rows(convert):
         np.testing.assert_allclose(ours, rows, rtol=1e-10)
 
 
-@pytest.mark.parametrize("kind", [*KINDS, "gloss"])
+@pytest.mark.parametrize("kind", ["mixed", "gloss"])
 def test_derivatives_are_differences(kind):
     pytest.importorskip("jax")
     terms = map_terms(HALL)
@@ -119,7 +119,7 @@ def test_a_black_map_has_an_error_without_a_ratio():
 def test_unknown_kinds_are_refused():
     terms = map_terms(np.ones((16, 32, 3)))
     lights = Lights(np.eye(3), np.ones((3, 3)), np.zeros(3), np.zeros(3))
-    with pytest.raises(el.EnvLightsError, match='kind must be "shadows", "probe"'):
+    with pytest.raises(el.EnvLightsError, match="kind must be 'shadows' or 'probe'"):
         lighting_error(lights, terms, "light")
     with pytest.raises(el.EnvLightsError, match=r"roughness must be from 0\.3"):
         gloss_error(lights, terms, 0.1)

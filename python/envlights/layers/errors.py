@@ -53,7 +53,8 @@ def map_terms(env: AnyMap, degree: int = 40) -> MapTerms:
     Returns
     -------
     MapTerms
-        Float64 arrays of NumPy, 0.2 MB; the errors take those of any library.
+        Float64 arrays of NumPy, 0.2 MB, for any library. Those of several maps have the same shapes,
+        for `jax.vmap` of an error over lights and terms.
 
     Examples
     --------
@@ -63,12 +64,16 @@ def map_terms(env: AnyMap, degree: int = 40) -> MapTerms:
     """
     degree = count("degree", degree, least=2, most=_native.GLOSS_DEGREE)
     dull, fine, parts, spread = _native.expand_reduced(reduction_of(as_envmap(env), False).cells)
-    vectors, most = parts.sum(axis=2), _native.MOST_PARTS
-    length = np.linalg.norm(vectors, axis=1)
+    most = _native.MOST_PARTS
+    # Append black parts, so that the arrays of all maps have the same shapes.
+    parts = np.concatenate([parts, np.zeros((most, 3, 3))])
+    spread = np.append(spread, np.full(most, 1e-3))
+    vectors = parts.sum(axis=2)
+    length = np.linalg.norm(vectors, axis=1, keepdims=True)
     # Brightest first; the kernels have the same number of discs.
-    order = np.argsort(-length / spread, kind="stable")
-    order = order[length[order] > 0]
-    parts, spread, direction = parts[order], spread[order], vectors[order] / length[order, None]
+    order = np.argsort(-length[:, 0] / spread, kind="stable")
+    direction = np.where(length > 0, vectors / np.where(length > 0, length, 1), [0.0, 1.0, 0.0])
+    parts, spread, direction = parts[order], spread[order], direction[order]
     along = np.maximum(np.einsum("nac,na->nc", parts, direction), 0)
     # Channels of a part may have other directions: the first degree takes the difference.
     x, y, z = (parts - along[:, None] * direction[..., None]).sum(axis=0) * (0.75 / np.pi) ** 0.5
