@@ -40,7 +40,7 @@ in_each_library = pytest.mark.parametrize(
 )
 
 
-def converted(lights, convert):
+def in_library(lights, convert):
     """Lights in another library."""
     return Lights(*(each if each is None else convert(each) for each in lights))
 
@@ -80,9 +80,9 @@ def slopes_and_differences(loss, seeds, step):
             Lights(*(x + s * y for x, y in zip(lights[:4], changes, strict=True)))
             for s in (step, -step)
         ]
-        one, other = (float(value(converted(end, to_jax))) for end in ends)
+        one, other = (float(value(in_library(end, to_jax))) for end in ends)
         products = (
             np.sum(np.asarray(slope) * change)
-            for slope, change in zip(slopes(converted(lights, to_jax))[:4], changes, strict=True)
+            for slope, change in zip(slopes(in_library(lights, to_jax))[:4], changes, strict=True)
         )
         yield sum(products), (one - other) / (2 * step)

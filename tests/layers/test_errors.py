@@ -7,8 +7,8 @@ import envlights as el
 from envlights.layers import Lights, gloss_error, lighting_error, map_terms
 from tests.conftest import real_maps
 from tests.layers.libraries import (
-    converted,
     in_each_library,
+    in_library,
     random_lights,
     slopes_and_differences,
     to_jax,
@@ -28,7 +28,7 @@ def errors_of(report, error):
 def test_errors_are_those_of_the_report(convert, ambient):
     env = el.EnvMap(el.synthetic.hall(256).radiance)
     rig, terms = el.fit(env, lights=4, ambient=ambient), map_terms(env, degree=96)
-    lights = converted(Lights.of(rig), convert)
+    lights = in_library(Lights.of(rig), convert)
     for kind, expected in errors_of(rig.report, rig.error).items():
         assert float(lighting_error(lights, terms, kind)) == pytest.approx(expected, rel=5e-3), kind
     expected = rig.report.gloss_error(0.5, "plastic")
@@ -68,7 +68,7 @@ def test_a_batch_of_errors_is_that_of_its_rows(convert):
     lights = random_lights(1, batch=(2, 3))
     lights = lights._replace(mask=np.arange(36).reshape(2, 3, 6) % 5 * 1.0)
     for error in (lighting_error, gloss_error):
-        ours = np.asarray(error(converted(lights, convert), terms))
+        ours = np.asarray(error(in_library(lights, convert), terms))
         rows = [[float(error(lights.row((i, j)), terms)) for j in range(3)] for i in range(2)]
         np.testing.assert_allclose(ours, rows, rtol=1e-10)
 
@@ -95,7 +95,7 @@ def test_derivatives_of_single_precision_are_finite():
     lights.direction[::5, 2] = lights.direction[::5, 3]
     lights.direction[::3, 0] = terms.direction[0]
     lights.direction[::11, 1] = 0, 1, 0
-    single = converted(lights, lambda values: to_jax(values, "float32"))
+    single = in_library(lights, lambda values: to_jax(values, "float32"))
     for error in (lighting_error, gloss_error):
         slopes = jax.jit(jax.grad(lambda lights, error=error: error(lights, terms).sum()))(single)
         assert all(bool(jax.numpy.isfinite(each).all()) for each in slopes[:4])
@@ -104,7 +104,7 @@ def test_derivatives_of_single_precision_are_finite():
 def test_terms_are_arguments_of_compiled_code():
     jax = pytest.importorskip("jax")
     rig, terms = el.fit(HALL, lights=2), map_terms(HALL)
-    lights = converted(Lights.of(rig), to_jax)
+    lights = in_library(Lights.of(rig), to_jax)
     ours = jax.jit(lighting_error)(lights, jax.tree.map(to_jax, terms))
     assert float(ours) == pytest.approx(float(lighting_error(Lights.of(rig), terms)), rel=1e-9)
 

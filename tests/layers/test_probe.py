@@ -6,8 +6,8 @@ import pytest
 import envlights as el
 from envlights.layers import Lights, probe
 from tests.layers.libraries import (
-    converted,
     in_each_library,
+    in_library,
     random_lights,
     slopes_and_differences,
     to_jax,
@@ -34,7 +34,7 @@ def test_the_probe_is_that_of_a_rig(convert, ambient):
     for seed in range(5):
         lights = random_lights(seed, ambient=ambient)
         lights.angular_radius[:2] = 0, np.pi / 2
-        ours = np.asarray(probe(converted(lights, convert), convert(NORMALS)))
+        ours = np.asarray(probe(in_library(lights, convert), convert(NORMALS)))
         np.testing.assert_allclose(ours, lights.rig().probe(NORMALS), rtol=1e-12)
 
 
@@ -42,7 +42,7 @@ def test_the_probe_of_single_precision_is_exact_to_1e_5():
     pytest.importorskip("jax")
     for seed in range(5):
         lights = random_lights(seed, lights=4)
-        single = converted(lights, lambda values: to_jax(values, "float32"))
+        single = in_library(lights, lambda values: to_jax(values, "float32"))
         ours = probe(single, to_jax(NORMALS, "float32"))
         assert ours.dtype == "float32"
         np.testing.assert_allclose(ours, lights.rig().probe(NORMALS), rtol=1e-5)
@@ -54,7 +54,7 @@ def test_a_batch_with_a_mask_is_its_rows(convert):
     mask = np.random.default_rng(0).random((2, 3, 6)) < 0.7
     # Networks pad with zeros.
     masked = lights._replace(direction=lights.direction * mask[..., None], mask=mask * 1.0)
-    ours = np.asarray(probe(converted(masked, convert), convert(NORMALS)))
+    ours = np.asarray(probe(in_library(masked, convert), convert(NORMALS)))
     assert ours.shape == (2, 3, len(NORMALS), 3)
     for row in np.ndindex(2, 3):
         rig = masked.row(row).rig()
@@ -63,7 +63,7 @@ def test_a_batch_with_a_mask_is_its_rows(convert):
 
 
 def test_derivatives_are_differences():
-    """With a step of 1e-6 radii, no disc crosses a border within a step but by chance of 1e-5."""
+    """The step is 1e-6 of the radius, so that hardly any disc touches the horizon within it."""
     pytest.importorskip("jax")
     weights = to_jax(np.random.default_rng(5).normal(size=(20, 3)))
     normals = to_jax(NORMALS[::64])
@@ -100,7 +100,7 @@ def test_derivatives_of_single_precision_are_finite():
     lights.angular_radius[rng.random((10_000, 4)) < 0.1] = np.pi / 2
     lights.direction[::7, 1] = -lights.direction[::7, 0]
     lights.direction[::5, 2] = NORMALS[0]
-    single = converted(lights, lambda values: to_jax(values, "float32"))
+    single = in_library(lights, lambda values: to_jax(values, "float32"))
     normals = to_jax([NORMALS[0], -NORMALS[0], *NORMALS[::200]], "float32")
     slopes = jax.jit(jax.grad(lambda lights: (probe(lights, normals) ** 2).sum()))(single)
     assert all(bool(jax.numpy.isfinite(each).all()) for each in slopes[:4])

@@ -6,12 +6,12 @@
 | record of lights, from rigs and labels and back | `lights.py`    |
 | irradiance of discs, exact                      | `probe.py`     |
 | pixels, and spherical Gaussians                 | `maps.py`      |
-| mean distance between discs                     | `chord.py`     |
-| harmonics of lights                             | `harmonics.py` |
+| harmonics of lights, distances between discs    | `products.py`  |
 | arrays of a map, and errors of lights under it  | `errors.py`    |
 | transport between two sets of lights            | `matching.py`  |
 
-All functions run on NumPy; JAX and torch add derivatives. The extra is `layers`.
+All functions run on NumPy; JAX and torch add derivatives. Lights are one row, or a batch with any
+leading axes, which results have, too. The extra is `layers`.
 """
 
 from envlights.layers.errors import MapTerms, gloss_error, lighting_error, map_terms

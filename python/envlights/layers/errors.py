@@ -13,9 +13,8 @@ from envlights.environment.envmap import AnyMap, as_envmap
 from envlights.fitting.reduction import reduction_of
 from envlights.kernels import gloss
 from envlights.layers.arrays import Array, constant
-from envlights.layers.chord import mean_distances
-from envlights.layers.harmonics import expand_lights
 from envlights.layers.lights import Lights, check_lights, spread_and_flux
+from envlights.layers.products import expand_lights, mean_distances
 
 #: Weights of the kernels of the probe and of shadows; those of "mixed" are in `fit/settings.rs`.
 KINDS = {"shadows": (0.0, 1.0), "probe": (1.0, 0.0), "mixed": (0.973, 0.027)}
@@ -53,8 +52,7 @@ def map_terms(env: AnyMap, degree: int = 40) -> MapTerms:
     Returns
     -------
     MapTerms
-        Float64 arrays of NumPy, 0.2 MB, for any library. Those of several maps have the same shapes,
-        for `jax.vmap` of an error over lights and terms.
+        Float64 arrays of NumPy, of the same shapes for all maps.
 
     Examples
     --------
@@ -104,9 +102,7 @@ def lighting_error(lights: Lights, terms: MapTerms, kind: str = "shadows") -> Ar
     Parameters
     ----------
     lights : Lights
-        One row, or a batch (...).
     terms : MapTerms
-        Of `map_terms`.
     kind : {"shadows", "probe", "mixed"}
         "shadows": irradiance at every normal behind every blocking plane, as
         `FitReport.shadow_error`. "probe": at every normal, as `Rig.error`. "mixed": their mean that
@@ -151,16 +147,8 @@ def gloss_error(
 ) -> Array:
     """Relative RMS error of images of a rough ball from all sides, (...), as of `FitReport`.
 
-    Parameters
-    ----------
-    lights : Lights
-        One row, or a batch (...).
-    terms : MapTerms
-        Of ``map_terms(env, degree=96)``; fewer degrees show less of bright lights.
-    roughness : float
-        Roughness from 0.3 to 1.
-    material : {"metal", "plastic"}
-        As for `kernels.gloss.spectrum`.
+    It needs ``map_terms(env, degree=96)``; fewer degrees show less of bright lights. Roughness and
+    material are those of `kernels.gloss.spectrum`, from 0.3 to 1.
     """
     check_choice("material", material, gloss.MATERIALS)
     xp, lights = check_lights(lights)

@@ -26,14 +26,14 @@ def matching_loss(lights: Lights, target: Lights) -> Array:
     It assigns :math:`T_i = \sum_j p_{ij} T_j / \sum_k p_{kj}` of the target to each light:
 
     .. math:: \sum_{ij} p_{ij} (|l_i - l_j|^2 + (a_i - a_j)^2)
-              + \sum_i |E_i - T_i|^2 / \textstyle\sum_i |T_i|^2 .
+              + \sum_i |E_i - T_i|^2 / \textstyle\sum_i (|E_i|^2 + |T_i|^2) .
 
     Examples
     --------
     >>> arrays = [[0.0, 1.0, 0.0]], [[2.0, 2.0, 2.0]], [0.1], [0.0, 0.0, 0.0]
     >>> one = Lights(*map(np.array, arrays))
     >>> float(matching_loss(one._replace(irradiance=one.irradiance / 2), one))
-    0.25
+    0.2
     """
     (xp, lights), (_, target) = check_lights(lights), check_lights(target)
     *batch, n, _ = lights.direction.shape
@@ -46,7 +46,7 @@ def matching_loss(lights: Lights, target: Lights) -> Array:
     moved = xp.sum(plan * (xp.sum(away * away, axis=-1) + wider * wider), axis=(-2, -1))
     whole = xp.sum(plan, axis=-2, keepdims=True)
     assigned = xp.matmul(plan / xp.where(whole > 0, whole, 1.0), target.irradiance)
-    square = xp.sum(assigned * assigned, axis=(-2, -1))
+    square = xp.sum(lights.irradiance**2 + assigned * assigned, axis=(-2, -1))
     change = xp.sum((lights.irradiance - assigned) ** 2, axis=(-2, -1))
     return moved + change / xp.where(square > 0, square, 1.0)
 

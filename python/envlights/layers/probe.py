@@ -34,18 +34,8 @@ _SERIES = tuple((-1) ** k / (2 * k + 3) for k in range(11))
 def probe(lights: Lights, normals: Array) -> Array:
     """Exact irradiance under lights, as of `Rig.probe`; derivatives are finite everywhere.
 
-    Parameters
-    ----------
-    lights : Lights
-        One row, or a batch (...).
-    normals : array, shape (..., k, 3) or (k, 3)
-        Vectors of any length above 0, in the library of the lights.
-
-    Returns
-    -------
-    array, shape (..., k, 3)
-        Linear RGB. A disc counts with its part above the horizon of the normal. The derivative of
-        a point on the horizon is the mean of both sides.
+    Normals, (..., k, 3) or (k, 3), are vectors of any length above 0, and the result is linear RGB,
+    (..., k, 3). The derivative of a point on the horizon is the mean of both sides.
 
     Examples
     --------
