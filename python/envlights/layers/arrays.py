@@ -54,26 +54,21 @@ def scan(step: Callable[..., Any], first: Any, rows: tuple[Any, ...], like: Arra
 
 def with_derivatives(function: Callable[..., Any], *arrays: Array) -> Array:
     """Value of ``value, derivatives = function(xp, *arrays)``, differentiated by these alone."""
-    if is_jax_array(arrays[0]):
-        return _for_jax(function)(*arrays)
     if is_torch_array(arrays[0]):
         return _for_torch(function).apply(*arrays)
-    return function(namespace(*arrays), *arrays)[0]
-
-
-@lru_cache
-def _for_jax(function: Callable[..., Any]) -> Any:
+    xp = namespace(*arrays)
+    if not is_jax_array(arrays[0]):
+        return function(xp, *arrays)[0]
     import jax
 
-    value = jax.custom_jvp(lambda *arrays: function(jax.numpy, *arrays)[0])
+    value = jax.custom_jvp(lambda *arrays: function(xp, *arrays)[0])
 
     @value.defjvp
     def derivative(arrays: Any, tangents: Any) -> Any:
-        out, slopes = function(jax.numpy, *arrays)
-        terms = [slope * tangent for slope, tangent in zip(slopes, tangents, strict=True)]
-        return out, sum(terms[1:], terms[0])
+        out, slopes = function(xp, *arrays)
+        return out, sum(slope * change for slope, change in zip(slopes, tangents, strict=True))
 
-    return value
+    return value(*arrays)
 
 
 @lru_cache

@@ -47,7 +47,7 @@ def map_terms(env: AnyMap, degree: int = 40) -> MapTerms:
     env : EnvMap, array_like or path
         Parts that it does not show are filled as by `el.fit`.
     degree : int
-        Highest degree, 2 to 96. `lighting_error` uses 40; `gloss_error` is exact with 96.
+        Highest degree, 40 to 96: 40 for `lighting_error`, 96 for `gloss_error`.
 
     Returns
     -------
@@ -60,7 +60,7 @@ def map_terms(env: AnyMap, degree: int = 40) -> MapTerms:
     >>> map_terms(el.synthetic.hall(32).radiance).dull.shape
     (41, 41, 6)
     """
-    degree = count("degree", degree, least=2, most=_native.GLOSS_DEGREE)
+    degree = count("degree", degree, least=40, most=_native.GLOSS_DEGREE)
     dull, fine, parts, spread = _native.expand_reduced(reduction_of(as_envmap(env), False).cells)
     most = _native.MOST_PARTS
     # Append black parts, so that the arrays of all maps have the same shapes.
@@ -84,13 +84,10 @@ def map_terms(env: AnyMap, degree: int = 40) -> MapTerms:
 
     dull += expand(slice(most, None), len(dull) - 1)
     bright = expand(slice(most), degree)
-    more = (0, max(0, degree + 1 - len(dull)))
-    dull = np.pad(dull, (more, more, (0, 0)))[: degree + 1, : degree + 1]
-    direction, flux, spread = (
-        direction[:most],
-        (along / (1 - spread[:, None]))[:most],
-        spread[:most],
-    )
+    more = (0, degree + 1 - len(dull))
+    dull = np.pad(dull, (more, more, (0, 0)))
+    direction, spread = direction[:most], spread[:most]
+    flux = along[:most] / (1 - spread[:, None])
     apart = mean_distances(np, direction, spread, direction, spread)
     distances = np.sum(flux * (apart @ flux), axis=0)
     return MapTerms(dull, bright, np.array(fine), direction, flux, spread, distances)
@@ -126,10 +123,9 @@ def lighting_error(lights: Lights, terms: MapTerms, kind: str = "shadows") -> Ar
     check_choice("kind", kind, tuple(KINDS))
     xp, lights = check_lights(lights)
     terms = MapTerms(*(constant(each, lights.irradiance) for each in terms))
-    degree = min(terms.dull.shape[0] - 1, 40)
-    whole, smooth, cone = _kernel(kind, degree)
-    dull, bright = (each[: degree + 1, : degree + 1] for each in terms[:2])
-    sky, direct = expand_lights(xp, lights, degree)
+    whole, smooth, cone = _kernel(kind, 40)
+    dull, bright = (each[:41, :41] for each in terms[:2])
+    sky, direct = expand_lights(xp, lights, 40)
 
     def product(dull: Array, bright: Array, distances: Array) -> Array:
         fine = (whole[-2:].mean() / 4) * xp.sum(terms.fine) - cone * distances

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -74,11 +74,6 @@ def to_gaussians(lights: Lights) -> Gaussians:
     """
     xp, lights = check_lights(lights)
     radius = xp.clip(lights.angular_radius, SUN_RADIUS, None)
-    k = with_derivatives(_sharpness, xp.sin(radius / 2) ** 2)
+    k = with_derivatives(sharpness_of, xp.sin(radius / 2) ** 2)
     at_normal = 2 * np.pi * (k - 1 + xp.exp(-k)) / (k * k)
     return Gaussians(lights.irradiance / at_normal[..., None], lights.direction, k)
-
-
-def _sharpness(xp: Any, spread: Array) -> tuple[Array, tuple[Array]]:
-    sharpness, derivative = sharpness_of(xp, spread)
-    return sharpness, (derivative,)

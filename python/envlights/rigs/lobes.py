@@ -40,7 +40,7 @@ def lobes(
     return SphericalGaussians(direction, seal(sharpness), seal(amplitude))
 
 
-def sharpness_of(xp: Any, spread: Any) -> tuple[Any, Any]:
+def sharpness_of(xp: Any, spread: Any) -> tuple[Any, tuple[Any]]:
     """Sharpness k of lobes with the mean 1 - cos `spread`, below 1, and its derivative.
 
     It is the inverse of 1 + 1/k - coth k, in the array namespace `xp`.
@@ -53,4 +53,4 @@ def sharpness_of(xp: Any, spread: Any) -> tuple[Any, Any]:
         beyond = 2 * xp.exp(-2 * k) / -xp.expm1(-2 * k)
         slope = 1 / k**2 - beyond * (2 + beyond)
         k = k + (1 / k - beyond - spread) / slope
-    return k, -1 / slope
+    return k, (-1 / slope,)
