@@ -19,7 +19,7 @@ PAGES = sorted([*DOCS.glob("*.md"), *DOCS.glob("programs/*.md")])
 #: Languages of code that is not run.
 OTHER_CODE = {"sh", "text"}
 #: Packages that the code of a page needs.
-NEEDS = {"view_models.md": ("trimesh", "anywidget")}
+NEEDS = {"view_models.md": ("trimesh", "anywidget"), "training.md": ("jax", "array_api_compat")}
 #: The tests of tests/fitting run this page, because its blocks are alternatives.
 ELSEWHERE = {"own_solver.md"}
 

@@ -63,7 +63,7 @@ INTRODUCTION = """Every public name has a page with its shapes, units, errors an
 PACKAGES = (
     *("rigs", "detection", "splitting", "cards", "sun", "fitting", "papers", "batches"),
     *("scene", "viewer", "comparison", "sequence", "transfer"),
-    *("plot", "export", "io", "synthetic", "kernels"),
+    *("plot", "export", "io", "layers", "synthetic", "kernels"),
 )
 #: Pages of the guide on a package.
 GUIDES = {
@@ -71,6 +71,7 @@ GUIDES = {
     "export": "programs/index",
     "transfer": "start",
     "comparison": "compare",
+    "layers": "training",
 }
 
 

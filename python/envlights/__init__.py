@@ -74,6 +74,7 @@ _PACKAGES = {
     "comparison",
     "export",
     "io",
+    "layers",
     "papers",
     "plot",
     "scene",
@@ -136,6 +137,7 @@ if _typing.TYPE_CHECKING:
     from envlights import export as export
     from envlights import fitting as fitting
     from envlights import io as io
+    from envlights import layers as layers
     from envlights import papers as papers
     from envlights import plot as plot
     from envlights import rigs as rigs

@@ -20,6 +20,7 @@ __all__ = [
     "HARMONIC_FACTORS",
     "LEAST_WHITE",
     "LUMINANCE",
+    "MOST_PARTS",
     "ClippedDetection",
     "DamagedBytesError",
     "EnvLightsError",
@@ -56,6 +57,7 @@ __all__ = [
     "even_sphere",
     "expand_discs",
     "expand_map",
+    "expand_reduced",
     "exr_file",
     "face_radiance",
     "fill_unseen",
@@ -134,6 +136,7 @@ LEAST_WHITE: float
 GLOSS_DEGREE: int
 HARMONIC_FACTORS: list[float]
 LUMINANCE: list[float]
+MOST_PARTS: int
 BASIS_SHARE: int
 BASIS_TILE: int
 
@@ -313,6 +316,7 @@ def draw_cards(
 def even_sphere(count: int) -> _Reals: ...
 def expand_discs(directions: _Reals, irradiance: _Reals, radii: _Reals, degree: int) -> _Reals: ...
 def expand_map(radiance: _Image, degree: int, border_sampled: bool) -> _Reals: ...
+def expand_reduced(reduced: ReducedMap) -> tuple[_Reals, list[float], _Reals, _Reals]: ...
 def face_radiance(radiance: _Image, faces: int, border_sampled: bool) -> _Reals: ...
 def fill_unseen(
     radiance: _Image, seen: _Image, border_sampled: bool, columns: int, most: float

@@ -1,11 +1,13 @@
 //! `kernels::harmonics` for Python.
 
+use ndarray::Array3;
 use numpy::{
     IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3,
 };
 use pyo3::prelude::*;
 
 use super::pool::{by_size, interruptible};
+use super::reduction::ReducedMap;
 use super::sphere::registration;
 use crate::kernels::disc::Discs;
 use crate::kernels::{self, fit, harmonics};
@@ -55,6 +57,21 @@ pub fn expand_map<'py>(
     let radiance = radiance.as_array();
     let out = interruptible(py, || kernels::expand_map(radiance, registration(border_sampled), degree))?;
     Ok(out.into_pyarray(py))
+}
+
+/// Harmonics of a reduced map as arrays: coefficients of its dull cells, what they leave out, and its bright parts.
+type ReducedHarmonics<'py> =
+    (Bound<'py, PyArray3<f64>>, [f64; 3], Bound<'py, PyArray3<f64>>, Bound<'py, PyArray1<f64>>);
+
+/// See `envlights.layers.map_terms`: the parts are vector irradiances, (n, 3 axes, 3 channels), and their spread, (n,).
+#[pyfunction]
+pub fn expand_reduced<'py>(py: Python<'py>, reduced: &ReducedMap) -> PyResult<ReducedHarmonics<'py>> {
+    let map = &reduced.map;
+    let (dull, fine) = interruptible(py, || kernels::expand_working_map(map))?;
+    let parts =
+        Array3::from_shape_fn((map.parts.len(), 3, 3), |(i, axis, c)| map.parts[i].irradiance[axis][c]);
+    let spread: Vec<f64> = map.parts.iter().map(|part| part.spread).collect();
+    Ok((dull.into_pyarray(py), fine, parts.into_pyarray(py), spread.into_pyarray(py)))
 }
 
 /// See `envlights.kernels.expand_discs`.

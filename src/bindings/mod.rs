@@ -47,6 +47,8 @@ mod _native {
     #[pymodule_export]
     const LEAST_WHITE: f64 = crate::kernels::image::LEAST_WHITE;
     #[pymodule_export]
+    const MOST_PARTS: usize = crate::kernels::image::MOST_PARTS;
+    #[pymodule_export]
     const BASIS_SHARE: usize = crate::kernels::transfer::SHARE;
     #[pymodule_export]
     const BASIS_TILE: usize = crate::kernels::transfer::TILE;
@@ -70,7 +72,8 @@ mod _native {
     use super::gloss::gloss_spectrum;
     #[pymodule_export]
     use super::harmonics::{
-        expand_discs, expand_map, harmonic_irradiance, harmonic_radiance, kernel_spectra, nine_harmonics,
+        expand_discs, expand_map, expand_reduced, harmonic_irradiance, harmonic_radiance, kernel_spectra,
+        nine_harmonics,
     };
     #[pymodule_export]
     use super::hierarchy::{TriangleTree, bounding_volume_hierarchy};

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,20 +34,23 @@ def lobes(
     angular_radius: NDArray[np.float64],
 ) -> SphericalGaussians:
     """Lobes with the irradiance and the spread of discs; see `Lights.spherical_gaussians`."""
-    sharpness = _sharpness(np.sin(np.maximum(angular_radius, SUN_RADIUS) / 2) ** 2)
+    sharpness, _ = sharpness_of(np, np.sin(np.maximum(angular_radius, SUN_RADIUS) / 2) ** 2)
     at_normal = 2 * np.pi * (sharpness - 1 + np.exp(-sharpness)) / sharpness**2
     amplitude = irradiance / at_normal[:, None]
     return SphericalGaussians(direction, seal(sharpness), seal(amplitude))
 
 
-def _sharpness(spread: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Sharpness k of lobes with the mean 1 - cos `spread`, below 1: inverse of 1 + 1/k - coth k."""
+def sharpness_of(xp: Any, spread: Any) -> tuple[Any, tuple[Any]]:
+    """Sharpness k of lobes with the mean 1 - cos `spread`, below 1, and its derivative.
+
+    It is the inverse of 1 + 1/k - coth k, in the array namespace `xp`.
+    """
     # Start near the solution (Banerjee et al. 2005, equation 4.4), and take Newton's steps.
     mean = 1 - spread
     k = mean * (3 - mean**2) / (spread * (1 + mean))
     for _ in range(_NEWTON_STEPS):
         # coth k - 1 = 2 / (e^2k - 1), without cancellation and overflow.
-        beyond = 2 * np.exp(-2 * k) / -np.expm1(-2 * k)
+        beyond = 2 * xp.exp(-2 * k) / -xp.expm1(-2 * k)
         slope = 1 / k**2 - beyond * (2 + beyond)
         k = k + (1 / k - beyond - spread) / slope
-    return k
+    return k, (-1 / slope,)

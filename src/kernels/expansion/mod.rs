@@ -28,7 +28,9 @@ mod synthesis;
 
 pub use addition::Cap;
 pub use bright_parts::{PointLight, bright_cells, sources_of};
-pub use coefficients::{Coefficients, DiscOfFlux, expand_discs, expand_map, nine_harmonics};
+pub use coefficients::{
+    Coefficients, DiscOfFlux, expand_discs, expand_map, expand_working_map, nine_harmonics,
+};
 pub use legendre::{
     AssociatedLegendre, DEGREE, DEGREES, DiscFactors, disc_factors, disc_series, legendre_derivatives,
     legendre_values, visit_degrees,

@@ -1,0 +1,125 @@
+"""Record of lights as arrays of any library, to and from rigs."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from envlights._native import EnvLightsError
+from envlights.batches.labels import LabelArrays
+from envlights.environment.envmap import AnyMap, as_envmap
+from envlights.kernels.probe import relative_rms
+from envlights.kernels.sampling import icosphere
+from envlights.layers.arrays import Array, constant, namespace, to_numpy
+from envlights.rigs.lights import Lights as Discs
+from envlights.rigs.report import FitReport
+from envlights.rigs.rig import Rig
+
+
+class Lights(NamedTuple):
+    """Lights as arrays of NumPy, JAX, torch or CuPy, with any leading axes of a batch.
+
+    It is a tuple, so `jax.grad`, `jax.vmap` and the loaders of torch accept it. Shapes are checked,
+    but not values, because compiled code cannot refuse any.
+
+    Examples
+    --------
+    >>> arrays = [[0.0, 2.0, 0.0]], [[1.0, 1.0, 1.0]], [0.1], [0.2, 0.2, 0.2]
+    >>> Lights(*map(np.array, arrays)).rig().probe([0, 1, 0]).round(3)
+    array([1.628, 1.628, 1.628])
+    """
+
+    direction: Array
+    """Vectors towards the lights of any length above 0, (..., n, 3): right-handed, +y up."""
+    irradiance: Array
+    """Linear RGB at normal incidence, (..., n, 3)."""
+    angular_radius: Array
+    """Radians from 0 to pi / 2, (..., n); 0 is a point."""
+    ambient: Array
+    """Radiance of the ambient term, (..., 3), or its harmonics as in `Rig.ambient`, (..., 9, 3)."""
+    mask: Array | None = None
+    """Not 0 where there is a light, (..., n), for rigs of several lengths; None: everywhere."""
+
+    @classmethod
+    def of(cls, rig: Rig) -> Lights:
+        """Lights of a rig, float64 of NumPy; over a floor, half the sky is one more light."""
+        direction, radius = rig.lights.direction, rig.lights.angular_radius
+        light, ambient = rig.lights.irradiance, rig.ambient
+        if rig.floor:
+            direction = np.vstack([direction, [[0.0, 1.0, 0.0]]])
+            light, radius = np.vstack([light, np.pi * ambient]), np.append(radius, np.pi / 2)
+            ambient = np.zeros(3)
+        return cls(*map(np.array, (direction, light, radius, ambient)))
+
+    @classmethod
+    def of_labels(cls, labels: LabelArrays) -> Lights:
+        """Lights of `el.label_arrays`: a batch in float32, with a mask."""
+        is_constant = not labels.ambient_harmonics[:, 1:].any()
+        ambient = labels.ambient if is_constant else labels.ambient_harmonics
+        mask = labels.mask.astype(np.float32)
+        return cls(labels.direction, labels.irradiance, labels.angular_radius, ambient, mask)
+
+    def row(self, index: int) -> Lights:
+        """Lights of one row of a batch."""
+        return Lights(*(each if each is None else each[index] for each in self))
+
+    def rig(self, env: AnyMap | None = None) -> Rig:
+        """Rig of one row, without masked lights, such as a prediction.
+
+        `env` is the map at which `Rig.error` is measured, by default none, and the error is 0.
+        An `EnvLightsError` names values that no rig can have.
+        """
+        _, lights = check_lights(self)
+        if lights.angular_radius.ndim > 1:
+            raise EnvLightsError("rig needs one row of a batch: lights.row(0).rig()")
+        rows = slice(None) if self.mask is None else to_numpy(self.mask) != 0
+        arrays = (to_numpy(each).astype(np.float64)[rows] for each in lights[:3])
+        direction, light, radius = arrays
+        direction /= np.linalg.norm(direction, axis=1, keepdims=True)
+        discs = Discs(direction, light, radius)
+        rig = Rig(to_numpy(lights.ambient).astype(np.float64), discs, error=0.0)
+        if env is None:
+            return rig
+        normals, weights = icosphere(5120)
+        error = relative_rms(rig.probe(normals), as_envmap(env).probe(normals), weights)
+        return Rig(rig.ambient, discs, error, FitReport(measured_on=f"{len(normals)} normals"))
+
+
+def check_lights(lights: Lights) -> tuple[Any, Lights]:
+    """Namespace of lights, and the lights with unit directions and black where they are masked."""
+    if not isinstance(lights, Lights):
+        raise EnvLightsError(f"lights must be el.layers.Lights; got {type(lights).__name__}")
+    xp = namespace(*(each for each in lights if each is not None))
+    shape = tuple(lights.angular_radius.shape)
+    ambient = ((*shape[:-1], 3), (*shape[:-1], 9, 3))
+    wanted = (((*shape, 3),), ((*shape, 3),), (shape,), ambient, (shape,))
+    for name, each, shapes in zip(Lights._fields, lights, wanted, strict=True):
+        if each is not None and tuple(each.shape) not in shapes:
+            raise EnvLightsError(
+                f"{name} must have the shape {' or '.join(map(str, shapes))} beside angular_radius"
+                f" with {shape}; got {tuple(each.shape)}"
+            )
+    light = lights.irradiance
+    if lights.mask is not None:
+        light = xp.where((lights.mask != 0)[..., None], light, constant(0.0, light))
+    return xp, Lights(unit(xp, lights.direction), light, lights.angular_radius, lights.ambient)
+
+
+def unit(xp: Any, vectors: Array) -> Array:
+    """Vectors of length 1; zeros stay."""
+    square = xp.sum(vectors * vectors, axis=-1, keepdims=True)
+    return vectors / xp.sqrt(xp.where(square > 0, square, 1.0))
+
+
+def nine_coefficients(lights: Lights) -> Array:
+    """Ambient term as coefficients of nine harmonics, (..., 9, 3), or of the first, (..., 1, 3)."""
+    if lights.ambient.ndim == lights.direction.ndim:
+        return lights.ambient
+    return lights.ambient[..., None, :] * (4 * np.pi) ** 0.5
+
+
+def spread_and_flux(xp: Any, lights: Lights) -> tuple[Array, Array]:
+    """Half the solid angle over 2 pi, sin^2(a/2), and the integral of the radiance of each disc."""
+    spread = xp.sin(lights.angular_radius / 2) ** 2
+    return spread, lights.irradiance / (1 - spread)[..., None]
