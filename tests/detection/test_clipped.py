@@ -286,6 +286,15 @@ def test_a_flat_top_at_a_ceiling_is_clipped(ceiling):
     np.testing.assert_allclose(el.EnvMap(radiance).clipped_fraction, share, rtol=0.05)
 
 
+@pytest.mark.parametrize("colour", [(50, 50, 50), (7, 3, 2)])
+def test_a_lamp_of_one_radiance_is_not_clipped(colour):
+    lamp = el.synthetic.Disc((0, 0.6, 0.8), 6.0, colour)
+    radiance = scene(256, background=[0.1] * 3, shapes=[lamp]).radiance
+    assert el.EnvMap(radiance).clipped_fraction == 0
+    assert not el.detect(radiance).is_clipped.any()
+    assert "no pixel is clipped" in el.EnvMap(radiance).repaired().notes[-1]
+
+
 def test_a_sun_with_two_channels_at_the_ceiling_is_clipped():
     radiance = glow(256, np.array([0, 0.6, 0.8]), 6.0, 1e-3) * (1.2, 1.1, 0.3)
     radiance = np.minimum(radiance, 4)

@@ -336,3 +336,14 @@ def test_brackets_in_names_are_found(folder, pattern, tmp_path):
     assert len(el.batch(path, lights=0, jobs=1)) == 2
     one = str(tmp_path / folder / name.format(1))
     assert len(el.follow(one, lights=0, steadiness=0).sequence()) == 1
+
+
+def test_lamps_of_two_colours_that_pass_each_other_keep_their_identities():
+    """The second frame has the lamps where the others were, but for 6 degrees."""
+    identities = Identities()
+    red, blue = [1.0, 0.1, 0.1], [0.1, 0.1, 1.0]
+    here, there = towards(-3, 10), towards(3, 10)
+    before = identities.follow(el.Lights([here, there], [red, blue]))
+    after = identities.follow(el.Lights([here, there], [blue, red]))
+    # Red is brighter, and the first of each frame.
+    assert before == after == (0, 1)

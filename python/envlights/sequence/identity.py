@@ -28,6 +28,8 @@ class _Light:
     direction: NDArray[np.float64]
     flux: float
     radius: float
+    #: Part of each channel in the sum of the irradiance, (3,).
+    colour: NDArray[np.float64]
     #: Rotation in one frame, as axis times angle.
     velocity: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
     age: int = 0
@@ -39,7 +41,13 @@ class _Light:
         """Direction in the next frame at the same velocity; the last one if it vanished."""
         return self.direction if self.absent else turn(self.direction, self.velocity)
 
-    def move(self, direction: NDArray[np.float64], flux: float, radius: float) -> None:
+    def move(
+        self,
+        direction: NDArray[np.float64],
+        flux: float,
+        radius: float,
+        colour: NDArray[np.float64],
+    ) -> None:
         """Take over the state in the next frame."""
         if self.absent:
             self.velocity, self.age = np.zeros(3), 0
@@ -49,6 +57,7 @@ class _Light:
             step = rotation_vector(self.direction, direction)
             self.velocity = (1 - fraction) * self.velocity + fraction * step
         self.direction, self.flux, self.radius, self.absent = direction, flux, radius, 0
+        self.colour = colour
 
 
 class Identities:
@@ -68,7 +77,8 @@ class Identities:
     def follow(self, lights: Lights) -> tuple[int, ...]:
         """Identity of each light of the next frame."""
         partners = self._partners(lights)
-        arrays = lights.direction, lights.luminance.tolist(), lights.angular_radius.tolist()
+        numbers = lights.luminance.tolist(), lights.angular_radius.tolist()
+        arrays = lights.direction, *numbers, _colours(lights)
         self._present = []
         for row, state in enumerate(zip(*arrays, strict=True)):
             known = partners.get(row)
@@ -96,7 +106,7 @@ class Identities:
         return {int(columns[i]): self._lights[i] for i in range(known) if columns[i] < rows}
 
     def _costs(self, lights: Lights) -> NDArray[np.float64]:
-        """Cost of each pair of a known light and a row, by direction and flux."""
+        """Cost of each pair of a known light and a row, by direction, flux and colour."""
         if not self._lights or not len(lights):
             return np.zeros((len(self._lights), len(lights)))
         expected = np.array([light.next_direction for light in self._lights])
@@ -110,7 +120,10 @@ class Identities:
         after = np.log(np.maximum(lights.luminance, smallest))
         ratio = np.abs(after - before[:, None]) / np.log(_FLUX_RATIO)
         absent = np.array([_RETURN * (light.absent > 0) for light in self._lights])
-        costs: NDArray[np.float64] = angle / (_ANGLE_DEG + wide) + ratio + absent[:, None]
+        # 2 for lights without a common channel, which are never the same.
+        colours = np.array([light.colour for light in self._lights])
+        tint = np.abs(colours[:, None] - _colours(lights)).sum(axis=2)
+        costs: NDArray[np.float64] = angle / (_ANGLE_DEG + wide) + ratio + tint + absent[:, None]
         return costs
 
     def _forget(self) -> None:
@@ -121,6 +134,13 @@ class Identities:
         vanished = sorted((light for light in self._lights if light.absent), key=lambda x: x.absent)
         gone = {light.identity for light in vanished[_MOST_VANISHED:]}
         self._lights = [light for light in self._lights if light.identity not in gone]
+
+
+def _colours(lights: Lights) -> NDArray[np.float64]:
+    """Part of each channel in the sum of the irradiance of each light, (n, 3)."""
+    whole = np.maximum(lights.irradiance.sum(axis=1, keepdims=True), np.finfo(float).tiny)
+    colours: NDArray[np.float64] = lights.irradiance / whole
+    return colours
 
 
 def rotation_vector(start: NDArray[np.float64], end: NDArray[np.float64]) -> NDArray[np.float64]:
