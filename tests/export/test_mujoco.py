@@ -98,6 +98,29 @@ def test_the_ball_shows_the_irradiance_of_the_rig(mujoco, name, tmp_path):
     assert worst_code(mujoco, tmp_path, rig.probe) < WORST
 
 
+@pytest.mark.parametrize("name", ["none", "constant"])
+def test_mujoco_warp_shows_the_same_ball(name, tmp_path):
+    mujoco, warp, mjw = map(pytest.importorskip, ("mujoco", "warp", "mujoco_warp"))
+    rig = rigs(POINTS)[name]
+    el.export.save_mujoco(rig, tmp_path / "rig.mujoco.xml")
+    more = "".join(camera(f"side{k}", *side[:2]) for k, side in enumerate(SIDES))
+    text = MODEL.format(file="rig.mujoco.xml", more=more, colour="1 1 1 1")
+    (tmp_path / "model.xml").write_text(text)
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "model.xml"))
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    there, state = mjw.put_model(model), mjw.put_data(model, data)
+    context = mjw.create_render_context(model, cam_res=(SIDE, SIDE), render_rgb=True)
+    mjw.refit_bvh(there, state, context)
+    mjw.render(there, state, context)
+    for k, side in enumerate(SIDES):
+        shown = warp.zeros((1, SIDE, SIDE), dtype=warp.vec3f)
+        mjw.get_rgb(context, k, shown)
+        normals, is_ball = normals_of(side)
+        wanted = model.numeric("envlights_scale").data[0] * rig.probe(normals)
+        assert 255 * np.abs(shown.numpy()[0][is_ball] - wanted).max() < WORST
+
+
 def test_other_ambient_terms_and_further_lights_give_their_mean(mujoco, tmp_path):
     for rig in (*rigs(POINTS).values(), el.Rig([0.1, 0.2, 0.3], MANY, 0.0)):
         el.export.save_mujoco(rig, tmp_path / "rig.mujoco.xml")

@@ -268,7 +268,7 @@ TARGETS = (
             remark="of a map, the mean alone; for the classic renderer",
             source="MuJoCo 3.12, src/render/classic/render_gl3.c: eight lights of OpenGL",
         ),
-        versions="3.2.0, 3.2.7, 3.3.0, 4.0.0 (classic renderer)",
+        versions="3.2.0, 3.2.7, 3.3.0, 4.0.0 (classic renderer), Warp 4.0.0",
     ),
     Target(
         "godot",
