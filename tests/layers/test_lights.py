@@ -29,7 +29,7 @@ def test_a_rig_comes_back(floor):
 
 def test_labels_are_a_batch_and_rows_are_rigs():
     rigs = [el.fit(HALL, lights=n, ambient=ambient) for n, ambient in ((1, "sh2"), (3, "constant"))]
-    lights = Lights.of_labels(el.label_arrays(rigs, lights=4))
+    lights = Lights.of_labels(el.batches.label_arrays(rigs, lights=4))
     assert lights.ambient.shape == (2, 9, 3)
     for row, rig in enumerate(rigs):
         np.testing.assert_allclose(

@@ -54,7 +54,7 @@ class Lights(NamedTuple):
 
     @classmethod
     def of_labels(cls, labels: LabelArrays) -> Lights:
-        """Lights of `el.label_arrays`: a batch in float32, with a mask."""
+        """Lights of `el.batches.label_arrays`: a batch in float32, with a mask."""
         is_constant = not labels.ambient_harmonics[:, 1:].any()
         ambient = labels.ambient if is_constant else labels.ambient_harmonics
         mask = labels.mask.astype(np.float32)
