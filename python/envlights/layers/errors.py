@@ -98,12 +98,11 @@ def lighting_error(lights: Lights, terms: MapTerms, kind: str = "shadows") -> Ar
 
     Parameters
     ----------
-    lights : Lights
-    terms : MapTerms
+    lights, terms : Lights, MapTerms
     kind : {"shadows", "probe", "mixed"}
         "shadows": irradiance at every normal behind every blocking plane, as
-        `FitReport.shadow_error`. "probe": at every normal, as `Rig.error`. "mixed": their mean that
-        `el.fit` minimises, as `FitReport.objective_error`.
+        `FitReport.shadow_error`. "probe": at every normal, as `Rig.error`. "mixed": their mean,
+        as `FitReport.objective_error`.
 
     Notes
     -----

@@ -16,8 +16,7 @@ from envlights.rigs.lobes import SUN_RADIUS, sharpness_of
 def to_map(lights: Lights, height: int) -> Array:
     r"""Pixels of lights, (..., height, 2 * height, 3), smooth in directions and radii.
 
-    Discs have a soft rim, about a pixel wide, so a point is two pixels wide. The flux of each light
-    is exact. `Rig.to_map` draws exact pixels.
+    Discs have a soft rim, about a pixel wide. The flux of each light is exact.
 
     Notes
     -----

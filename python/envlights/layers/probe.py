@@ -43,7 +43,7 @@ def probe(lights: Lights, normals: Array) -> Array:
     >>> rig = el.Rig([0.1] * 3, el.Lights([[0, 1, 0]], [[2, 2, 2]], [0.5]), error=0.0)
     >>> probe(el.layers.Lights.of(rig), np.array([[0.0, 1, 0], [1, 0, 0]])).round(3)
     array([[2.314, 2.314, 2.314],
-           [0.519, 0.519, 0.519]])
+           [0.534, 0.534, 0.534]])
     """
     xp, lights = check_lights(lights)
     normals = unit(xp, normals)

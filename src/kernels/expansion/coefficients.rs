@@ -10,11 +10,11 @@ use ndarray::{Array2, Array3, ArrayView3};
 use rayon::prelude::*;
 
 use super::azimuthal::Azimuthal;
-use super::{DEGREE, DEGREES, Expansion, Harmonics, disc_series, visit_degrees};
+use super::{Harmonics, disc_series, visit_degrees};
 use crate::error::Result;
 use crate::interrupt;
 use crate::kernels::disc::Discs;
-use crate::kernels::image::{Grid, WorkingMap, check_rgb};
+use crate::kernels::image::{Grid, check_rgb};
 use crate::kernels::sampling::gauss_legendre;
 use crate::kernels::sphere::{Registration, angles, check_memory};
 
@@ -141,7 +141,7 @@ impl Coefficients {
     }
 
     /// Cosines and sines of each order and degree, (order, degree, 6); 0 below the degree of the order.
-    fn to_array(&self) -> Array3<f64> {
+    pub fn to_array(&self) -> Array3<f64> {
         let mut out = Array3::zeros((self.0.len(), self.0.len(), 6));
         for ((m, k, i), value) in out.indexed_iter_mut() {
             *value = if k < m { 0.0 } else { self.0[m][k - m][i] };
@@ -206,20 +206,6 @@ pub fn expand_map(
     let grid = grid_of(radiance, registration, degree)?;
     let nodes = RowNodes::in_height(&grid.theta_edges, NODES);
     Ok(Coefficients::of_cells(radiance, &grid.phi_edges, &nodes, degree).to_array())
-}
-
-/// Coefficients of the dull cells of a working map, (order, degree, 6), and the integral of the squared radiance that they
-/// leave out, by channel.
-///
-/// # Errors
-///
-/// [`crate::error::Error::NoMemory`].
-pub fn expand_working_map(map: &WorkingMap) -> Result<(Array3<f64>, [f64; 3])> {
-    check_memory(&[DEGREES, DEGREES, 6])?;
-    let Expansion { rest, fine } = Expansion::new(map);
-    let mut out = Coefficients::of_discs(&[], DEGREE);
-    out.add_harmonics(&rest);
-    Ok((out.to_array(), fine))
 }
 
 /// Coefficients of discs, (order, degree, 6), up to `degree`.
