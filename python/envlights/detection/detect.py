@@ -20,6 +20,7 @@ from envlights.detection.members import Members
 from envlights.environment.clip_level import checked_clip_level
 from envlights.environment.envmap import AnyMap, EnvMap, apply_to_map
 from envlights.environment.light import mean_radiance
+from envlights.environment.open import doubts_of_array
 
 #: Smallest number of columns of the reduced map.
 _LEAST_COLUMNS = 16
@@ -172,6 +173,9 @@ def detect_with_luminance(
     world, detection = apply_to_map(arguments.args[0], detection_in)
     casts = colour_cast_notes(world, detection.peak_direction, detection.peak_luminance)
     notes = (*black_note(detection.luminance), *world.notes, *casts)
+    if world is not env:
+        overview = detection.luminance.reshape(*detection.working_size, 1)
+        notes += doubts_of_array(world._pixels, overview)
     lights = _lights(detection, notes, time.perf_counter() - start, world)
     return lights, detection.luminance
 

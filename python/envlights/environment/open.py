@@ -118,7 +118,10 @@ def map_of_exposures(pictures: Any, times: Any, response: Any) -> MapPixels:
 
 
 def unchecked_map(array: ArrayLike) -> MapPixels:
-    """Map of an array whose samples a kernel checks; other layouts are recognised as usual."""
+    """Map of an array whose samples a kernel checks; other layouts are recognised as usual.
+
+    `doubts_of_array` examines the overview that the kernel makes of a panorama.
+    """
     image = image_of_array(array)
     height, width = image.pixels.shape[:2]
     if image.pixels.ndim != 3 or width != 2 * height:
@@ -126,10 +129,17 @@ def unchecked_map(array: ArrayLike) -> MapPixels:
     layout = equirectangular(height, width)
     source = Origin(PROJECTION, (height, width), "", REGISTRATIONS[0], "shape", layout)
     picture = ArrangedPicture(image.pixels, image.coverage, layout, source, ())
-    radiance = _seen(picture)
-    notes = (*image.notes, *_doubts(radiance, picture))
-    pixels = MapPixels(radiance, False, source, None, image.clip_level, notes)
+    pixels = MapPixels(_seen(picture), False, source, None, image.clip_level, image.notes)
     return with_coverage(pixels, image.coverage)
+
+
+def doubts_of_array(pixels: MapPixels, overview: NDArray[np.float32]) -> tuple[str, ...]:
+    """Notes on a map of `unchecked_map`, or a refusal; nothing that the notes of a map have."""
+    source = pixels.source
+    if source.recognised_by != "shape" or source.projection != PROJECTION:
+        return ()
+    doubts = notes_on_panorama(overview, *source.size)
+    return tuple(doubt for doubt in doubts if doubt not in pixels.notes)
 
 
 def _seen(picture: ArrangedPicture) -> NDArray[np.float32]:

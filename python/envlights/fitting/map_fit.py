@@ -15,6 +15,7 @@ from envlights._common.times import Clock
 from envlights._native import FitAnswer
 from envlights.environment.envmap import AnyMap, EnvMap, apply_to_map
 from envlights.environment.fill import checked_unseen
+from envlights.environment.open import doubts_of_array
 from envlights.export.targets import shown_by, target_names
 from envlights.fitting import wording
 from envlights.fitting.reduction import Reduction, is_file, reduction_of, reduction_of_file
@@ -164,6 +165,9 @@ def _answers(env: AnyMap, plan: _Plan, clock: Clock) -> tuple[Reduction, list[An
         first = request.first_directions_under(world, floor)
         clock.lap("start")
         reduction = reduction_of(world, floor, plan.arguments.fill)
+        if world is not env:
+            doubts = doubts_of_array(world._pixels, reduction.cells.overview)
+            reduction = reduction._replace(notes=(*reduction.notes, *doubts))
         clock.lap("reduce")
         return reduction, _under(reduction, plan, first, counts)
 
