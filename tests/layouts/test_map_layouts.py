@@ -1,5 +1,7 @@
 """Arguments and defaults of maps in other layouts."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -41,3 +43,19 @@ def test_a_missing_folder_is_named(tmp_path):
     picture = el.EnvMap(np.ones((16, 32, 3))).to("cube", width=8)
     with pytest.raises(el.EnvLightsError, match="there is no such folder; make it first"):
         picture.save(tmp_path / "faces")
+
+
+@pytest.mark.parametrize("distance", [8, 20, 50])
+def test_a_note_states_the_error_of_a_mirror_ball_nearby(distance):
+    """The note against the reflection of rays of a camera at some radii."""
+    (note,) = [
+        each
+        for each in el.EnvMap(np.ones((32, 32, 3)), layout="mirror-ball").notes
+        if "far away" in each
+    ]
+    degrees = float(re.search(r"are (\d+) / n degrees off", note)[1]) / distance
+    rays = np.linspace(0, np.arcsin(1 / distance), 10**5, endpoint=False)
+    towards = 2 * np.arcsin(distance * np.sin(rays)) - rays
+    assumed = 2 * np.arcsin(np.tan(rays) / np.tan(np.arcsin(1 / distance)))
+    off = np.interp(np.pi / 2, towards, assumed - towards)
+    np.testing.assert_allclose(degrees, np.rad2deg(off), rtol=0.05)
