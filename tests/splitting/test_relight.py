@@ -54,6 +54,10 @@ def test_each_change_is_one_value_and_the_old_lights_stay():
     coloured = lights.coloured(1, [1, 0, 0])
     np.testing.assert_allclose(coloured.luminance, lights.luminance)
     assert lights.with_light([0, 0, 3], [9, 9, 9]).origin == (-1, 0, 1)
+    warm = lights.coloured(0, kelvin=3000)
+    np.testing.assert_allclose(warm.luminance, lights.luminance)
+    assert (np.diff(warm.irradiance[0]) < 0).all()
+    np.testing.assert_allclose(lights.coloured(0, kelvin=6504).irradiance[0], [4, 4, 4], rtol=1e-3)
 
 
 def test_changed_lights_keep_their_origin_in_files_and_slices(tmp_path):
@@ -74,6 +78,8 @@ def test_changed_lights_keep_their_origin_in_files_and_slices(tmp_path):
         (lambda lights: lights.moved(0, elevation=2), "elevation must be a finite number, from"),
         (lambda lights: lights.dimmed(0, -1), "factor must be a finite number, 0 or more"),
         (lambda lights: lights.coloured(0, [0, 0, 0]), "rgb must not be black"),
+        (lambda lights: lights.coloured(0), "give rgb or kelvin"),
+        (lambda lights: lights.coloured(0, kelvin=900), "kelvin must be a finite number, from"),
         (lambda lights: lights.coloured(0, [1, 2]), "rgb must be three numbers"),
         (lambda lights: lights.resized(0, 2), "angular_radius must be from 0"),
         (lambda lights: lights.with_light([0, 1, 0], [1, -1, 1]), "irradiance must be"),

@@ -12,6 +12,7 @@ from envlights._native import EnvLightsError
 from envlights.kernels.angles import azimuths, direction_at, elevations
 from envlights.kernels.image import LUMINANCE
 from envlights.rigs.light_arrays import row_of
+from envlights.rigs.planck import planck_gains
 
 #: Lights without measurements.
 Plain = TypeVar("Plain")
@@ -91,15 +92,19 @@ class Editable(Generic[Plain]):
         row = row_of(which, len(self.direction))
         return self._with_row("irradiance", row, self.irradiance[row] * amount("factor", factor))
 
-    def coloured(self, which: int, rgb: ArrayLike) -> Plain:
+    def coloured(
+        self, which: int, rgb: ArrayLike | None = None, *, kelvin: float | None = None
+    ) -> Plain:
         """Lights with one of them in another colour, and of the same luminance.
 
         Parameters
         ----------
         which : int
             Number of the light.
-        rgb : array_like, shape (3,)
+        rgb : array_like, shape (3,), optional
             Linear RGB of any luminance above 0.
+        kelvin : float, optional
+            Colour temperature from 2000 to 15000 in place of `rgb`; white has 6504.
 
         Examples
         --------
@@ -109,7 +114,12 @@ class Editable(Generic[Plain]):
         array([[1.755, 0.877, 0.   ]])
         """
         row = row_of(which, len(self.direction))
-        channels = np.array(colour("rgb", rgb))
+        if (rgb is None) == (kelvin is None):
+            raise EnvLightsError("give rgb or kelvin")
+        if rgb is None:
+            channels = np.array(planck_gains(amount("kelvin", kelvin, 2000.0, 15000.0)))
+        else:
+            channels = np.array(colour("rgb", rgb))
         if not channels.any():
             raise EnvLightsError("rgb must not be black; dim the light, or leave it out")
         luminance = self.irradiance[row] @ LUMINANCE
