@@ -64,11 +64,13 @@ def test_textures_and_remainder_light_as_the_map_does():
 
 
 @pytest.mark.parametrize("rows", [2, 4, 8])
-def test_maps_too_small_for_cards_are_refused(rows):
-    radiance = np.full((rows, 2 * rows, 3), 0.05)
+def test_maps_too_small_for_cards_keep_their_lights(rows):
+    radiance = np.full((rows, 2 * rows, 3), 0.05, np.float32)
     radiance[0, 0] = 100
-    with pytest.raises(el.EnvLightsError, match=f"at least 32 columns.*got {2 * rows} columns"):
-        el.split(radiance, shapes=True)
+    cards, rest = el.split(radiance, shapes=True)
+    assert len(cards) == 0
+    np.testing.assert_array_equal(rest.radiance, radiance)
+    assert any("less than 32 columns has no cards" in note for note in rest.notes)
 
 
 @public_maps("interior")

@@ -33,6 +33,10 @@ _PEAK_TOLERANCE = 1e-3
 #: Least columns of a map whose lights become cards: one pixel of 16 columns as a card missed 6 % of
 #: the irradiance, of 4 columns 58 %.
 _LEAST_COLUMNS = 32
+_TOO_SMALL = (
+    f"a map of less than {_LEAST_COLUMNS} columns has no cards, because a light is one pixel without"
+    " an outline there; its lights stay in the map; without shapes they are discs"
+)
 
 
 class LightPixels(NamedTuple):
@@ -235,6 +239,8 @@ def split(
     flag("shapes", shapes)
     env = as_envmap(env)
     found, chosen, luminance = _choose(env, lights, fraction, options)
+    if shapes and len(chosen) and env.width < _LEAST_COLUMNS:
+        chosen, env = chosen[:0], env.with_radiance(env.radiance, (*env.notes, _TOO_SMALL))
     start = perf_counter()
     pixels = _light_pixels(env, chosen, luminance)
     if chosen is lights:
@@ -255,12 +261,6 @@ def _cards_and_rest(
     env: EnvMap, removed: RemovedLights, remainder: NDArray[np.float32], pixels: LightPixels
 ) -> CardSplit:
     """Cards of removed lights, and the map with all that lies beside them."""
-    if len(removed) and env.width < _LEAST_COLUMNS:
-        raise EnvLightsError(
-            f"shapes=True needs a map of at least {_LEAST_COLUMNS} columns, because a light of"
-            f" smaller maps is one pixel without an outline; got {env.width} columns; without"
-            " shapes its lights are discs"
-        )
     blocks = pixels.pixel, pixels.light_of_pixel
     cards, around = cut(
         env, remainder, blocks, pixels.block, (removed.direction, removed.angular_radius)
@@ -354,7 +354,7 @@ def _light_pixels(
 def _removed_lights(
     chosen: DetectedLights, parts: _native.MapSplit, report: DetectionReport
 ) -> RemovedLights:
-    """RemovedRadiance lights, with the remaining measurements of the detected lights."""
+    """Removed lights, with the remaining measurements of the detected lights."""
     detected = {each.name: getattr(chosen, each.name) for each in fields(chosen) if each.init}
     measured = {
         "direction": parts.direction,
