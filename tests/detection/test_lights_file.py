@@ -174,11 +174,14 @@ def test_lights_alone_and_rigs_come_back_too(tmp_path):
     lights = FOUND["tree"].discs()
     rig = el.Rig([0.1, 0.2, 0.3], lights, 0.01, floor=True)
     for suffix in ("json", "csv"):
+        expected = lights.to_dict()
+        if suffix == "csv":
+            del expected["origin"]  # a table has no place for it
         lights.save(tmp_path / f"lights.{suffix}")
-        assert el.Lights.load(tmp_path / f"lights.{suffix}").to_dict() == lights.to_dict()
+        assert el.Lights.load(tmp_path / f"lights.{suffix}").to_dict() == expected
         rig.save(tmp_path / f"rig.{suffix}")
         again = el.Rig.load(tmp_path / f"rig.{suffix}")
-        assert (again.error, again.floor, again.lights.to_dict()) == (0.01, True, lights.to_dict())
+        assert (again.error, again.floor, again.lights.to_dict()) == (0.01, True, expected)
     with pytest.raises(
         el.EnvLightsError, match=r"holds lights without an ambient term; use `Lights\.load`"
     ):

@@ -111,7 +111,7 @@ class Editable(Generic[Plain]):
         >>> from envlights import Lights
         >>> lights = Lights([[0, 1, 0]], [[1, 1, 1]])
         >>> lights.coloured(0, [2, 1, 0]).irradiance.round(3)
-        array([[1.755, 0.877, 0.   ]])
+        array([[1.754, 0.877, 0.   ]])
         """
         row = row_of(which, len(self.direction))
         if (rgb is None) == (kelvin is None):

@@ -34,8 +34,8 @@ _PEAK_TOLERANCE = 1e-3
 #: the irradiance, of 4 columns 58 %.
 _LEAST_COLUMNS = 32
 _TOO_SMALL = (
-    f"a map of less than {_LEAST_COLUMNS} columns has no cards, because a light is one pixel without"
-    " an outline there; its lights stay in the map; without shapes they are discs"
+    f"a map of less than {_LEAST_COLUMNS} columns has no cards, because a light is one pixel"
+    " without an outline there; its lights stay in the map; without shapes they are discs"
 )
 
 

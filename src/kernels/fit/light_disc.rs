@@ -5,7 +5,7 @@
 use glam::DVec3;
 
 use super::jet::Jet;
-use crate::kernels::expansion::{Cap, DiscFactors, disc_factors};
+use crate::kernels::expansion::{Cap, DiscFactors, DiscOfFlux, disc_factors};
 use crate::kernels::lanes::Number;
 
 /// A light of uniform radiance within an angular radius.
@@ -29,6 +29,14 @@ impl Disc {
     pub fn frame(&self) -> [DVec3; 2] {
         self.cap.frame
     }
+}
+
+/// Discs with the fluxes of lights of this `irradiance`.
+pub fn of_flux(discs: &[Disc], irradiance: &[DVec3]) -> Vec<DiscOfFlux> {
+    let flux = |(disc, irradiance): (&Disc, &DVec3)| {
+        (disc.direction, disc.share, (*irradiance / (1.0 - disc.share)).to_array())
+    };
+    discs.iter().zip(irradiance).map(flux).collect()
 }
 
 /// A function of the cosine with a fixed direction and of A (N = 2), by the coordinates of a disc. A tangent t changes the cosine

@@ -18,8 +18,9 @@ _COARSE, _FINE = 64, 128
 
 #: Fraction of the contrast of disc and background up to which a cell is background: noise, glare.
 _EVEN = 0.2
-#: Least fraction of the corners that is background.
-_CORNERS = 0.9
+#: Least fraction of the corners that is background, and largest radiance of a black one relative to
+#: the discs.
+_CORNERS, _BLACK = 0.9, 0.05
 #: Radii of discs relative to half the square, and offsets of their centres.
 _RADII, _OFFSETS = (0.6, 1.25), np.linspace(-0.12, 0.12, 5)
 #: Least ratio of intersection to union of background and outside of a disc, for a note and for a
@@ -111,10 +112,17 @@ def _fit_of_lenses(cells: Array) -> float:
         return 0.0
     corners = np.stack([half[corner] for half in halves])
     background = float(np.median(corners))
-    contrast = abs(float(np.median([half[middle] for half in halves])) - background)
+    inside = float(np.median([half[middle] for half in halves]))
+    contrast = abs(inside - background)
     if contrast == 0 or np.mean(np.abs(corners - background) <= _EVEN * contrast) < _CORNERS:
         return 0.0
-    return min(_overlap(np.abs(half - background) <= _EVEN * contrast, x.T, y) for half in halves)
+    # Wide lamps before an even sky are like lenses; a smooth sky has no outline, so that its
+    # background depends on the limit.
+    is_black = background <= _BLACK * inside
+    limits = (_EVEN,) if is_black else (_EVEN, _EVEN / 4)
+    masks = (np.abs(half - background) <= limit * contrast for half in halves for limit in limits)
+    fit = min(_overlap(mask, x.T, y) for mask in masks)
+    return fit if is_black else min(fit, _LENSES)
 
 
 def _overlap(background: NDArray[np.bool_], x: Array, y: Array) -> float:

@@ -7,9 +7,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::DVec3;
 
-use super::discs_of_flux;
 use crate::kernels::expansion::{Coefficients, DEGREE, DiscOfFlux};
-use crate::kernels::fit::light_disc::Disc;
+use crate::kernels::fit::light_disc::{Disc, of_flux};
 use crate::kernels::fit::picture::{Patch, Picture};
 use crate::kernels::fit::relative_rms::relative_error;
 use crate::kernels::fit::rig::Rig;
@@ -60,7 +59,7 @@ impl MapBands {
 
     /// Energies of the map and of its difference from a rig, whose lights are these discs.
     pub fn compare(&self, rig: &Rig, discs: &[Disc]) -> Bands {
-        let mut lights = discs_of_flux(rig, discs);
+        let mut lights = of_flux(discs, &rig.irradiance);
         let half_sky = rig.has_floor && rig.ambient.len() == 1;
         if half_sky {
             let flux = (2.0 * PI * rig.ambient[0]).to_array();

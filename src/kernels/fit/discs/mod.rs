@@ -44,7 +44,7 @@ use self::high_degrees::HighDegrees;
 use self::target::Target;
 use super::comparison::Comparison;
 use super::damped_newton::Descent;
-use super::light_disc::Disc;
+use super::light_disc::{Disc, of_flux};
 use super::objective::{Objective, Reference};
 use super::options::FitOptions;
 use super::picture::Picture;
@@ -53,7 +53,6 @@ use super::samples::ProbeError;
 use super::settings::DISCS;
 use super::state::{State, StopReason};
 use super::uncertainty;
-use crate::kernels::expansion::DiscOfFlux;
 use crate::kernels::image::WorkingMap;
 
 /// A rig whose lights have angular radii.
@@ -231,7 +230,7 @@ pub fn continued_descent(
 /// Errors of a rig, whose lights have these radii, under the kernel of a `target`.
 fn errors_under(target: &Target, reference: &Reference, rig: &Rig, radii: &[f64]) -> ProbeError {
     let discs = discs_of(rig, radii);
-    let lights = discs_of_flux(rig, &discs);
+    let lights = of_flux(&discs, &rig.irradiance);
     let (gram, rhs) = target.products(&discs);
     let flux = lights.iter().map(|&(_, _, flux)| DVec3::from_array(flux));
     let x: Vec<DVec3> = rig.ambient.iter().copied().chain(flux).collect();
@@ -247,14 +246,6 @@ fn errors_under(target: &Target, reference: &Reference, rig: &Rig, radii: &[f64]
         whole += bright.energy;
     }
     ProbeError::of(left.max(DVec3::ZERO), whole)
-}
-
-/// The lights of a rig, which are `discs`, with their fluxes.
-fn discs_of_flux(rig: &Rig, discs: &[Disc]) -> Vec<DiscOfFlux> {
-    let flux = |(irradiance, disc): (&DVec3, &Disc)| {
-        (disc.direction, disc.share, (*irradiance / (1.0 - disc.share)).to_array())
-    };
-    rig.irradiance.iter().zip(discs).map(flux).collect()
 }
 
 /// The lights of a rig as discs.
