@@ -29,8 +29,8 @@ pub struct Top {
     pub sample: f32,
     /// Number of pixels that hold it, up to that of a flat top.
     pixels: usize,
-    /// Colour of one of them.
-    colour: [f32; 3],
+    /// Colour of one of them, as bits.
+    colour: [u32; 3],
     /// True if they differ in colour.
     is_coloured: bool,
 }
@@ -50,8 +50,9 @@ impl Top {
         }
         let is_top = |pixel: &&[f32; 3]| pixel[0] >= sample || pixel[1] >= sample || pixel[2] >= sample;
         let tops = || pixels.iter().filter(is_top);
-        let colour = tops().next().copied().unwrap_or_default();
-        let is_coloured = tops().any(|pixel| *pixel != colour);
+        let bits = |pixel: &[f32; 3]| pixel.map(f32::to_bits);
+        let colour = tops().next().map(bits).unwrap_or_default();
+        let is_coloured = tops().any(|pixel| bits(pixel) != colour);
         let count = tops().take(FLAT_TOP_PIXELS).count();
         self.and(Self { sample, pixels: count, colour, is_coloured })
     }
