@@ -95,7 +95,7 @@ class Predictor(Result):
         -------
         ndarray, shape (H, W, 3) or (n, H, W, 3)
             Linear RGB, of the `region` if one is given. It may be slightly negative where the truth
-            is black.
+            is black; with ``nonnegative=True``, such texels are 0.
 
         Examples
         --------
@@ -118,6 +118,8 @@ class Predictor(Result):
         # Compute the blocks of texels that the region touches, then crop.
         wanted = None if region is None else region_mask(region, self._shape)
         predicted = self._expanded(coefficients, norm, wanted)
+        if self.parameters["nonnegative"]:
+            np.maximum(predicted, 0, out=predicted)
         if region is not None:
             predicted = predicted[:, region[0], region[1]].copy()
         return predicted[0] if is_one else predicted
