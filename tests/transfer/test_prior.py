@@ -322,3 +322,17 @@ def test_light_that_would_not_fade_is_refused(visible):
         prior.predict(np.ones((SIDE, SIDE, 3)))
     half = replace(furnace(0.5), visible=np.full(16, 0.8)).predict(np.ones((SIDE, SIDE, 3)))
     np.testing.assert_allclose(half, 0.5 / 0.8 / (1 - 0.5 / 0.8), rtol=1e-6)
+
+
+def test_pairs_of_noise_hardly_change_a_prior_and_a_note_says_when_they_do():
+    pairs, prior = room()
+    direct, light = pairs.direct[:6], pairs.indirect[:6].astype(float)
+    noise = np.random.default_rng(0).normal(size=light.shape)
+    noisy = light + np.sqrt((light**2).mean()) * noise
+    chosen = el.TransferModel.fit(direct, noisy, prior=prior, rank=512)
+    # The correction of the prior, in its basis, is below a thousandth of it.
+    matrix = _in_basis(prior, chosen.basis, chosen.lit)
+    assert np.linalg.norm(chosen.transfer - matrix) < 1e-3 * np.linalg.norm(matrix)
+    given = el.TransferModel.fit(direct, noisy, prior=prior, ridge=1e-6).report
+    assert any("the pairs make the prior worse" in note for note in given.notes)
+    assert not any("worse" in note for note in model().report.notes)
