@@ -214,6 +214,7 @@ def test_the_command_reads_lights_that_were_changed_by_hand(tmp_path):
     [
         ([], "give --lights, or what to change"),
         (["--move", "1=x,3"], "--move must be a number"),
+        (["--move", "1=,95"], "elevation in degrees must be a finite number, from -90 to 90"),
         (["--move", "9=1,3"], "names light 9; the map has"),
         (["--gain", "half"], "--gain must be such as 1=0.5"),
         (["--remove", "1", "--remove", "1"], "names light 1 twice"),

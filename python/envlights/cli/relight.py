@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import click
 import numpy as np
 
+from envlights._common.check import amount
 from envlights._common.words import quantity
 from envlights._native import EnvLightsError
 from envlights.cli.convert import layout_option, write_map
@@ -140,9 +142,11 @@ def _angles(text: str) -> dict[str, float]:
     parts = text.split(",")
     if len(parts) != 2 or not any(part.strip() for part in parts):
         raise EnvLightsError(f"--move must be such as 1=120,35 or 1=,35; got {text}")
-    names = zip(("azimuth", "elevation"), parts, strict=True)
+    limits = zip(("azimuth", "elevation"), parts, (math.inf, 90.0), strict=True)
     return {
-        name: float(np.deg2rad(numbers("--move", part, "120")[0]))
-        for name, part in names
+        name: math.radians(
+            amount(f"--move: {name} in degrees", numbers("--move", part, "120")[0], -most, most)
+        )
+        for name, part, most in limits
         if part.strip()
     }
