@@ -62,7 +62,8 @@ def notes_on_panorama(overview: NDArray[np.float32], height: int, width: int) ->
     EnvLightsError
         If it shows the circles of two lenses.
     """
-    if overview.shape[1] < _COARSE:  # too few cells for a statement
+    # Small maps have too few pixels for a statement; a fit repeats them.
+    if min(overview.shape[1], width) < _COARSE:
         return ()
     fit = _fit_of_lenses(_means(overview, _COARSE).sum(axis=2))
     what = f"a picture of {width}x{height} pixels with two discs on an even background"
