@@ -30,7 +30,7 @@ LISTS = ("cli", "formats", "plot")
 #: Most tuned numbers of the code, no more than today: settings and constants of both languages; and
 #: most tags, markers and limits of the formats of pictures. The judgement of pictures that are no
 #: panorama, and of suns in them, brought the last 9.
-TUNED_NUMBERS, FORMAT_NUMBERS = 603, 65
+TUNED_NUMBERS, FORMAT_NUMBERS = 602, 65
 
 # Irregular participles, and words in -ed that are none, or that are terms of the field.
 IRREGULAR = re.compile(

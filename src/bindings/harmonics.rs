@@ -1,6 +1,6 @@
 //! `kernels::harmonics` for Python.
 
-use ndarray::Array3;
+use ndarray::{Array1, Array2};
 use numpy::{
     IntoPyArray, PyArray1, PyArray2, PyArray3, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3,
 };
@@ -59,19 +59,26 @@ pub fn expand_map<'py>(
     Ok(out.into_pyarray(py))
 }
 
-/// Harmonics of a reduced map as arrays: coefficients of its dull cells, what they leave out, and its bright parts.
-type ReducedHarmonics<'py> =
-    (Bound<'py, PyArray3<f64>>, [f64; 3], Bound<'py, PyArray3<f64>>, Bound<'py, PyArray1<f64>>);
+/// A reduced map as arrays: coefficients of its dull cells, and the integral of the squared radiance that they leave out.
+/// Then direction, flux and spread of its bright parts.
+type PictureArrays<'py> = (
+    Bound<'py, PyArray3<f64>>,
+    [f64; 3],
+    Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyArray2<f64>>,
+    Bound<'py, PyArray1<f64>>,
+);
 
-/// See `envlights.layers.map_terms`: the parts are vector irradiances, (n, 3 axes, 3 channels), and their spread, (n,).
+/// See `envlights.layers.map_terms`.
 #[pyfunction]
-pub fn expand_reduced<'py>(py: Python<'py>, reduced: &ReducedMap) -> PyResult<ReducedHarmonics<'py>> {
-    let map = &reduced.map;
-    let (dull, fine) = interruptible(py, || kernels::expand_working_map(map))?;
-    let parts =
-        Array3::from_shape_fn((map.parts.len(), 3, 3), |(i, axis, c)| map.parts[i].irradiance[axis][c]);
-    let spread: Vec<f64> = map.parts.iter().map(|part| part.spread).collect();
-    Ok((dull.into_pyarray(py), fine, parts.into_pyarray(py), spread.into_pyarray(py)))
+pub fn expand_reduced<'py>(py: Python<'py>, reduced: &ReducedMap) -> PyResult<PictureArrays<'py>> {
+    let picture = interruptible(py, || Ok(reduced.picture()))?;
+    let parts = &picture.patches;
+    let direction = Array2::from_shape_fn((parts.len(), 3), |(i, axis)| parts[i].direction[axis]);
+    let flux = Array2::from_shape_fn((parts.len(), 3), |(i, c)| parts[i].flux[c]);
+    let spread: Array1<f64> = parts.iter().map(|part| part.share).collect();
+    let arrays = (direction.into_pyarray(py), flux.into_pyarray(py), spread.into_pyarray(py));
+    Ok((picture.rest.to_array().into_pyarray(py), picture.fine, arrays.0, arrays.1, arrays.2))
 }
 
 /// See `envlights.kernels.expand_discs`.

@@ -29,7 +29,7 @@ pub trait PictureFile: Send + Sync {
     ///
     /// # Errors
     ///
-    /// As of [`Self::read`].
+    /// If the bytes of these rows are damaged or incomplete, or there is no memory.
     fn samples(&self, part: usize, channels: &[usize], rows: Range<usize>) -> Result<Samples> {
         let header = &self.parts()[part];
         let shape = (rows.len(), header.width, channels.len());

@@ -54,4 +54,4 @@ pub mod split;
 pub mod transfer;
 pub mod transport;
 
-pub use expansion::{expand_discs, expand_map, expand_working_map, nine_harmonics};
+pub use expansion::{expand_discs, expand_map, nine_harmonics};

@@ -306,6 +306,21 @@ class Cards(Result):
         normals : array_like, shape (n, 3)
         uniform : sequence of str
             Shapes of the cards whose textures are replaced by one radiance, as some programs do.
+
+        Returns
+        -------
+        ndarray, shape (n, 3)
+            Linear RGB; cards are sums over 64 x 64 parts or more.
+
+        Examples
+        --------
+        >>> import envlights as el
+        >>> env = el.EnvMap(el.synthetic.hall(64).radiance)
+        >>> cards, remainder = el.split(env, shapes=True)
+        >>> up = [[0.0, 1.0, 0.0]]
+        >>> both = cards.probe(up) + remainder.probe(up)
+        >>> np.allclose(both, env.probe(up), rtol=0.01)
+        True
         """
         lights = self.distant
         arrays = lights.direction, lights.irradiance, lights.angular_radius

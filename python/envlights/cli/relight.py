@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import click
 import numpy as np
@@ -20,35 +21,39 @@ from envlights.kernels.angles import direction_at
 from envlights.rigs.lights import Lights
 from envlights.splitting.split import split
 
-_NUMBERED = "; light N is that of `envlights split MAP`. Can be repeated."
+#: Options that change a numbered light: an example, and the change by the text behind the number.
+_CHANGES: dict[str, tuple[str, Callable[[Lights, int, str], Lights]]] = {
+    "move": ("1=120,35", lambda lights, row, text: lights.moved(row, **_angles(text))),
+    "gain": (
+        "1=0.5",
+        lambda lights, row, text: lights.dimmed(row, *numbers("--gain", text, "0.5")),
+    ),
+    "tint": (
+        "1=1,0.8,0.6",
+        lambda lights, row, text: lights.coloured(row, numbers("--tint", text, "1,0.8,0.6")),
+    ),
+    "remove": ("1", lambda lights, row, _: lights.without(row)),
+}
+
+
+def _by_number(name: str, metavar: str, help_text: str) -> Callable[[Any], Any]:
+    """Option that changes a numbered light."""
+    text = f"{help_text}; light N is that of `envlights split MAP`. Can be repeated."
+    return click.option(f"--{name}", multiple=True, metavar=metavar, help=text)
 
 
 @click.command("relight", cls=MapCommand)
 @map_argument
-@click.option(
-    "--move",
-    "moves",
-    multiple=True,
-    metavar="N=AZ,EL",
-    help="Move light N to an azimuth and elevation in degrees; nothing in place of one keeps it,"
-    f" as in 1=,15{_NUMBERED}",
+@_by_number(
+    "move",
+    "N=AZ,EL",
+    "Move light N to an azimuth and elevation in degrees; leave one out to keep it, as in 1=,15",
 )
-@click.option(
-    "--gain", "gains", multiple=True, metavar="N=FACTOR", help=f"Dim or brighten light N{_NUMBERED}"
-)
-@click.option(
-    "--tint",
-    "tints",
-    multiple=True,
-    metavar="N=R,G,B",
-    help=f"Colour light N, linear, at the same luminance{_NUMBERED}",
-)
-@click.option(
-    "--remove", "removals", multiple=True, metavar="N", help=f"Leave out light N{_NUMBERED}"
-)
+@_by_number("gain", "N=FACTOR", "Dim or brighten light N")
+@_by_number("tint", "N=R,G,B", "Colour light N, linear, at the same luminance")
+@_by_number("remove", "N", "Leave out light N")
 @click.option(
     "--add",
-    "additions",
     multiple=True,
     metavar="AZ,EL,IRRADIANCE",
     help="Add a white light at an azimuth and elevation in degrees. Can be repeated.",
@@ -62,79 +67,51 @@ _NUMBERED = "; light N is that of `envlights split MAP`. Can be repeated."
 @click.option("-o", "--output", required=True, help="File to write (.exr, .hdr).")
 @layout_option("the new map")
 def command(
-    map_file: MapFile,
-    moves: Sequence[str],
-    gains: Sequence[str],
-    tints: Sequence[str],
-    removals: Sequence[str],
-    additions: Sequence[str],
-    file: str | None,
-    output: str,
-    target: str,
+    map_file: MapFile, file: str | None, output: str, target: str, **edits: Sequence[str]
 ) -> None:
     """Move, dim, colour, remove or add lights of MAP (.hdr, .exr, .png, .jpg, .tif)."""
     check_output(output, tuple(MAP_SUFFIXES), {"the map": map_file.path})
-    edits = [moves, gains, tints, removals, additions]
-    if (file is not None) == any(edits):
+    if (file is not None) == any(edits.values()):
         raise EnvLightsError("give --lights, or what to change: --move, --gain, --remove, ...")
+    given = None if file is None else Lights.load(file)
     parts = split(map_file.open())
-    if file is not None:
-        lights = Lights.load(file)
-    else:
-        changes = _Changes(parts.lights)
-        changes.apply(moves, gains, tints, removals, additions)
-        lights = changes.lights
+    lights = _apply(parts.lights, edits) if given is None else given
     env = parts.with_lights(lights)
     click.echo(str(lights))
     say_written(write_map(env, output, target))
 
 
-class _Changes:
-    """Lights by the numbers that the table of the split has."""
+def _apply(removed: Lights, edits: Mapping[str, Sequence[str]]) -> Lights:
+    """Lights after all changes, by the numbers that the table of the split has."""
+    lights = removed
+    for option, (example, change) in _CHANGES.items():
+        for text in edits[option]:
+            number, value = _number_and_text(f"--{option}", text, example)
+            lights = change(lights, _row(f"--{option}", number, removed, lights), value)
+    for text in edits["add"]:
+        azimuth, elevation, level = numbers("--add", text, "120,35,10")
+        towards = direction_at(*np.deg2rad([azimuth, elevation]))
+        lights = lights.with_light(towards, [level] * 3)
+    return lights
 
-    def __init__(self, lights: Lights) -> None:
-        self.lights = lights
-        self._origin = lights.origin or ()
 
-    def apply(
-        self,
-        moves: Sequence[str],
-        gains: Sequence[str],
-        tints: Sequence[str],
-        removals: Sequence[str],
-        additions: Sequence[str],
-    ) -> None:
-        """Make all changes; what is removed goes last, so that every number is known."""
-        for text in moves:
-            row, value = self._row("--move", text, "1=120,35")
-            self.lights = self.lights.moved(row, **_angles(value))
-        for text in gains:
-            row, value = self._row("--gain", text, "1=0.5")
-            self.lights = self.lights.dimmed(row, numbers("--gain", value, "0.5")[0])
-        for text in tints:
-            row, value = self._row("--tint", text, "1=1,0.8,0.6")
-            self.lights = self.lights.coloured(row, numbers("--tint", value, "1,0.8,0.6"))
-        for text in additions:
-            azimuth, elevation, level = numbers("--add", text, "120,35,10")
-            towards = direction_at(*np.deg2rad([azimuth, elevation]))
-            self.lights = self.lights.with_light(towards, [level] * 3)
-        for text in removals:
-            row, _ = self._row("--remove", f"{text}=", "1")
-            self.lights = self.lights.without(row)
+def _number_and_text(option: str, text: str, example: str) -> tuple[int, str]:
+    """Number of a light, and the text behind it."""
+    number, equals, value = text.partition("=")
+    if not number.strip().isdecimal() or bool(equals) != ("=" in example):
+        raise EnvLightsError(f"{option} must be such as {example}; got {text}")
+    return int(number), value
 
-    def _row(self, option: str, text: str, example: str) -> tuple[int, str]:
-        """Row of a numbered light now, and the text of its new value."""
-        number, equals, value = text.partition("=")
-        if not number.strip().isdecimal() or not equals:
-            raise EnvLightsError(f"{option} must be such as {example}; got {text.rstrip('=')}")
-        index = int(number) - 1
-        if not 0 <= index < len(self._origin):
-            found = quantity(len(self._origin), "light")
-            raise EnvLightsError(f"{option} names light {int(number)}; the map has {found}")
-        origin = self.lights.origin or ()
-        if self._origin[index] not in origin:
-            raise EnvLightsError(f"{option} names light {int(number)} twice")
-        return origin.index(self._origin[index]), value
+
+def _row(option: str, number: int, removed: Lights, lights: Lights) -> int:
+    """Row in the changed lights of a light that was removed."""
+    if not 1 <= number <= len(removed):
+        found = quantity(len(removed), "light")
+        raise EnvLightsError(f"{option} names light {number}; the map has {found}")
+    known, now = removed.origin or (), lights.origin or ()
+    if known[number - 1] not in now:
+        raise EnvLightsError(f"{option} names light {number} twice")
+    return now.index(known[number - 1])
 
 
 def _angles(text: str) -> dict[str, float]:

@@ -75,7 +75,9 @@ def _codes_of_floats(samples: NDArray[Any], notes: list[str]) -> NDArray[Any]:
     """Codes from 0 to 255, or divided by 255, in floats as uint8; other samples as they are."""
     if samples.dtype.kind != "f" or not samples.size:
         return samples
-    some = samples[..., :: max(samples.shape[-2] // 64, 1), :]
+    # Some pixels suffice for nearly every map, which is read as a whole only for the others.
+    step = max(samples.shape[-2] // 64, 1)
+    some = samples[..., ::step, ::step, :]
     for scale, name in ((1, "whole numbers from 0 to 255"), (255, "multiples of 1/255 up to 1")):
         if not (_are_codes(some, scale) and _are_codes(samples, scale)):
             continue

@@ -92,6 +92,8 @@ def _warn_of_losses(rig: Any, target: Target) -> None:
 
 def _warn_of_uniform_cards(cards: Any, target: Target, environment: AnyMap | None) -> None:
     """Warn if the irradiance of a scene changes because cards lose their textures."""
+    if not set(target.shows.uniform_cards) & set(cards.shape):
+        return
     normals, weights = icosphere(320)
     around = 0 if environment is None else as_envmap(environment).probe(normals)
     lit = around + cards.probe(normals)

@@ -61,33 +61,17 @@ def map_terms(env: AnyMap, degree: int = 40) -> MapTerms:
     (41, 41, 6)
     """
     degree = count("degree", degree, least=40, most=_native.GLOSS_DEGREE)
-    dull, fine, parts, spread = _native.expand_reduced(reduction_of(as_envmap(env), False).cells)
-    most = _native.MOST_PARTS
-    # Append black parts, so that the arrays of all maps have the same shapes.
-    parts = np.concatenate([parts, np.zeros((most, 3, 3))])
-    spread = np.append(spread, np.full(most, 1e-3))
-    vectors = parts.sum(axis=2)
-    length = np.linalg.norm(vectors, axis=1, keepdims=True)
-    # Brightest first; the kernels have the same number of discs.
-    order = np.argsort(-length[:, 0] / spread, kind="stable")
-    direction = np.where(length > 0, vectors / np.where(length > 0, length, 1), [0.0, 1.0, 0.0])
-    parts, spread, direction = parts[order], spread[order], direction[order]
-    along = np.maximum(np.einsum("nac,na->nc", parts, direction), 0)
-    # Channels of a part may have other directions: the first degree takes the difference.
-    x, y, z = (parts - along[:, None] * direction[..., None]).sum(axis=0) * (0.75 / np.pi) ** 0.5
-    dull[0, 1, :3] += y
-    dull[1, 1] += [*-z, *x]
+    reduced = reduction_of(as_envmap(env), False).cells
+    dull, fine, direction, flux, spread = _native.expand_reduced(reduced)
+    # Black parts, so that the arrays of all maps have the same shapes.
+    black = np.zeros((_native.MOST_PARTS - len(spread), 3))
+    up = np.tile([0.0, 1.0, 0.0], (len(black), 1))
+    direction, flux = np.vstack([direction, up]), np.vstack([flux, black])
+    spread = np.append(spread, np.full(len(black), 1e-3))
     radius = 2 * np.arcsin(np.sqrt(spread))
-
-    def expand(part: slice, degree: int) -> Any:
-        return _native.expand_discs(direction[part], along[part], radius[part], degree)
-
-    dull += expand(slice(most, None), len(dull) - 1)
-    bright = expand(slice(most), degree)
+    bright = _native.expand_discs(direction, flux * (1 - spread)[:, None], radius, degree)
     more = (0, degree + 1 - len(dull))
     dull = np.pad(dull, (more, more, (0, 0)))
-    direction, spread = direction[:most], spread[:most]
-    flux = along[:most] / (1 - spread[:, None])
     apart = mean_distances(np, direction, spread, direction, spread)
     distances = np.sum(flux * (apart @ flux), axis=0)
     return MapTerms(dull, bright, np.array(fine), direction, flux, spread, distances)

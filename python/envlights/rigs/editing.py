@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from typing import Any, Generic, TypeVar
 
 import numpy as np
@@ -17,11 +18,11 @@ from envlights.rigs.planck import planck_gains
 #: Lights without measurements.
 Plain = TypeVar("Plain")
 
-
+#: Elevation of the zenith.
 _POLE = np.pi / 2
 
 
-class Editable(Generic[Plain]):
+class Editable(ABC, Generic[Plain]):
     """Changes of `Lights`.
 
     Numbers of lights are those in the lights that are changed, from 0; a change of brightness may
@@ -191,13 +192,13 @@ class Editable(Generic[Plain]):
         array[row] = value
         return self._edited(**{name: array})
 
+    @abstractmethod
     def _arrays(self) -> dict[str, NDArray[Any]]:
         """Arrays of `Lights`, without the measurements of a detection."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _edited(self, **changed: NDArray[Any]) -> Plain:
         """Lights with these arrays in place of their own."""
-        raise NotImplementedError
 
 
 def _unit(direction: ArrayLike) -> NDArray[np.float64]:

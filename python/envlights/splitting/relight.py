@@ -29,13 +29,10 @@ class RemovedRadiance(NamedTuple):
     block: int
     """Pixels along each side of a block."""
 
-    def of(self, number: int, remainder: EnvMap) -> NDArray[np.float32]:
-        """Radiance of one removed light, on the whole map."""
-        is_here = (self.light_of_block == number + 1).repeat(self.block, axis=0)
-        is_here = is_here.repeat(self.block, axis=1)[: self.env.height, : self.env.width]
-        rest: NDArray[np.float32] = self.env.radiance - remainder.radiance
-        rest[~is_here] = 0
-        return rest
+    def light_of_pixel(self) -> NDArray[np.uint32]:
+        """Light of each pixel, counted from 1; 0 without one, (height, width)."""
+        blocks = self.light_of_block.repeat(self.block, axis=0).repeat(self.block, axis=1)
+        return blocks[: self.env.height, : self.env.width]
 
 
 class Change(NamedTuple):
@@ -58,9 +55,15 @@ class Change(NamedTuple):
         return self.new.angular_radius == old_size and bool(is_lit.all())
 
     @property
+    def gain(self) -> NDArray[np.float32]:
+        """Factor of each channel."""
+        old = np.where(self.old.irradiance > 0, self.old.irradiance, 1)
+        return (self.new.irradiance / old).astype(np.float32)
+
+    @property
     def keeps_place(self) -> bool:
-        """True if the light is neither moved nor drawn as a disc."""
-        return self.keeps_pixels and np.array_equal(self.old.direction, self.new.direction)
+        """True if the light is not moved."""
+        return np.array_equal(self.old.direction, self.new.direction)
 
 
 def relight(
@@ -68,11 +71,17 @@ def relight(
 ) -> EnvMap:
     """The `remainder` of a map with other `lights`; see `Split.with_lights`."""
     changes, discs = _changes(before, lights)
-    if len(discs) or not all(change.keeps_place for change in changes):
+    moved = [change for change in changes if not change.keeps_place]
+    if len(discs) or moved:
         _check_whole(remainder)
-    radiance = remainder.radiance.copy()
+    light, lit = removed.light_of_pixel(), removed.env.radiance - remainder.radiance
+    gains = np.zeros((len(before) + 1, 3), np.float32)
     for change in changes:
-        radiance += _pixels(change, removed, remainder)
+        gains[change.number + 1] = change.gain if change.keeps_place else 0
+    radiance = remainder.radiance + lit * gains[light]
+    for change in moved:
+        is_here = (light == change.number + 1)[..., None]
+        radiance += _turn(change, np.where(is_here, lit * change.gain, np.float32(0)))
     if len(discs):
         radiance += disc_map(
             remainder.height, discs.direction, discs.irradiance, discs.angular_radius
@@ -114,20 +123,16 @@ def _check_whole(env: EnvMap) -> None:
         )
 
 
-def _pixels(change: Change, removed: RemovedRadiance, remainder: EnvMap) -> NDArray[np.float32]:
-    """Pixels of a light in their colour and place now."""
-    old, new = change.old, change.new
-    gain = new.irradiance / np.where(old.irradiance > 0, old.irradiance, 1)
-    pixels = removed.of(change.number, remainder) * gain.astype(np.float32)
-    if change.keeps_place:
-        return pixels
-    turned = EnvMap(pixels).rotated(_upright_turn(old.direction, new.direction))
+def _turn(change: Change, pixels: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Pixels of a light at its place now, with its irradiance there."""
+    new = change.new
+    turned = EnvMap(pixels).rotated(_rotation(change.old.direction, new.direction))
     found = turned.probe(new.direction)
     scale = new.irradiance / np.where(found > 0, found, 1)
     return turned.radiance * scale.astype(np.float32)
 
 
-def _upright_turn(old: NDArray[np.float64], new: NDArray[np.float64]) -> NDArray[np.float64]:
+def _rotation(old: NDArray[np.float64], new: NDArray[np.float64]) -> NDArray[np.float64]:
     """Rotation from `old` to `new`: along the meridian, and then about the pole."""
     turned: NDArray[np.float64] = _frame(new) @ _frame(old).T
     return turned

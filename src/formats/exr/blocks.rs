@@ -50,7 +50,7 @@ enum Bytes<'a> {
     /// In the byte order of this machine.
     Whole(Cow<'a, [u8]>),
     /// The lower byte of each pair, and then the upper ones.
-    Halves(Vec<u8>),
+    Planes(Vec<u8>),
 }
 
 /// Reader of some channels of a part.
@@ -109,7 +109,7 @@ impl Blocks<'_> {
                 Some(Bytes::Whole(packed.into()))
             }
             Compression::ZIP1 | Compression::ZIP16 if packed.len() != length => {
-                zip::unpack(packed, length).map(Bytes::Halves)
+                zip::unpack(packed, length).map(Bytes::Planes)
             }
             Compression::DWAA(_) | Compression::DWAB(_)
                 if !claims_fit(packed, size, layout.channels.bytes_per_pixel) =>
@@ -217,17 +217,17 @@ impl Bytes<'_> {
                 let samples = bytes[range].as_chunks().0;
                 out.zip(samples).for_each(|(out, &bytes)| *out = T::of_float(f32::from_ne_bytes(bytes)));
             }
-            Self::Halves(bytes) => {
+            Self::Planes(bytes) => {
                 let (lower, upper) = bytes.split_at(bytes.len() / 2);
                 let range = range.start / 2..range.end / 2;
-                copy_halves(kind, &lower[range.clone()], &upper[range], out);
+                copy_planes(kind, &lower[range.clone()], &upper[range], out);
             }
         }
     }
 }
 
 /// Write samples whose pairs of bytes have the `lower` and `upper` bytes, in the byte order of the file.
-fn copy_halves<'a, T: Sample + 'a>(
+fn copy_planes<'a, T: Sample + 'a>(
     kind: FileType,
     lower: &[u8],
     upper: &[u8],

@@ -10,7 +10,7 @@ use ndarray::{Array2, Array3, ArrayView3};
 use rayon::prelude::*;
 
 use super::azimuthal::Azimuthal;
-use super::{Harmonics, disc_series, visit_degrees};
+use super::{DEGREE, Harmonics, disc_series, visit_degrees};
 use crate::error::Result;
 use crate::interrupt;
 use crate::kernels::disc::Discs;
@@ -141,12 +141,21 @@ impl Coefficients {
     }
 
     /// Cosines and sines of each order and degree, (order, degree, 6); 0 below the degree of the order.
-    pub fn to_array(&self) -> Array3<f64> {
+    fn to_array(&self) -> Array3<f64> {
         let mut out = Array3::zeros((self.0.len(), self.0.len(), 6));
         for ((m, k, i), value) in out.indexed_iter_mut() {
             *value = if k < m { 0.0 } else { self.0[m][k - m][i] };
         }
         out
+    }
+}
+
+impl Harmonics {
+    /// Cosines and sines of each order and degree, (order, degree, 6); 0 below the degree of the order.
+    pub fn to_array(&self) -> Array3<f64> {
+        let mut out = Coefficients::of_discs(&[], DEGREE);
+        out.add_harmonics(self);
+        out.to_array()
     }
 }
 

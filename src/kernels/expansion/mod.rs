@@ -39,9 +39,7 @@ pub use synthesis::DiscSum;
 use ndarray::{Array3, s};
 
 use self::azimuthal::Azimuthal;
-use crate::error::Result;
 use crate::kernels::image::WorkingMap;
-use crate::kernels::sphere::check_memory;
 
 /// The cells of a working map without its bright ones, in harmonics.
 #[derive(Clone, Debug)]
@@ -63,20 +61,6 @@ impl Expansion {
         let (whole, known) = (integral_of_squares(&radiance, map), rest.product(&rest, &[1.0; DEGREES]));
         Self { rest, fine: [0, 1, 2].map(|c| (whole[c] - known[c]).max(0.0)) }
     }
-}
-
-/// Coefficients of the dull cells of a working map, (order, degree, 6), and the integral of the squared radiance that they
-/// leave out, by channel.
-///
-/// # Errors
-///
-/// [`crate::error::Error::NoMemory`].
-pub fn expand_working_map(map: &WorkingMap) -> Result<(Array3<f64>, [f64; 3])> {
-    check_memory(&[DEGREES, DEGREES, 6])?;
-    let Expansion { rest, fine } = Expansion::new(map);
-    let mut out = Coefficients::of_discs(&[], DEGREE);
-    out.add_harmonics(&rest);
-    Ok((out.to_array(), fine))
 }
 
 /// Integral over the sphere of the squared radiance, by channel.

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from envlights._native import EnvLightsError
 
-#: Columns on which lenses are searched, and the others compared: enough to average the noise of
-#: codes, and to keep a parallax of two eyes below a cell.
+#: Columns on which lenses and eyes are searched, and on which seams are measured: enough to average
+#: the noise of codes, and to keep a parallax of two eyes at a cell.
 _COARSE, _FINE = 64, 128
 
 #: Fraction of the contrast of disc and background up to which a cell is background: noise, glare.
@@ -27,8 +27,7 @@ _RADII, _OFFSETS = (0.6, 1.25), np.linspace(-0.12, 0.12, 5)
 #: refusal. Real maps have up to 0.36, and lenses that a picture cuts at 8 % of their radius 0.47.
 _LENSES, _SURE = 0.45, 0.7
 
-#: Least correlation of the halves of two eyes. Real maps have up to 0.84, in a room with alike
-#: halves.
+#: Least correlation of the halves of two eyes. Real maps have up to 0.66, in studios.
 _ALIKE = 0.9
 #: Least deviation of log radiance along the rows, for a correlation that means something.
 _CONTRAST = 0.02
@@ -65,20 +64,21 @@ def notes_on_panorama(overview: NDArray[np.float32], height: int, width: int) ->
     # Small maps have too few pixels for a statement; a fit repeats them.
     if min(overview.shape[1], width) < _COARSE:
         return ()
-    fit = _fit_of_lenses(_means(overview, _COARSE).sum(axis=2))
+    fine = _means(overview, _FINE)
+    coarse = _means(fine, _COARSE)
+    fit = _fit_of_lenses(coarse.sum(axis=2))
     what = f"a picture of {width}x{height} pixels with two discs on an even background"
     if fit >= _SURE:
         raise EnvLightsError(
             f"{what} is a dual fisheye, whose lenses only its camera knows; stitch it in the"
             " camera's program, or give layout='equirectangular' if it is a panorama"
         )
-    logs = _logs(_means(overview, _FINE))
     doubts = []
     if fit >= _LENSES:
         doubts.append(f"{what} may be a dual fisheye; stitch it in the camera's program")
-    if _has_two_eyes(logs):
+    if _has_two_eyes(_logs(coarse)):
         doubts.append("its halves are alike, so that it may hold two eyes; cut out one of them")
-    if _is_part(logs):
+    if _is_part(_logs(fine)):
         doubts.append(
             "its left and right edges do not meet, and its upper and lower rows are no poles, so"
             " that it may be a part of one or a photograph; give fov="

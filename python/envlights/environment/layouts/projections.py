@@ -409,10 +409,6 @@ def _angular(layout: Layout, size: _Size, hints: Hints) -> Placement:
     return layouts.angular_map(_square(layout, size), axes=_axes_of(layout)), ()
 
 
-#: Degrees between the directions of a ball seen from n radii and from afar, times n.
-_OFF_AT_ONE_RADIUS = 39
-
-
 def _mirror_ball(layout: Layout, size: _Size, hints: Hints) -> Placement:
     n = _square(layout, size) if layout.circle is None else min(size)
     made = layouts.mirror_ball(n, circle=layout.circle)  # type: ignore[arg-type]
@@ -420,7 +416,7 @@ def _mirror_ball(layout: Layout, size: _Size, hints: Hints) -> Placement:
         "a mirror ball as photographed: the camera, seen in its centre, becomes the front of the"
         " map (+z), and its right becomes +x",
         "the camera of the mirror ball was taken to be far away: from a distance of n radii,"
-        f" directions 90 degrees beside the camera are {_OFF_AT_ONE_RADIUS} / n degrees off",
+        " directions 90 degrees beside the camera are 39 / n degrees off",
     )
     return made._replace(height=size[0], width=size[1]), notes
 
