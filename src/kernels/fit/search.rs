@@ -44,11 +44,13 @@ impl<'a> Search<'a> {
         best_of(grown, width)
     }
 
-    /// The lowest minimum, and other distinct minima after it, from a `beam` of sets with as many lights.
+    /// The lowest minimum from a `beam` of sets with as many lights. Other sets from which lights with a size may descend
+    /// come after it: distinct minima, and the ends of the best even starts.
     pub fn best(&self, beam: Vec<State>) -> Result<Vec<State>> {
         let Some(lights) = beam.first().map(State::lights) else { return Ok(beam) };
         let SearchSettings { minima, sized_minima, near: nearest, same, .. } = self.settings;
         let mut starts = self.even(lights)?;
+        let even = starts[..starts.len().min(sized_minima)].to_vec();
         starts.extend(self.likely(lights).into_iter().chain(beam));
         let close = starts.into_par_iter().map(|state| self.descend(state, same)).collect();
         let exchanged = distinct(close, minima, same).into_par_iter().map(|state| self.exchange(state));
@@ -62,6 +64,7 @@ impl<'a> Search<'a> {
         let least = best[0].clone();
         best.extend(minima.into_iter().filter(|state| is_lower(&least, state, same)));
         best.truncate(sized_minima);
+        best.extend(even);
         Ok(best)
     }
 

@@ -16,7 +16,8 @@ pub struct SearchSettings {
     pub most_starts: usize,
     /// Distinct minima that are improved by exchanges of lights.
     pub minima: usize,
-    /// Distinct minima from which lights with a size descend: with one, their error is 2 % larger on average.
+    /// Distinct minima from which lights with a size descend: with one, their error is 2 % larger on average. As many
+    /// ends of even starts: without them, the error of 8 discs on 22 real maps is 3 % larger on average, at most 31 %.
     pub sized_minima: usize,
     /// Exchanges of one light that are tried together.
     pub exchanges: usize,
