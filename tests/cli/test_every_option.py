@@ -11,7 +11,7 @@ import envlights as el
 from envlights.cli import main
 from envlights.environment.layouts.projections import ARGUMENTS
 
-OPEN = (el.EnvMap.open, el.EnvMap.calibrated)
+OPEN = (el.EnvMap.open, el.EnvMap.calibrated, el.EnvMap.levelled, el.EnvMap.rotated)
 #: Functions of each subcommand.
 FUNCTIONS = {
     "fit": (el.fit, *OPEN),
@@ -48,6 +48,8 @@ OTHER_NAMES = {
     ("*", "env"): "MAP",
     ("*", "progress"): "--quiet",
     ("*", "width"): "--map-width",
+    ("*", "up"): "--level",
+    ("*", "matrix"): "--rotate",
     ("view", "fill"): "--fill",
     ("batch", "maps"): "MAP",
     ("batch", "out"): "--output",

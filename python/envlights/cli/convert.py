@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
 import click
-import numpy as np
 
 from envlights.cli.map_input import MapCommand, MapFile, map_argument
 from envlights.cli.numbers import numbers
@@ -42,7 +40,6 @@ def layout_option(what: str) -> Callable[[Any], Any]:
 @click.argument("output", metavar="OUT")
 @layout_option("OUT")
 @click.option("--width", type=int, help="Columns of OUT; of a cube, those of one face.")
-@click.option("--rotate", type=float, metavar="DEGREES", help="Turn the map to the left about +y.")
 @click.option(
     "--order",
     default="opengl",
@@ -85,7 +82,6 @@ def command(
     output: str,
     target: str,
     width: int | None,
-    rotate: float | None,
     order: str,
     view: float | None,
     to_registration: str | None,
@@ -107,8 +103,6 @@ def command(
         forward=None if to_forward is None else numbers("--to-forward", to_forward, "0,0,1"),
     )
     env = map_file.open()
-    if rotate is not None:
-        env = _rotate(env, math.radians(rotate))
     if limit is not None:
         env = env.limited(limit)
     say_written(write_map(env, output, layout, saving, width))
@@ -130,9 +124,3 @@ def write_map(
         return [output]
     picture = env.to(layout, width=width)
     return [str(path) for path in picture.save(output, **saving)]
-
-
-def _rotate(env: EnvMap, angle: float) -> EnvMap:
-    """Map after a rotation about +y, from +z towards +x."""
-    sine, cosine = math.sin(angle), math.cos(angle)
-    return env.rotated(np.array([[cosine, 0, sine], [0, 1, 0], [-sine, 0, cosine]]))

@@ -76,5 +76,5 @@ def command(
     env = map_file.open()
     lights = METHODS[method](env, **options)
     write(outputs, lights.save, lambda plot: plot.detection_picture(env, lights), stage=stage)
-    print_result(lights, as_json, verbose)
+    print_result(lights, as_json, verbose, map_file.frame)
     say_written(outputs)

@@ -122,7 +122,7 @@ def command(
     draw = partial(_draw, env, parts, found)
     written = _write(parts, map_file.path, outputs, target, stage, draw)
     removed = parts.lights
-    print_result(removed, as_json, verbose)
+    print_result(removed, as_json, verbose, map_file.frame)
     say_written(written)
 
 
