@@ -246,6 +246,7 @@ CALLS = {
         },
     ),
     "Rig.rotated": (method_of(RIG, "rotated"), {"matrix": TURN}),
+    "Rig.measured": (method_of(RIG, "measured"), {"env": IMAGE}),
     "frames.rotation": (el.frames.rotation, {"yaw": SMALL, "pitch": SMALL}),
     "Lights.rotated": (method_of(RIG.lights, "rotated"), {"matrix": TURN}),
     "Lights.save": (method_of(RIG.lights, "save"), {"path": st.just("no-folder/rig.csv")}),
