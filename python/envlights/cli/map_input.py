@@ -72,14 +72,14 @@ class MapCommand(click.Command):
 
 
 def reading_options(function: Callable[..., None]) -> Callable[..., None]:
-    """Options on how maps are read; `function` takes them as `reading`, and the frame."""
+    """Options on how maps are read; `function` takes them as `reading`."""
 
     @functools.wraps(function)
-    def command(**options: Any) -> None:
+    def command(*context: click.Context, **options: Any) -> None:
         given = {name: options.pop(name) for name in _OPTIONS}
         given = {name: value for name, value in given.items() if value not in (None, False)}
         frame = given.get("frame") if "camera" in given else given.pop("frame", None)
-        function(reading=_reading(given, frame), frame=frame, **options)
+        function(*context, reading=_reading(given, frame), **options)
 
     wrapped: Any = command
     for name, settings in reversed(_OPTIONS.items()):
@@ -92,7 +92,8 @@ def map_argument(function: Callable[..., None]) -> Callable[..., None]:
     """Argument MAP and its options; `function` takes them as a `MapFile` first."""
 
     @functools.wraps(function)
-    def command(map_path: str, reading: Reading, frame: str | None, **options: Any) -> None:
+    def command(map_path: str, reading: Reading, **options: Any) -> None:
+        frame = click.get_current_context().params["frame"]
         function(MapFile(map_path, reading, frame), **options)
 
     return click.argument("map_path", metavar="MAP")(reading_options(command))

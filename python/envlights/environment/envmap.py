@@ -926,14 +926,24 @@ def as_envmap(env: Any, reading: Reading | None = None) -> EnvMap:
     return world
 
 
+def check_reading(reading: Reading | None) -> None:
+    """Refuse names that are no options on how a file is read, before a file is read."""
+    _steps(reading, EnvMap.open)
+
+
 def _steps(reading: Reading | None, opener: Callable[..., Any]) -> list[dict[str, Any]]:
     """Arguments of the opener and of each method of `as_envmap`, or a refusal of others."""
-    if not reading:
+    if reading is None:
         return [{}, *({} for _ in _STEPS)]
+    if not isinstance(reading, Mapping):
+        raise EnvLightsError(
+            "reading must map names of options on how a map is read to values, such as"
+            f" {{'colour': 'srgb', 'lux': 900}}; got {describe(reading)}"
+        )
     functions = (opener, *(getattr(EnvMap, name) for name in _STEPS))
     names = [[*signature(each).parameters][1:] for each in functions]
     known = [name for each in names for name in each]
-    for name in dict(reading):
+    for name in reading:
         if name not in known:
             raise EnvLightsError(
                 f"reading must hold options on how a map is read, {', '.join(known)}; got"
