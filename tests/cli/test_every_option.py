@@ -57,7 +57,6 @@ OTHER_NAMES = {
     ("batch", "options"): "--set",
     ("split", "maximum"): "--limit",
     ("split", "options"): "--set",
-    ("split", "max_lights"): "--lights",
     ("convert", "path"): "OUT",
     ("convert", "projection"): "--to",
     ("convert", "maximum"): "--limit",
@@ -65,7 +64,6 @@ OTHER_NAMES = {
     ("photograph", "image"): "PHOTO",
     ("photograph", "settings"): "--set",
     ("detect", "settings"): "--set",
-    ("detect", "lights"): "--max-lights",
     ("follow", "frames"): "FRAMES",
     ("compare", "truth"): "TRUTH",
     ("compare", "guess"): "GUESS",
@@ -223,8 +221,9 @@ def test_readings_reach_the_calibration(hall, tmp_path):
 
 
 def test_the_help_lists_the_options_of_the_file_on_their_own():
-    text = CliRunner().invoke(main, ["fit", "--help"]).stdout
-    first, second = text.split("Options on how MAP is read:")
+    first = CliRunner().invoke(main, ["fit", "--help"]).stdout
+    second = CliRunner().invoke(main, ["fit", "--help-map"]).stdout
+    assert len(first.splitlines()) <= 60
     assert "--start" in first
     assert "--colour" not in first
     assert "--colour" in second

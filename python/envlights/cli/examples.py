@@ -11,11 +11,15 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
         "'*.hdr' -o found --what detect",
     ),
     "compare": ("hall.exr rig.json", "truth guess -o errors.csv --protocol exact"),
-    "convert": ("hall.exr cube.exr --to cube --width 256", "sky.hdr turned.hdr --rotate 90"),
+    "convert": (
+        "hall.exr -o cube.exr --to cube --width 256",
+        "sky.hdr -o turned.hdr --rotate 90",
+        "maps/*.hdr -o same --lux 1000",
+    ),
     "demo": ("-o folder", "transfer -o folder"),
     "detect": ("hall.exr -n 3 -o lights.png", "hall.exr --set rise=4", "sky.jpg --json"),
     "error-curve": ("hall.exr -o curve.csv -o curve.png", "sky.hdr --lights 1,2,4,8 --floor"),
-    "export": ("rig.json usd gltf", "rig.json hall.py --environment hall.exr"),
+    "export": ("rig.json -o usd -o gltf", "rig.json -o hall.py --environment hall.exr"),
     "fit": (
         "hall.exr -n 4 -o rig.json -o rig.png",
         "sky.hdr --error 0.01 --floor",

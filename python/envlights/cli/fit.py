@@ -74,22 +74,20 @@ from envlights.sun.choice import AnySun
 @click.option(
     "--ambient",
     type=click.Choice([*AMBIENTS, AUTO]),
-    help="Light from all directions; sh2: smooth, 9 spherical harmonics; auto: the best of them."
-    " Default: constant, or auto for programs that show harmonics.",
+    help="Light from all directions; sh2: 9 harmonics; auto: the best. Default: constant, or auto"
+    " for programs that show harmonics.",
 )
 @click.option(
     "--target",
     "targets",
     multiple=True,
     metavar="NAME",
-    help="Program that will show the lights (list: envlights export -h). Can be repeated. Default:"
-    " that of each -o.",
+    help="Program that will show the lights; default: that of each -o. Can be repeated.",
 )
 @click.option(
     "--one-rig",
     is_flag=True,
-    help="Fit one rig that all programs of -o show. Default: each file has the best fit for its"
-    " program.",
+    help="Fit one rig for all programs of -o, in place of one for each.",
 )
 @start_options
 @sun_options

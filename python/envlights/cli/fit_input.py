@@ -28,7 +28,7 @@ def shape_options(function: Callable[..., None]) -> Callable[..., None]:
         show_default=True,
     )
     of_radius = click.option(
-        "--max-radius", type=float, help="Largest angular radius of a light in degrees, such as 20."
+        "--max-radius", type=float, help="Largest angular radius of a light in degrees."
     )
     of_objective = click.option(
         "--objective",

@@ -49,26 +49,33 @@ class MapFile(NamedTuple):
         return self.open(fill) if self.reading else self.path
 
 
-class _MapOption(click.Option):
-    """Option on how a map is read."""
+class MapOption(click.Option):
+    """Option on what is in MAP and how it is read, for the help of ``--help-map``."""
 
 
 class MapCommand(click.Command):
-    """Subcommand with MAP: its help lists the options on how MAP is read after the others."""
+    """Subcommand with MAP: ``--help-map`` lists the options on MAP, ``--help`` the others."""
 
-    def format_options(self, context: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write the options as two lists."""
-        for heading, is_of_map in (("Options", False), (_HEADING, True)):
-            records = [
-                parameter.get_help_record(context)
-                for parameter in self.get_params(context)
-                if isinstance(parameter, click.Option)
-                and isinstance(parameter, _MapOption) is is_of_map
-            ]
-            rows = [record for record in records if record is not None]
-            if rows:
-                with formatter.section(heading):
-                    formatter.write_dl(rows)
+    def format_options(
+        self, context: click.Context, formatter: click.HelpFormatter, of_map: bool = False
+    ) -> None:
+        """Write the options on MAP, or the others."""
+        records = [
+            parameter.get_help_record(context)
+            for parameter in self.get_params(context)
+            if isinstance(parameter, click.Option) and isinstance(parameter, MapOption) is of_map
+        ]
+        with formatter.section(_HEADING if of_map else "Options"):
+            formatter.write_dl([record for record in records if record is not None])
+
+
+def _print_map_options(context: click.Context, _: click.Parameter, value: bool) -> None:
+    """Print the help of the options on MAP."""
+    if value and isinstance(context.command, MapCommand):
+        formatter = context.make_formatter()
+        context.command.format_options(context, formatter, of_map=True)
+        click.echo(formatter.getvalue().rstrip())
+        context.exit()
 
 
 def reading_options(function: Callable[..., None]) -> Callable[..., None]:
@@ -84,8 +91,15 @@ def reading_options(function: Callable[..., None]) -> Callable[..., None]:
     wrapped: Any = command
     for name, settings in reversed(_OPTIONS.items()):
         flag = f"--{name.replace('_', '-')}"
-        wrapped = click.option(flag, name, cls=_MapOption, **settings)(wrapped)
-    return wrapped  # type: ignore[no-any-return]
+        wrapped = click.option(flag, name, cls=MapOption, **settings)(wrapped)
+    return click.option(  # type: ignore[no-any-return]
+        "--help-map",
+        is_flag=True,
+        is_eager=True,
+        expose_value=False,
+        callback=_print_map_options,
+        help="Options on how MAP is read: colour, layout, lux, ...",
+    )(wrapped)
 
 
 def map_argument(function: Callable[..., None]) -> Callable[..., None]:
@@ -122,10 +136,11 @@ def _reading(given: dict[str, Any], frame: str | None) -> dict[str, Any]:
         count = angles.count(",") + 1
         turn = numbers("--rotate", angles, "90" if count == 1 else "90,10,5")
         given["matrix"] = rotation(*map(math.radians, turn))
+    given = {_OTHER_NAMES.get(name, name): value for name, value in given.items()}
     layout = {name: given.pop(name) for name in ARGUMENTS if name in given}
     if layout:
         given["layout"] = Layout(**layout)
-    return {_OTHER_NAMES.get(name, name): value for name, value in given.items()}
+    return given
 
 
 def _camera(text: str) -> list[list[float]]:
@@ -247,6 +262,7 @@ def unseen_option() -> Callable[[Any], Any]:
     """Option ``--fill``; its value is for `radiance_or_name`."""
     return click.option(
         "--fill",
+        cls=MapOption,
         metavar="CHOICE",
         help="Radiance where MAP shows nothing (alpha, a crop): black, harmonic, ground, a number,"
         " or R,G,B. Needed if less than 85 % of the sphere is seen.",

@@ -53,7 +53,7 @@ def stage_options(command: Any) -> Any:
     option = partial(click.option, callback=collect, expose_value=False)
     up = option("--up", type=click.Choice(["y", "z"]), help="Up axis of files for OpenUSD.")
     metres = option(
-        "--metres-per-unit", type=float, help="Unit of length of files for OpenUSD. Default: 1."
+        "--metres-per-unit", type=float, help="Unit of length for OpenUSD; 1 by default."
     )
     return up(metres(command))
 
