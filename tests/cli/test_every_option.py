@@ -49,6 +49,7 @@ OTHER_NAMES = {
     ("*", "progress"): "--quiet",
     ("*", "width"): "--map-width",
     ("*", "up"): "--level",
+    ("*", "distance"): "--ball-distance",
     ("*", "reading"): "--colour",
     ("*", "matrix"): "--rotate",
     ("view", "fill"): "--fill",

@@ -157,7 +157,7 @@ def _camera(text: str) -> list[list[float]]:
 
 
 #: Names in Python of options that are called otherwise.
-_OTHER_NAMES = {"map_width": "width", "level": "up"}
+_OTHER_NAMES = {"map_width": "width", "level": "up", "ball_distance": "distance"}
 #: Options by the name of the parameter.
 _OPTIONS: dict[str, dict[str, Any]] = {
     "colour": {
@@ -193,6 +193,11 @@ _OPTIONS: dict[str, dict[str, Any]] = {
     "circle": {
         "metavar": "X,Y,RADIUS",
         "help": "Circle of a fisheye or mirror ball, in pixels.",
+    },
+    "ball_distance": {
+        "type": float,
+        "metavar": "RADII",
+        "help": "Distance of the camera from a mirror ball, in its radii; far away else.",
     },
     "forward": {
         "metavar": "X,Y,Z",
