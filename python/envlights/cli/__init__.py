@@ -31,6 +31,7 @@ _COMMANDS = {
     "export": "Write a rig or lights for other programs.",
     "fit": "Fit an ambient term and a few lights to a map.",
     "follow": "Fit a rig to each map of a sequence.",
+    "mcp": "Serve tools for agents on the files of some folders.",
     "merge": "Merge exposures into one map.",
     "photograph": "Find the lights of a photograph.",
     "relight": "Move, dim, colour, remove or add lights of a map.",

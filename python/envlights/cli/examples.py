@@ -27,6 +27,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
         "frame2.hdr -n 4 --start rig1.json --fixed 0,0.6,0.8",
     ),
     "follow": ("frames -o rigs.jsonl -o rigs.usda --fps 24", "video.mp4 --error 0.01 -o rigs.csv"),
+    "mcp": ("maps",),
     "merge": ("dark.jpg light.jpg -o merged.exr",),
     "photograph": ("room.jpg --fov 60",),
     "relight": ("hall.exr --move 1=,15 --gain 2=0.5 --remove 3 -o new.exr",),
