@@ -21,6 +21,7 @@ def folder(tmp_path):
     folder.mkdir()
     el.EnvMap(el.synthetic.hall(64).radiance).save(folder / "hall.exr")
     (tmp_path / "secret.exr").write_bytes((folder / "hall.exr").read_bytes())
+    (folder / "hall_{face}.exr").write_bytes((folder / "hall.exr").read_bytes())
     (folder / "link.exr").symlink_to(tmp_path / "secret.exr")
     (folder / "out").symlink_to(tmp_path)
     return folder

@@ -110,6 +110,7 @@ def test_the_sun_becomes_a_card_beside_those_of_the_sky(tmp_path):
     centre = matrix @ [0.5, 0.5, 1]
     np.testing.assert_allclose(centre, [0.36, 0.8, 0.48], atol=1e-6)
     assert np.linalg.det(matrix) > 0
+    assert matrix[1, 1] < 0  # the second axis goes down
     half = np.linalg.norm(matrix[:, 0]) / 2
     assert np.arctan(half) == pytest.approx(alone.lights.angular_radius[0], rel=1e-6)
     lights = el.Cards(cards["shape"], cards["matrix"], cards["irradiance"])
