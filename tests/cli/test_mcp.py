@@ -123,6 +123,7 @@ def test_an_input_is_not_overwritten_and_trusted_options_are_refused(folder):
 def test_the_command_needs_a_folder_and_the_package(folder, monkeypatch):
     done = CliRunner().invoke(main, ["mcp", str(folder / "none")])
     assert done.exit_code == 2
+    assert "none is no folder" in done.output
     monkeypatch.setitem(__import__("sys").modules, "mcp.server.mcpserver", None)
     done = CliRunner().invoke(main, ["mcp", str(folder)])
     assert done.exit_code == 2

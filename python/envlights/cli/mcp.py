@@ -43,7 +43,10 @@ class Tools:
     """Tools on files below some folders."""
 
     def __init__(self, folders: Sequence[str]) -> None:
-        self.folders = [Path(folder).resolve(strict=True) for folder in folders]
+        for folder in folders:
+            if not os.path.isdir(folder):  # noqa: PTH112, which refuses bytes in names
+                raise EnvLightsError(f"{folder} is no folder; give folders of maps")
+        self.folders = [Path(os.path.realpath(folder)) for folder in folders]
 
     def open(self, map: str, reading: Reading = None) -> Answer:
         """Size, layout, units, clip level and notes of an environment map."""
@@ -183,11 +186,8 @@ def _with_refusals(tool: Callable[..., Any], failure: type[Exception]) -> Callab
     return call
 
 
-_FOLDER = click.Path(exists=True, file_okay=False)
-
-
 @click.command("mcp")
-@click.argument("folders", metavar="FOLDER...", nargs=-1, required=True, type=_FOLDER)
+@click.argument("folders", metavar="FOLDER...", nargs=-1, required=True)
 def command(folders: Sequence[str]) -> None:
     """Serve tools for agents on the files below each FOLDER, over the standard streams."""
     server(folders).run()
