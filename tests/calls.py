@@ -234,7 +234,7 @@ CALLS = {
         {"env": st.just(RIG), "rig": st.none(), "title": st.sampled_from(["A hall", "</script>"])},
     ),
     "EnvMap.rotated": (
-        lambda env, matrix: el.EnvMap(env).rotated(matrix),
+        lambda env, matrix: el.EnvMap(env).rotated(matrix, frame="unity"),
         {"env": IMAGE, "matrix": TURN},
     ),
     "EnvMap.save": (
@@ -246,6 +246,8 @@ CALLS = {
         },
     ),
     "Rig.rotated": (method_of(RIG, "rotated"), {"matrix": TURN}),
+    "Rig.measured": (method_of(RIG, "measured"), {"env": IMAGE}),
+    "frames.rotation": (el.frames.rotation, {"yaw": SMALL, "pitch": SMALL}),
     "Lights.rotated": (method_of(RIG.lights, "rotated"), {"matrix": TURN}),
     "Lights.save": (method_of(RIG.lights, "save"), {"path": st.just("no-folder/rig.csv")}),
     "DetectedLights.rotated": (method_of(DETECTED, "rotated"), {"matrix": TURN}),

@@ -18,6 +18,7 @@ from envlights import (
     detection,
     export,
     fitting,
+    frames,
     kernels,
     papers,
     rigs,
@@ -89,6 +90,8 @@ LEFT_OUT = {
     "gather": "asks a scene of the caller's",
     "export.add_to_blender": "needs Blender",
     "export.AXES": "is a table",
+    "frames.Axes": "is a row of it",
+    "frames.FRAMES": "is a table",
     "export.Axes": "is a row of it",
     "export.TARGETS": "is a table",
     "export.Target": "is a row of it",
@@ -105,7 +108,7 @@ def test_no_public_function_is_missing():
     for part in (batches, cards, transfer, viewer):
         names += part.__all__
     names += [name for name in sequence.__all__ if not name.islower()]
-    for part in (export, kernels):
+    for part in (export, frames, kernels):
         names += [f"{part.__name__.split('.')[-1]}.{name}" for name in part.__all__]
     there = {name.split(" ")[0] for name in CALLS}
     # A class may be there by its methods.

@@ -20,7 +20,7 @@ GREY = np.full((16, 32, 3), 0.5, np.float32)
     [
         (lambda: el.fit(GREY, light=3), r"fit\(\) .* 'light' \(did you mean lights=\?\)"),
         (lambda: el.fit(GREY, max_lights=3), r"fit\(\) .* \(did you mean lights=\?\)"),
-        (lambda: el.detect(GREY, lights=3), r"detect\(\) .* \(did you mean max_lights=\?\)"),
+        (lambda: el.detect(GREY, light=3), r"detect\(\) .* \(did you mean lights=\?\)"),
         (lambda: el.split(GREY, max_light=3), r"split\(\) .* \(did you mean max_lights=\?\)"),
         (lambda: el.split(GREY, lamps=3), r"split\(\) .* 'lamps'; it has env, lights, fraction"),
         (lambda: el.follow([GREY], light=3), r"follow\(\) .* \(did you mean lights=\?\)"),

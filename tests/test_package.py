@@ -40,7 +40,7 @@ def test_a_subpackage_is_reachable_and_completed(name):
 
 
 @pytest.mark.parametrize(
-    "name", ["export", "io", "kernels", "plot", "scene", "synthetic", "transfer"]
+    "name", ["export", "frames", "io", "kernels", "plot", "scene", "synthetic", "transfer"]
 )
 def test_a_subpackage_lists_what_is_meant_to_be_used(name):
     module = getattr(el, name)

@@ -63,12 +63,13 @@ INTRODUCTION = """Every public name has a page with its shapes, units, errors an
 PACKAGES = (
     *("rigs", "detection", "splitting", "cards", "sun", "fitting", "papers", "batches"),
     *("scene", "viewer", "comparison", "sequence", "transfer"),
-    *("plot", "export", "io", "layers", "synthetic", "kernels"),
+    *("plot", "export", "frames", "io", "layers", "synthetic", "kernels"),
 )
 #: Pages of the guide on a package.
 GUIDES = {
     "plot": "figures",
     "export": "programs/index",
+    "frames": "axes",
     "transfer": "start",
     "comparison": "compare",
     "layers": "training",

@@ -73,6 +73,7 @@ _PACKAGES = {
     "cli",
     "comparison",
     "export",
+    "frames",
     "io",
     "layers",
     "papers",
@@ -136,6 +137,7 @@ if _typing.TYPE_CHECKING:
     from envlights import detection as detection
     from envlights import export as export
     from envlights import fitting as fitting
+    from envlights import frames as frames
     from envlights import io as io
     from envlights import layers as layers
     from envlights import papers as papers

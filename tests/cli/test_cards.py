@@ -51,7 +51,7 @@ def test_the_cards_are_printed_as_json(window):
     ("options", "message"),
     [
         (["--distance", "3"], "add --shapes"),
-        (["--shapes", "--limit", "9"], "leave out --sun and --limit"),
+        (["--shapes", "--limit", "9"], "leave out --limit, or --shapes"),
         (["--shapes", "--distance", "3", "--radius", "1"], "give only one of them"),
         (["--shapes", "--radius", "0"], "greater than 0"),
     ],

@@ -117,8 +117,7 @@ def test_detect_prints_and_writes_what_the_function_finds(hall, tmp_path, method
     outputs = ("-o", tmp_path / "lights.json", "-o", tmp_path / "lights.png")
     result = run("detect", hall, "-n", 2, "--method", method, *outputs)
     assert result.exit_code == 0, result.output
-    most = {"max_lights" if method == "tree" else "lights": 2}
-    lights = DETECTORS[method](el.EnvMap.open(hall), **most)
+    lights = DETECTORS[method](el.EnvMap.open(hall), lights=2)
     assert result.stdout.startswith(str(lights).split("\n\n")[0])
     assert json.loads((tmp_path / "lights.json").read_text()) == lights.to_dict()
     assert (tmp_path / "lights.png").read_bytes().startswith(b"\x89PNG")
@@ -195,7 +194,7 @@ def test_outputs_are_checked_before_the_map_is_read(hall, tmp_path, monkeypatch)
 
 
 @pytest.mark.parametrize(
-    "arguments", [("fit", "-n", 10**9), ("fit", "--error", -1), ("detect", "-n", 0)]
+    "arguments", [("fit", "-n", 10**9), ("fit", "--error", -1), ("detect", "-n", -1)]
 )
 def test_a_refusal_leaves_no_file(hall, tmp_path, arguments):
     command, *options = arguments

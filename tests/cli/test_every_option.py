@@ -11,20 +11,20 @@ import envlights as el
 from envlights.cli import main
 from envlights.environment.layouts.projections import ARGUMENTS
 
-OPEN = (el.EnvMap.open, el.EnvMap.calibrated)
+OPEN = (el.EnvMap.open, el.EnvMap.calibrated, el.EnvMap.levelled, el.EnvMap.rotated)
 #: Functions of each subcommand.
 FUNCTIONS = {
     "fit": (el.fit, *OPEN),
     "detect": (el.detect, el.papers.loghin.detect, *OPEN),
     "split": (el.split, el.limit, el.with_sun, el.detect, *OPEN),
     "error-curve": (el.error_curve, *OPEN),
-    "follow": (el.follow,),
-    "batch": (el.batch,),
+    "follow": (el.follow, *OPEN),
+    "batch": (el.batch, *OPEN),
     "convert": (el.EnvMap.to, el.EnvMap.resized, el.EnvMap.limited, el.EnvMap.save, *OPEN),
     "merge": (el.EnvMap.from_exposures,),
     "relight": OPEN,
     "repair": (el.EnvMap.repaired, *OPEN),
-    "compare": (el.compare, el.compare_folders),
+    "compare": (el.compare, el.compare_folders, *OPEN),
     "show": (el.error_curve, *OPEN),
     "view": (el.view, el.viewer.Model.open, *OPEN),
     "photograph": (el.detect_photograph,),
@@ -48,13 +48,16 @@ OTHER_NAMES = {
     ("*", "env"): "MAP",
     ("*", "progress"): "--quiet",
     ("*", "width"): "--map-width",
+    ("*", "up"): "--level",
+    ("*", "distance"): "--ball-distance",
+    ("*", "reading"): "--colour",
+    ("*", "matrix"): "--rotate",
     ("view", "fill"): "--fill",
     ("batch", "maps"): "MAP",
     ("batch", "out"): "--output",
     ("batch", "options"): "--set",
     ("split", "maximum"): "--limit",
     ("split", "options"): "--set",
-    ("split", "max_lights"): "--lights",
     ("convert", "path"): "OUT",
     ("convert", "projection"): "--to",
     ("convert", "maximum"): "--limit",
@@ -62,7 +65,6 @@ OTHER_NAMES = {
     ("photograph", "image"): "PHOTO",
     ("photograph", "settings"): "--set",
     ("detect", "settings"): "--set",
-    ("detect", "lights"): "--max-lights",
     ("follow", "frames"): "FRAMES",
     ("compare", "truth"): "TRUTH",
     ("compare", "guess"): "GUESS",
@@ -78,6 +80,8 @@ OTHER_NAMES = {
 #: Parameters without an option.
 LEFT_OUT = {
     ("convert", "fill"): "a map in another layout keeps what is not seen",
+    ("batch", "fill"): "--set fill=... of the work",
+    ("compare", "fill"): "maps are filled as by default",
     ("detect", "fill"): "lights are detected where the map is seen",
     ("relight", "fill"): "lights are drawn where the map is seen",
     ("split", "fill"): "lights are detected where the map is seen",
@@ -218,8 +222,9 @@ def test_readings_reach_the_calibration(hall, tmp_path):
 
 
 def test_the_help_lists_the_options_of_the_file_on_their_own():
-    text = CliRunner().invoke(main, ["fit", "--help"]).stdout
-    first, second = text.split("Options on how MAP is read:")
+    first = CliRunner().invoke(main, ["fit", "--help"]).stdout
+    second = CliRunner().invoke(main, ["fit", "--help-map"]).stdout
+    assert len(first.splitlines()) <= 60
     assert "--start" in first
     assert "--colour" not in first
     assert "--colour" in second

@@ -133,7 +133,7 @@ WRONG = [
     ("convert hall.exr out.exr --to-forward 1", GENERAL, 2, "--to-forward must be three numbers"),
     ("convert hall.exr out.exr --width 1", GENERAL, 2, "width"),
     ("convert hall.exr out.exr --to sphere", GENERAL, 2, "sphere"),
-    ("detect hall.exr -n 0", GENERAL, 2, "max_lights must be a whole number, 1 or more; got 0"),
+    ("detect hall.exr -n -1", GENERAL, 2, "lights must be a whole number, 0 or more; got -1"),
     ("export rig.json nosuch", GENERAL, 2, "it must be the name of a target (json, csv"),
     ("export rig.json json", GENERAL, 2, "it is the rig; give another name"),
     ("export rig.json a.gltf --strict", FILE, 1, "--strict refuses a file: glTF 2.0 shows"),

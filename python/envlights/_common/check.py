@@ -200,19 +200,19 @@ def whole_numbers(name: str, values: ArrayLike) -> NDArray[np.int64]:
     return for_kernels(array, np.int64)
 
 
-def rotation(matrix: ArrayLike) -> NDArray[np.float64]:
+def rotation(matrix: ArrayLike, name: str = "matrix") -> NDArray[np.float64]:
     """`matrix` as a rotation, (3, 3), or a refusal."""
     if isinstance(matrix, numbers.Real) or is_vector(matrix):
         raise EnvLightsError(
-            f"matrix must be a rotation of the shape (3, 3), not angles; got {describe(matrix)}"
+            f"{name} must be a rotation of the shape (3, 3), not angles; got {describe(matrix)}"
         )
-    turn = reals("matrix", matrix, 2)
+    turn = reals(name, matrix, 2)
     if turn.shape != (3, 3):
-        raise EnvLightsError(f"matrix must have the shape (3, 3); got {turn.shape}")
+        raise EnvLightsError(f"{name} must have the shape (3, 3); got {turn.shape}")
     if not np.allclose(turn @ turn.T, np.eye(3), rtol=0, atol=_ROTATION_TOLERANCE):
-        raise EnvLightsError("matrix must be a rotation; its rows must be orthonormal")
+        raise EnvLightsError(f"{name} must be a rotation; its rows must be orthonormal")
     if np.linalg.det(turn) < 0:
-        raise EnvLightsError("matrix must be a rotation; it is a reflection")
+        raise EnvLightsError(f"{name} must be a rotation; it is a reflection")
     return turn
 
 

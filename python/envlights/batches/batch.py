@@ -29,6 +29,7 @@ from envlights.batches.result import Batch
 from envlights.batches.rows import plain
 from envlights.batches.sources import items_of, with_unique_names
 from envlights.batches.work import METHODS, Task, check_options, files_of, name_of, work_on
+from envlights.environment.envmap import Reading, check_reading
 
 #: Tasks that wait for each worker, so that none is idle while a row is written.
 _AHEAD = 2
@@ -43,6 +44,7 @@ def batch(
     executor: Any = None,
     jobs: int | None = None,
     progress: bool | None = None,
+    reading: Reading | None = None,
     **options: Any,
 ) -> Batch:
     """Fit, detect or split many maps, with a row of numbers and a file for each.
@@ -81,6 +83,10 @@ def batch(
         Dask use one thread each, those of MPI and other executors what they are set to.
     progress : bool, optional
         True: show a bar. When left out, one appears in a terminal or notebook after a second.
+    reading : mapping, optional
+        Options on how the maps are read: arguments of `EnvMap.open`, `EnvMap.levelled`,
+        `EnvMap.calibrated` and `EnvMap.rotated`, such as ``{"colour": "linear", "lux": 900}``. An
+        `EnvMap` stays as it is.
     **options
         Options of the method or of the function.
 
@@ -112,7 +118,8 @@ def batch(
     [2, 2, 2]
     """
     check_progress(progress)
-    method = _method(what, suffix, options)
+    check_reading(reading)
+    method = _method(what, suffix, options, reading)
     jobs = jobs_of(executor, None if jobs is None else count("jobs", jobs, least=1, most=1024))
     folder = None if out is None else _folder(out)
     start, calls = perf_counter(), set[str]()
@@ -127,6 +134,7 @@ def batch(
                 "version": _version(),
             }
             tasks = _tasks(maps, journal, what, options, folder, suffix, threads, method, calls)
+            tasks = (task._replace(reading=reading) for task in tasks)
             done = in_window(pool, work_on, tasks, _AHEAD * jobs)
             counts = [
                 _keep(task, future, journal, head)
@@ -144,7 +152,9 @@ def _version() -> str:
     return version("envlights")
 
 
-def _method(what: Any, suffix: object, options: Mapping[str, Any]) -> tuple[str, str, str | None]:
+def _method(
+    what: Any, suffix: object, options: Mapping[str, Any], reading: Reading | None
+) -> tuple[str, str, str | None]:
     """Name of the work, its options as text, and the suffix; they are the key of a row."""
     if suffix is not None and not (isinstance(suffix, str) and suffix.startswith(".")):
         raise EnvLightsError(f"suffix must be text that begins with a dot; got {describe(suffix)}")
@@ -155,6 +165,8 @@ def _method(what: Any, suffix: object, options: Mapping[str, Any]) -> tuple[str,
     else:
         name = name_of(what)
         options = {**getattr(what, "keywords", {}), **options}
+    if reading is not None:
+        options = {**options, "reading": {each: repr(reading[each]) for each in reading}}
     return name, json.dumps(plain(options), sort_keys=True), suffix
 
 

@@ -110,7 +110,9 @@ def _items_of_folder(folder: Path, out: Path | None) -> Iterator[Item]:
 
 def _is_below(path: str | Path, folder: Path | None) -> bool:
     """True if `path` is `folder` or lies in it."""
-    return folder is not None and Path(path).resolve().is_relative_to(folder.resolve())
+    # `Path.resolve` fails at loops of links.
+    real = os.path.realpath
+    return folder is not None and Path(real(path)).is_relative_to(real(folder))
 
 
 def _outside(out: Path | None) -> str:

@@ -18,7 +18,7 @@ from envlights._native import EnvLightsError
 from envlights.batches.rows import row_of
 from envlights.detection.detect import detect
 from envlights.environment.decoders.source import ADDRESS, is_source, named_source
-from envlights.environment.envmap import EnvMap, as_envmap
+from envlights.environment.envmap import EnvMap, Reading, as_envmap
 from envlights.environment.files.image_output import MAP_SUFFIXES
 from envlights.fitting.error_curve import error_curve
 from envlights.fitting.fit import fit
@@ -58,6 +58,9 @@ class Task(NamedTuple):
     own: frozenset[str] = frozenset()
     """Files in the folder that this batch may write."""
 
+    reading: Reading | None = None
+    """Options on how the map is read."""
+
 
 def work_on(task: Task) -> dict[str, Any] | None:
     """Row of a map, with the reason of a failure; None if its row is there already."""
@@ -83,6 +86,8 @@ def _set_threads(number: int | None) -> None:
 
 
 def _apply(task: Task, content: Any) -> Any:
+    if task.reading is not None:
+        content = as_envmap(content, {"fill": task.options.get("fill"), **task.reading})
     if isinstance(task.what, str):
         return METHODS[task.what](content, **task.options)
     return task.what(as_envmap(content), **task.options)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,6 +12,7 @@ from envlights.cards.arrays import SHAPES
 from envlights.cards.cards import Cards
 from envlights.cards.geometry import sources, unit
 from envlights.environment.envmap import EnvMap
+from envlights.rigs.lights import Lights
 
 
 def cut(
@@ -51,6 +54,30 @@ def cut(
         notes=_notes(parts, len(lights[0])),
     )
     return cards[np.flatnonzero(cards.irradiance.any(axis=1))], parts.remainder
+
+
+def with_discs(cards: Cards, lights: Lights) -> Cards:
+    """Cards, and a disc for each light."""
+    facing = [_facing(each.direction, each.angular_radius) for each in lights]
+    discs = Cards(("disc",) * len(lights), np.reshape(facing, (-1, 3, 3)), lights.irradiance)
+    return replace(
+        cards,
+        shape=cards.shape + discs.shape,
+        matrix=np.concatenate([cards.matrix, discs.matrix]),
+        irradiance=np.concatenate([cards.irradiance, discs.irradiance]),
+        textures=cards.textures + discs.textures,
+        overlap=np.concatenate([cards.overlap, discs.overlap]),
+        angular_radius=np.concatenate([cards.angular_radius, discs.angular_radius]),
+        notes=(*cards.notes, *lights.notes),
+    )
+
+
+def _facing(direction: NDArray[np.float64], radius: float) -> NDArray[np.float64]:
+    """Columns U, V, O of a square at distance 1 around a disc."""
+    right = np.cross(direction, [0.0, 1.0, 0.0])
+    right = unit(right) if right.any() else np.array([-1.0, 0.0, 0.0])
+    half = np.tan(radius) * np.stack([right, np.cross(direction, right)])
+    return np.stack([*(2 * half), direction - half.sum(axis=0)], axis=1)
 
 
 def _with_irradiance(

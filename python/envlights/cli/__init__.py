@@ -6,6 +6,7 @@ import contextlib
 import errno
 import sys
 from collections.abc import Iterator
+from difflib import get_close_matches
 from importlib import import_module
 from typing import Any
 
@@ -30,6 +31,7 @@ _COMMANDS = {
     "export": "Write a rig or lights for other programs.",
     "fit": "Fit an ambient term and a few lights to a map.",
     "follow": "Fit a rig to each map of a sequence.",
+    "mcp": "Serve tools for agents on the files of some folders.",
     "merge": "Merge exposures into one map.",
     "photograph": "Find the lights of a photograph.",
     "relight": "Move, dim, colour, remove or add lights of a map.",
@@ -73,6 +75,12 @@ class _Main(click.Group):
             with_standard_streams(each)
         with_examples(command)
         return command
+
+    def resolve_command(self, context: click.Context, args: list[str]) -> Any:
+        near = get_close_matches(args[0], _COMMANDS, n=1)
+        if args[0] not in _COMMANDS and near:
+            context.fail(f"No such command '{args[0]}'. Did you mean {near[0]}?")
+        return super().resolve_command(context, args)
 
     def format_commands(self, _: click.Context, formatter: click.HelpFormatter) -> None:
         with formatter.section("Commands"):

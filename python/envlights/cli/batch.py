@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from inspect import signature
+from typing import Any
 
 import click
 
@@ -12,11 +13,13 @@ from envlights.batches.columns import COLUMNS, SUFFIXES, check_table
 from envlights.batches.executors import NAMES
 from envlights.batches.result import Batch
 from envlights.batches.work import METHODS
+from envlights.cli.map_input import MapCommand, reading_options
 from envlights.cli.outputs import default_of, json_option, print_result
 from envlights.cli.settings import settings_from, settings_option
+from envlights.environment.envmap import Reading
 
 
-@click.command("batch")
+@click.command("batch", cls=MapCommand)
 @click.argument("maps", nargs=-1, required=True, metavar="MAP...")
 @click.option(
     "-o",
@@ -54,6 +57,7 @@ from envlights.cli.settings import settings_from, settings_option
     help="Rows of TABLE: one for each light, or for each map, also for those that failed.",
 )
 @json_option("summary")
+@reading_options
 @click.pass_context
 def command(
     context: click.Context,
@@ -67,6 +71,7 @@ def command(
     table: str | None,
     rows: str,
     as_json: bool,
+    reading: Reading,
 ) -> None:
     """Do the same work on many maps: files, folders, patterns or lists of paths (.txt, .jsonl).
 
@@ -76,7 +81,8 @@ def command(
         check_table(table)
     own = signature(batch).parameters
     options = settings_from(settings, "work", lambda name: name.isidentifier() and name not in own)
-    result = batch(maps, out, what=what, suffix=suffix, executor=executor, jobs=jobs, **options)
+    how: dict[str, Any] = {"what": what, "suffix": suffix, "executor": executor, "jobs": jobs}
+    result = batch(maps, out, reading=reading or None, **how, **options)
     if table is not None:
         result.save(table, rows)
     print_result(result, as_json)

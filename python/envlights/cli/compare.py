@@ -8,13 +8,15 @@ import click
 
 from envlights._common.tables import json_text, save_table
 from envlights._native import EnvLightsError
+from envlights.cli.map_input import MapCommand, reading_options
 from envlights.cli.outputs import check_output, default_of, json_option, print_result, say_written
 from envlights.comparison.compare import Comparison, compare
 from envlights.comparison.folders import FolderComparison, compare_folders
 from envlights.comparison.protocol import PROTOCOLS
+from envlights.environment.envmap import Reading
 
 
-@click.command("compare")
+@click.command("compare", cls=MapCommand)
 @click.argument("truth", metavar="TRUTH")
 @click.argument("guess", metavar="GUESS")
 @click.option(
@@ -26,7 +28,15 @@ from envlights.comparison.protocol import PROTOCOLS
 )
 @click.option("-o", "--output", metavar="OUT", help="Table to write (.csv, .json).")
 @json_option("comparison")
-def command(truth: str, guess: str, protocol: str, output: str | None, as_json: bool) -> None:
+@reading_options
+def command(
+    truth: str,
+    guess: str,
+    protocol: str,
+    output: str | None,
+    as_json: bool,
+    reading: Reading,
+) -> None:
     """Compare the lighting GUESS with TRUTH.
 
     Both are maps (.hdr, .exr, .png, .jpg, .tif), rigs or lights (.json, .csv), or both are folders
@@ -36,10 +46,10 @@ def command(truth: str, guess: str, protocol: str, output: str | None, as_json: 
         check_output(output, (".csv", ".json"), {"the truth": truth, "the guess": guess})
     folders = _are_folders(truth, guess)
     if folders:
-        table = compare_folders(truth, guess, protocol)
+        table = compare_folders(truth, guess, protocol, reading=reading or None)
         result: FolderComparison | Comparison = table
     else:
-        result = compare(truth, guess, protocol)
+        result = compare(truth, guess, protocol, reading=reading or None)
         table = FolderComparison(result.protocol, {Path(truth).stem: result}, {})
     if output is not None:
         save_table(output, {".csv": table.to_csv, ".json": lambda: json_text(result.to_dict())})

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
 import click
-import numpy as np
 
+from envlights._native import EnvLightsError
 from envlights.cli.map_input import MapCommand, MapFile, map_argument
 from envlights.cli.numbers import numbers
-from envlights.cli.outputs import default_of, say_written
+from envlights.cli.outputs import check_source, default_of, say_written
 from envlights.environment.envmap import EnvMap
 from envlights.environment.files.image_output import COMPRESSIONS, MAP_SUFFIXES
 from envlights.environment.layouts.picture import check_picture_path
@@ -39,10 +38,15 @@ def layout_option(what: str) -> Callable[[Any], Any]:
 
 @click.command("convert", cls=MapCommand)
 @map_argument
-@click.argument("output", metavar="OUT")
+@click.argument("names", metavar="[MAP...]", nargs=-1)
+@click.option(
+    "-o",
+    "--output",
+    metavar="OUT",
+    help="File to write, or for several maps a folder. Without -o, the second name is OUT.",
+)
 @layout_option("OUT")
 @click.option("--width", type=int, help="Columns of OUT; of a cube, those of one face.")
-@click.option("--rotate", type=float, metavar="DEGREES", help="Turn the map to the left about +y.")
 @click.option(
     "--order",
     default="opengl",
@@ -82,10 +86,10 @@ def layout_option(what: str) -> Callable[[Any], Any]:
 )
 def command(
     map_file: MapFile,
-    output: str,
+    names: Sequence[str],
+    output: str | None,
     target: str,
     width: int | None,
-    rotate: float | None,
     order: str,
     view: float | None,
     to_registration: str | None,
@@ -95,8 +99,20 @@ def command(
     compression: str,
     limit: float | None,
 ) -> None:
-    """Write MAP in another layout to OUT (.exr, .hdr, .tif, .png; sky_{face}.exr for six files)."""
-    check_picture_path(output)
+    """Write each MAP in another layout to OUT.
+
+    OUT is a file (.exr, .hdr, .tif, .png; sky_{face}.exr for six files), or a folder.
+    """
+    if output is None:
+        if len(names) != 1:
+            raise EnvLightsError("give -o: a file for one map, or a folder for several")
+        (output,), names = names, ()
+    paths = [map_file.path, *names]
+    outputs = [output] if Path(output).suffix else _in_folder(output, paths)
+    if len(outputs) != len(paths):
+        raise EnvLightsError(f"{len(paths)} maps need a folder; got -o {output}, which is a file")
+    for each in outputs:
+        check_picture_path(each)
     saving = {"half": half, "compression": compression}
     layout = with_target_arguments(
         target,
@@ -106,12 +122,26 @@ def command(
         fov=view,
         forward=None if to_forward is None else numbers("--to-forward", to_forward, "0,0,1"),
     )
-    env = map_file.open()
-    if rotate is not None:
-        env = _rotate(env, math.radians(rotate))
-    if limit is not None:
-        env = env.limited(limit)
-    say_written(write_map(env, output, layout, saving, width))
+    for path, each in zip(paths, outputs, strict=True):
+        env = map_file._replace(path=path).open()
+        if limit is not None:
+            env = env.limited(limit)
+        say_written(write_map(env, each, layout, saving, width))
+
+
+def _in_folder(folder: str, paths: Sequence[str]) -> list[str]:
+    """Files in a folder with the names of the maps, as .exr if maps have no such suffix."""
+    given = (Path(folder, Path(path).name) for path in paths)
+    files = [
+        str(file if file.suffix.lower() in MAP_SUFFIXES else file.with_suffix(".exr"))
+        for file in given
+    ]
+    if len(set(files)) < len(files):
+        raise EnvLightsError("two maps have the same name; give one of them another folder")
+    Path(folder).mkdir(exist_ok=True)
+    for path, file in zip(paths, files, strict=True):
+        check_source(file, {"the map": path})
+    return files
 
 
 def write_map(
@@ -130,9 +160,3 @@ def write_map(
         return [output]
     picture = env.to(layout, width=width)
     return [str(path) for path in picture.save(output, **saving)]
-
-
-def _rotate(env: EnvMap, angle: float) -> EnvMap:
-    """Map after a rotation about +y, from +z towards +x."""
-    sine, cosine = math.sin(angle), math.cos(angle)
-    return env.rotated(np.array([[cosine, 0, sine], [0, 1, 0], [-sine, 0, cosine]]))

@@ -31,10 +31,10 @@ from envlights.papers.loghin_steps import SAMPLINGS
 @click.command("detect", cls=MapCommand)
 @map_argument
 @click.option(
-    "-n",
-    "--max-lights",
-    type=int,
-    help="Largest number of lights; extra lights are merged (tree) or dropped (loghin).",
+    "-n", "--lights", type=int, help="Largest number of lights; the others are left where they are."
+)
+@click.option(
+    "--max-lights", type=int, help="Largest number of lights by merging neighbours (method tree)."
 )
 @click.option(
     "--method",
@@ -55,6 +55,7 @@ from envlights.papers.loghin_steps import SAMPLINGS
 @json_option("lights")
 def command(
     map_file: MapFile,
+    lights: int | None,
     max_lights: int | None,
     method: str,
     sampling: str | None,
@@ -71,10 +72,14 @@ def command(
     options = detection_settings(settings, method)
     options |= {} if sampling is None else {"sampling": sampling}
     options = with_settings(METHODS[method], options)
-    options["lights" if method == "loghin" else "max_lights"] = max_lights
+    options["lights"] = lights
+    if max_lights is not None:
+        if method != "tree":
+            raise EnvLightsError(f"--max-lights is an option of --method tree; got {method}")
+        options["max_lights"] = max_lights
     check_options("detect", options, METHODS[method])
     env = map_file.open()
-    lights = METHODS[method](env, **options)
-    write(outputs, lights.save, lambda plot: plot.detection_picture(env, lights), stage=stage)
-    print_result(lights, as_json, verbose)
+    found = METHODS[method](env, **options)
+    write(outputs, found.save, lambda plot: plot.detection_picture(env, found), stage=stage)
+    print_result(found, as_json, verbose, map_file.frame)
     say_written(outputs)

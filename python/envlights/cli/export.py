@@ -11,6 +11,7 @@ import click
 from envlights._native import EnvLightsError
 from envlights.cli.outputs import (
     check_outputs,
+    output_option,
     print_losses,
     say_written,
     stage_of,
@@ -35,13 +36,15 @@ def _table() -> str:
 
 @click.command("export", epilog=_table())
 @click.argument("rig_path", metavar="RIG")
-@click.argument("targets", metavar="TARGET...", nargs=-1, required=True)
+@click.argument("targets", metavar="[TARGET...]", nargs=-1)
+@output_option("TARGET: a file or a name. Can be repeated.")
 @click.option("--environment", metavar="MAP", help="Map that replaces the ambient term.")
 @stage_options
 @strict_option()
 def command(
     rig_path: str,
     targets: Sequence[str],
+    outputs: Sequence[str],
     environment: str | None,
     stage: dict[str, Any],
     strict: bool,
@@ -51,7 +54,9 @@ def command(
     TARGET is a file, whose suffix selects the program, or the name of a target. If TARGET is only a
     name, the file goes next to RIG. Textures go next to each file.
     """
-    outputs = [_place(rig_path, target) for target in targets]
+    outputs = [_place(rig_path, target) for target in (*outputs, *targets)]
+    if not outputs:
+        raise EnvLightsError("there is no file to write; give -o, such as -o rig.usda or -o usd")
     inputs = {"the rig": rig_path, **({"the map": environment} if environment else {})}
     check_outputs(outputs, SUFFIXES, inputs, stage)
     rig = load_lights(rig_path)

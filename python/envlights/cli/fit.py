@@ -29,6 +29,7 @@ from envlights.cli.map_input import (
 )
 from envlights.cli.outputs import (
     OUTPUTS,
+    as_dict,
     check_outputs,
     is_picture,
     json_option,
@@ -73,22 +74,20 @@ from envlights.sun.choice import AnySun
 @click.option(
     "--ambient",
     type=click.Choice([*AMBIENTS, AUTO]),
-    help="Light from all directions; sh2: smooth, 9 spherical harmonics; auto: the best of them."
-    " Default: constant, or auto for programs that show harmonics.",
+    help="Light from all directions; sh2: 9 harmonics; auto: the best. Default: constant, or auto"
+    " for programs that show harmonics.",
 )
 @click.option(
     "--target",
     "targets",
     multiple=True,
     metavar="NAME",
-    help="Program that will show the lights (list: envlights export -h). Can be repeated. Default:"
-    " that of each -o.",
+    help="Program that will show the lights; default: that of each -o. Can be repeated.",
 )
 @click.option(
     "--one-rig",
     is_flag=True,
-    help="Fit one rig that all programs of -o show. Default: each file has the best fit for its"
-    " program.",
+    help="Fit one rig for all programs of -o, in place of one for each.",
 )
 @start_options
 @sun_options
@@ -120,7 +119,7 @@ def command(
     options |= {
         "max_radius": radius_of(max_radius),
         "start": start_of(start),
-        "fixed": fixed_of(fixed),
+        "fixed": fixed_of(fixed, map_file.frame),
         "fill": choice,
     }
     check_options("fit", {**options, "target": targets})
@@ -135,7 +134,7 @@ def command(
     for names, files in groups.items():
         picture = partial(_picture, seen, rigs[names])
         write(files, rigs[names].save, picture, strict=strict, stage=stage)
-    _print(rigs, groups, as_json, verbose)
+    _print(rigs, groups, as_json, verbose, map_file.frame)
     say_written(outputs)
 
 
@@ -163,17 +162,18 @@ def _print(
     groups: dict[tuple[str, ...], list[str]],
     as_json: bool,
     verbose: bool,
+    frame: str | None,
 ) -> None:
     """Print the only rig, or each below the names of its files."""
     if len(rigs) == 1:
-        print_result(next(iter(rigs.values())), as_json, verbose)
+        print_result(next(iter(rigs.values())), as_json, verbose, frame)
     elif as_json:
-        each = {file: rigs[names].to_dict() for names, files in groups.items() for file in files}
+        each = {file: as_dict(rigs[n], frame) for n, files in groups.items() for file in files}
         click.echo(json.dumps(each, indent=2))
     else:
         for names, rig in rigs.items():
             click.echo(f"{printable(', '.join(groups[names]))}:")
-            print_result(rig, False, verbose)
+            print_result(rig, False, verbose, frame)
             click.echo()
 
 

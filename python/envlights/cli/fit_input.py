@@ -9,8 +9,7 @@ from typing import Any
 import click
 
 from envlights.batches.work import check_options
-from envlights.cli.map_input import radiance_or_name, unseen_option
-from envlights.cli.numbers import numbers
+from envlights.cli.map_input import direction_in, radiance_or_name, unseen_option
 from envlights.cli.outputs import default_of
 from envlights.detection.lights_file import SUFFIXES, load_lights
 from envlights.fitting.fit import fit
@@ -29,7 +28,7 @@ def shape_options(function: Callable[..., None]) -> Callable[..., None]:
         show_default=True,
     )
     of_radius = click.option(
-        "--max-radius", type=float, help="Largest angular radius of a light in degrees, such as 20."
+        "--max-radius", type=float, help="Largest angular radius of a light in degrees."
     )
     of_objective = click.option(
         "--objective",
@@ -103,20 +102,20 @@ def start_of(text: str) -> str | Rig | Lights:
     return load_lights(text) if text.lower().endswith(SUFFIXES) else text
 
 
-def fixed_of(texts: Sequence[str]) -> list[list[float]] | None:
+def fixed_of(texts: Sequence[str], frame: str | None) -> list[list[float]] | None:
     """Values of ``--fixed`` as unit vectors; None without any."""
-    rows = [row for text in texts for row in _fixed(text)]
+    rows = [row for text in texts for row in _fixed(text, frame)]
     return rows or None
 
 
-def _fixed(text: str) -> list[list[float]]:
+def _fixed(text: str, frame: str | None) -> list[list[float]]:
     if text.lower().endswith(SUFFIXES):
         held = load_lights(text)
         rows: list[list[float]] = (
             held.lights if isinstance(held, Rig) else held
         ).direction.tolist()
         return rows
-    towards = numbers("--fixed", text, "0.5,0.7,0.5")
+    towards = direction_in(frame, "--fixed", text)
     length = math.hypot(*towards)
     # The length of typed digits is never exactly 1; the fit refuses a vector of length 0.
     return [[value / (length or 1.0) for value in towards]]

@@ -9,7 +9,12 @@ from typing import Any
 import click
 
 from envlights.cli.fit_input import radius_of, shape_options
-from envlights.cli.map_input import radiance_or_name, unseen_option
+from envlights.cli.map_input import (
+    MapCommand,
+    radiance_or_name,
+    reading_options,
+    unseen_option,
+)
 from envlights.cli.outputs import (
     check_outputs,
     default_of,
@@ -20,12 +25,13 @@ from envlights.cli.outputs import (
     stage_of,
     stage_options,
 )
+from envlights.environment.envmap import Reading
 from envlights.fitting.request import AMBIENTS
 from envlights.sequence.follow import follow
 from envlights.sequence.formats import SUFFIXES
 
 
-@click.command("follow")
+@click.command("follow", cls=MapCommand)
 @click.argument("frames", metavar="FRAMES")
 @click.option(
     "-n",
@@ -56,6 +62,7 @@ from envlights.sequence.formats import SUFFIXES
 @stage_options
 @output_option(f"File to write ({', '.join(SUFFIXES)}). Can be repeated.")
 @json_option("sequence")
+@reading_options
 def command(
     frames: str,
     lights: int | None,
@@ -66,6 +73,7 @@ def command(
     outputs: Sequence[str],
     stage: dict[str, Any],
     as_json: bool,
+    reading: Reading,
     **options: Any,
 ) -> None:
     """Fit a rig to each map of FRAMES; each light keeps its identity.
@@ -83,6 +91,7 @@ def command(
         error=error,
         max_radius=radius_of(max_radius),
         fill=radiance_or_name(fill),
+        reading=reading or None,
         **options,
     ).sequence()
     for output in outputs:

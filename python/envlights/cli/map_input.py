@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
-from collections.abc import Callable, Mapping
+import math
+from collections.abc import Callable
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import click
 
+from envlights._native import EnvLightsError
 from envlights.cli.numbers import numbers
-from envlights.environment.envmap import EnvMap
+from envlights.environment.envmap import EnvMap, Reading, as_envmap
 from envlights.environment.layouts.projections import (
     ARGUMENTS,
     EYES,
@@ -18,11 +21,10 @@ from envlights.environment.layouts.projections import (
     REGISTRATIONS,
     Layout,
 )
+from envlights.frames import FRAMES, frame_named, rotation
 
 #: Heading of the options on how a file is read, in the help.
 _HEADING = "Options on how MAP is read"
-#: Options of `EnvMap.calibrated`; the others are of `EnvMap.open`.
-_READINGS = ("lux", "normal", "shaded", "nits", "at", "patch", "ev100")
 _DIRECTION = "0.5,0.7,0.5"
 
 
@@ -32,74 +34,131 @@ class MapFile(NamedTuple):
     path: str
     """Path; "-" is the standard input."""
 
-    options: Mapping[str, Any] = MappingProxyType({})
-    """Options of `EnvMap.open` that were given."""
+    reading: Reading = MappingProxyType({})
+    """Options on how it is read that were given."""
 
-    readings: Mapping[str, Any] = MappingProxyType({})
-    """Options of `EnvMap.calibrated`."""
+    frame: str | None = None
+    """Frame of directions that are typed and printed."""
 
     def open(self, fill: Any = None) -> EnvMap:
-        """Map of the file, calibrated if there is a reading."""
-        env = EnvMap.open(self.path, **self.options)
-        return env.calibrated(**self.readings, fill=fill) if self.readings else env
+        """Map of the file, read as the options say."""
+        return as_envmap(self.path, {**self.reading, "fill": fill})
 
     def unread(self, fill: Any = None) -> str | EnvMap:
         """Path, which is read by rows; the map itself if options say how to read it."""
-        return self.open(fill) if self.options or self.readings else self.path
+        return self.open(fill) if self.reading else self.path
 
 
-class _MapOption(click.Option):
-    """Option on how a map is read."""
+class MapOption(click.Option):
+    """Option on what is in MAP and how it is read, for the help of ``--help-map``."""
 
 
 class MapCommand(click.Command):
-    """Subcommand with MAP: its help lists the options on how MAP is read after the others."""
+    """Subcommand with MAP: ``--help-map`` lists the options on MAP, ``--help`` the others."""
 
-    def format_options(self, context: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write the options as two lists."""
-        for heading, is_of_map in (("Options", False), (_HEADING, True)):
-            records = [
-                parameter.get_help_record(context)
-                for parameter in self.get_params(context)
-                if isinstance(parameter, click.Option)
-                and isinstance(parameter, _MapOption) is is_of_map
-            ]
-            rows = [record for record in records if record is not None]
-            if rows:
-                with formatter.section(heading):
-                    formatter.write_dl(rows)
+    def format_options(
+        self, context: click.Context, formatter: click.HelpFormatter, of_map: bool = False
+    ) -> None:
+        """Write the options on MAP, or the others."""
+        records = [
+            parameter.get_help_record(context)
+            for parameter in self.get_params(context)
+            if isinstance(parameter, click.Option) and isinstance(parameter, MapOption) is of_map
+        ]
+        with formatter.section(_HEADING if of_map else "Options"):
+            formatter.write_dl([record for record in records if record is not None])
+
+
+def _print_map_options(context: click.Context, _: click.Parameter, value: bool) -> None:
+    """Print the help of the options on MAP."""
+    if value and isinstance(context.command, MapCommand):
+        formatter = context.make_formatter()
+        context.command.format_options(context, formatter, of_map=True)
+        click.echo(formatter.getvalue().rstrip())
+        context.exit()
+
+
+def reading_options(function: Callable[..., None]) -> Callable[..., None]:
+    """Options on how maps are read; `function` takes them as `reading`."""
+
+    @functools.wraps(function)
+    def command(*context: click.Context, **options: Any) -> None:
+        given = {name: options.pop(name) for name in _OPTIONS}
+        given = {name: value for name, value in given.items() if value not in (None, False)}
+        frame = given.get("frame") if "camera" in given else given.pop("frame", None)
+        function(*context, reading=_reading(given, frame), **options)
+
+    wrapped: Any = command
+    for name, settings in reversed(_OPTIONS.items()):
+        flag = f"--{name.replace('_', '-')}"
+        wrapped = click.option(flag, name, cls=MapOption, **settings)(wrapped)
+    return click.option(  # type: ignore[no-any-return]
+        "--help-map",
+        is_flag=True,
+        is_eager=True,
+        expose_value=False,
+        callback=_print_map_options,
+        help="Options on how MAP is read: colour, layout, lux, ...",
+    )(wrapped)
 
 
 def map_argument(function: Callable[..., None]) -> Callable[..., None]:
     """Argument MAP and its options; `function` takes them as a `MapFile` first."""
 
     @functools.wraps(function)
-    def command(map_path: str, **options: Any) -> None:
-        given = {name: options.pop(name) for name in _OPTIONS}
-        given = {name: value for name, value in given.items() if value not in (None, False)}
-        for name, example in _VECTORS.items():
-            if name in given:
-                given[name] = numbers(f"--{name}", given[name], example)
-        if "channels" in given:
-            given["channels"] = given["channels"].split(",")
-        layout = {name: given.pop(name) for name in ARGUMENTS if name in given}
-        if layout:
-            given["layout"] = Layout(**layout)
-        readings = {name: given.pop(name) for name in _READINGS if name in given}
-        if "map_width" in given:
-            given["width"] = given.pop("map_width")
-        function(MapFile(map_path, given, readings), **options)
+    def command(map_path: str, reading: Reading, **options: Any) -> None:
+        frame = click.get_current_context().params["frame"]
+        function(MapFile(map_path, reading, frame), **options)
 
-    wrapped: Any = command
-    for name, settings in reversed(_OPTIONS.items()):
-        flag = f"--{name.replace('_', '-')}"
-        wrapped = click.option(flag, name, cls=_MapOption, **settings)(wrapped)
-    return click.argument("map_path", metavar="MAP")(wrapped)  # type: ignore[no-any-return]
+    return click.argument("map_path", metavar="MAP")(reading_options(command))
 
 
-#: Examples of the options that are numbers between commas.
-_VECTORS = {"circle": "512,512,500", "forward": _DIRECTION, "normal": _DIRECTION, "at": _DIRECTION}
-#: Options by the name of the parameter; `map_width` is `width` of `EnvMap.open`.
+def direction_in(frame: str | None, option: str, text: str) -> list[float]:
+    """Direction that was typed in a frame, in ours."""
+    typed = numbers(option, text, _DIRECTION)
+    ours: list[float] = frame_named(frame or "envlights").from_target(typed).tolist()
+    return ours
+
+
+def _reading(given: dict[str, Any], frame: str | None) -> dict[str, Any]:
+    """Options as arguments of Python."""
+    for name in ("forward", "normal", "at", "level"):
+        if name in given:
+            given[name] = direction_in(frame, f"--{name}", given[name])
+    if "circle" in given:
+        given["circle"] = numbers("--circle", given["circle"], "512,512,500")
+    if "channels" in given:
+        given["channels"] = given["channels"].split(",")
+    if "camera" in given:
+        given["camera"] = _camera(given["camera"])
+    if "rotate" in given:
+        angles = given.pop("rotate")
+        count = angles.count(",") + 1
+        turn = numbers("--rotate", angles, "90" if count == 1 else "90,10,5")
+        given["matrix"] = rotation(*map(math.radians, turn))
+    given = {_OTHER_NAMES.get(name, name): value for name, value in given.items()}
+    layout = {name: given.pop(name) for name in ARGUMENTS if name in given}
+    if layout:
+        given["layout"] = Layout(**layout)
+    return given
+
+
+def _camera(text: str) -> list[list[float]]:
+    """Rows of the matrix of a camera, of 9, 12 or 16 numbers."""
+    with contextlib.suppress(ValueError):
+        values = [float(value) for value in text.split(",")]
+        if len(values) in (9, 12, 16):
+            columns = 3 if len(values) == 9 else 4
+            return [values[row : row + columns] for row in range(0, len(values), columns)]
+    raise EnvLightsError(
+        "--camera must be 9, 12 or 16 numbers between commas, the rows of the matrix of a camera;"
+        f" got {text}"
+    )
+
+
+#: Names in Python of options that are called otherwise.
+_OTHER_NAMES = {"map_width": "width", "level": "up", "ball_distance": "distance"}
+#: Options by the name of the parameter.
 _OPTIONS: dict[str, dict[str, Any]] = {
     "colour": {
         "metavar": "SPACE",
@@ -134,6 +193,11 @@ _OPTIONS: dict[str, dict[str, Any]] = {
     "circle": {
         "metavar": "X,Y,RADIUS",
         "help": "Circle of a fisheye or mirror ball, in pixels.",
+    },
+    "ball_distance": {
+        "type": float,
+        "metavar": "RADII",
+        "help": "Distance of the camera from a mirror ball, in its radii; far away else.",
     },
     "forward": {
         "metavar": "X,Y,Z",
@@ -181,6 +245,21 @@ _OPTIONS: dict[str, dict[str, Any]] = {
         "metavar": "EV",
         "help": "Exposure value of MAP at ISO 100, for lux.",
     },
+    "level": {"metavar": "X,Y,Z", "help": "Direction in MAP that is up; it becomes the zenith."},
+    "rotate": {
+        "metavar": "YAW[,PITCH,ROLL]",
+        "help": "Turn MAP by angles in degrees: its centre to the left, then up, its zenith to the"
+        " left.",
+    },
+    "camera": {
+        "metavar": "MATRIX",
+        "help": "Turn MAP into the view of a camera of --frame: 9, 12 or 16 numbers, row by row, as"
+        " COLMAP, nerfstudio, ... store them.",
+    },
+    "frame": {
+        "type": click.Choice([*FRAMES]),
+        "help": "Axes of --camera and of directions that you type or that are printed.",
+    },
 }
 
 
@@ -188,6 +267,7 @@ def unseen_option() -> Callable[[Any], Any]:
     """Option ``--fill``; its value is for `radiance_or_name`."""
     return click.option(
         "--fill",
+        cls=MapOption,
         metavar="CHOICE",
         help="Radiance where MAP shows nothing (alpha, a crop): black, harmonic, ground, a number,"
         " or R,G,B. Needed if less than 85 % of the sphere is seen.",

@@ -22,6 +22,7 @@ from envlights._native import EnvLightsError
 from envlights.cli.standard_streams import is_standard_output
 from envlights.export.saving import check_options
 from envlights.export.targets import SUFFIXES, target_of
+from envlights.frames import frame_named
 from envlights.rigs.rig import Rig
 
 #: Help of ``-o`` for subcommands that write lights.
@@ -52,7 +53,7 @@ def stage_options(command: Any) -> Any:
     option = partial(click.option, callback=collect, expose_value=False)
     up = option("--up", type=click.Choice(["y", "z"]), help="Up axis of files for OpenUSD.")
     metres = option(
-        "--metres-per-unit", type=float, help="Unit of length of files for OpenUSD. Default: 1."
+        "--metres-per-unit", type=float, help="Unit of length for OpenUSD; 1 by default."
     )
     return up(metres(command))
 
@@ -171,12 +172,31 @@ def _is_same(target: Path, source: Path) -> bool:
     return target.exists() and source.exists() and target.samefile(source)
 
 
-def print_result(result: Any, as_json: bool, verbose: bool = False) -> None:
-    """Print a result as JSON, or as text; that of a rig has its report."""
+def print_result(
+    result: Any, as_json: bool, verbose: bool = False, frame: str | None = None
+) -> None:
+    """Print a result as JSON, or as text; that of a rig has its report.
+
+    With a frame, the directions of its lights are printed in this frame too.
+    """
     text = result.verbose() if verbose else str(result)
     if isinstance(result, Rig) and not verbose:
         text = f"{result}\n\n{result.report}".rstrip()
-    click.echo(json.dumps(result.to_dict(), indent=2) if as_json else text)
+    if frame is not None:
+        text += f"\n\ndirections (x, y, z) in the frame {frame}"
+        for number, row in enumerate(as_dict(result, frame)["in_frame"]["direction"], 1):
+            text += f"\n{number:>5}  " + "  ".join(f"{value:>9.6f}" for value in row)
+    click.echo(json.dumps(as_dict(result, frame), indent=2) if as_json else text)
+
+
+def as_dict(result: Any, frame: str | None) -> dict[str, Any]:
+    """Result for JSON; with a frame, also the directions of its lights in this frame."""
+    data: dict[str, Any] = result.to_dict()
+    if frame is not None:
+        lights = result.lights if isinstance(result, Rig) else result
+        there = frame_named(frame).to_target(lights.direction)
+        data["in_frame"] = {"name": frame, "direction": there.tolist()}
+    return data
 
 
 def say_written(paths: Sequence[str]) -> None:

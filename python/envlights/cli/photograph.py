@@ -46,7 +46,7 @@ _SETTINGS = settings_of(
 )
 @click.option("--part", help="Part or layer of PHOTO, by name or number from 0.")
 @click.option(
-    "-n", "--lights", "--max-lights", type=int, help="Largest number of lights; others are dropped."
+    "-n", "--lights", type=int, help="Largest number of lights; the others are left where they are."
 )
 @click.option(
     "--relative/--absolute",

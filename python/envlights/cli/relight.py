@@ -34,6 +34,8 @@ _CHANGES: dict[str, tuple[str, Callable[[Lights, int, str], Lights]]] = {
     ),
     "remove": ("1", lambda lights, row, _: lights.without(row)),
 }
+#: Names of all edits.
+EDITS = (*_CHANGES, "add")
 
 
 def _by_number(name: str, metavar: str, help_text: str) -> Callable[[Any], Any]:
@@ -75,13 +77,13 @@ def command(
         raise EnvLightsError("give --lights, or what to change: --move, --gain, --remove, ...")
     given = None if file is None else Lights.load(file)
     parts = split(map_file.open())
-    lights = _apply(parts.lights, edits) if given is None else given
+    lights = apply_edits(parts.lights, edits) if given is None else given
     env = parts.with_lights(lights)
     click.echo(str(lights))
     say_written(write_map(env, output, target))
 
 
-def _apply(removed: Lights, edits: Mapping[str, Sequence[str]]) -> Lights:
+def apply_edits(removed: Lights, edits: Mapping[str, Sequence[str]]) -> Lights:
     """Lights after all changes, by the numbers that the table of the split has."""
     lights = removed
     for option, (example, change) in _CHANGES.items():

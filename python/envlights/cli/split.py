@@ -14,6 +14,7 @@ from envlights._common.files import PICTURES
 from envlights._native import EnvLightsError
 from envlights.batches.work import check_options
 from envlights.cards.card_split import CardSplit, at_place
+from envlights.cards.cut import with_discs
 from envlights.cli.convert import layout_option, write_map
 from envlights.cli.detection_input import detection_settings
 from envlights.cli.map_input import MapCommand, MapFile, map_argument
@@ -51,7 +52,8 @@ _Parts = Split | CardSplit | Limit | SunSplit
     "-n",
     "--lights",
     type=int,
-    help="Largest number of lights to remove, brightest first, such as 1 for the sun.",
+    help="Largest number of lights to remove, such as 1 for the sun; the others are left where they"
+    " are.",
 )
 @click.option(
     "--fraction",
@@ -78,7 +80,7 @@ _Parts = Split | CardSplit | Limit | SunSplit
     help="Distance of the cards from the origin in scenes. Default: 1000 times --radius.",
 )
 @click.option("--radius", type=float, help="Radius of the scene that the cards light. Default: 1.")
-@settings_option("detection", settings_of([detect], ("max_lights",)))
+@settings_option("detection", settings_of([detect], ("lights",)))
 @sun_options
 @reading_options
 @layout_option("the map without the lights")
@@ -111,7 +113,7 @@ def command(
     """Remove the lights from MAP (.hdr, .exr, .png, .jpg, .tif)."""
     check_outputs(outputs, (*SUFFIXES, *MAP_SUFFIXES, *PICTURES), {"the map": map_file.path}, stage)
     options = detection_settings(settings, "tree")
-    if options and (sun is not None or maximum is not None):
+    if options and ((sun is not None and not shapes) or maximum is not None):
         raise EnvLightsError("--set is of detected lights; leave out --sun and --limit, or --set")
     check_options("split", {"lights": lights, "fraction": fraction, "shapes": shapes, **options})
     env = map_file.open()
@@ -122,7 +124,7 @@ def command(
     draw = partial(_draw, env, parts, found)
     written = _write(parts, map_file.path, outputs, target, stage, draw)
     removed = parts.lights
-    print_result(removed, as_json, verbose)
+    print_result(removed, as_json, verbose, map_file.frame)
     say_written(written)
 
 
@@ -138,8 +140,13 @@ def _parts(
 ) -> _Parts:
     """Lights and rest, of detection, above a maximum, or of the sun."""
     has_choice = lights is not None or fraction is not None
-    if shapes and (sun is not None or maximum is not None):
-        raise EnvLightsError("cards are detected lights; leave out --sun and --limit, or --shapes")
+    if shapes and maximum is not None:
+        raise EnvLightsError("cards are detected lights; leave out --limit, or --shapes")
+    if shapes and sun is not None:
+        own = with_sun(env, sun, **readings)
+        most = None if lights is None else max(lights - len(own.lights), 0)
+        others = split(own.remainder, most, fraction=fraction, shapes=True, **options)
+        return CardSplit(with_discs(others.cards, own.lights), others.remainder)
     if sun is not None:
         if has_choice or maximum is not None:
             raise EnvLightsError(

@@ -18,7 +18,7 @@ _STREAM = "-"
 #: Stem of the file of a standard input.
 STANDARD_INPUT = "standard_input"
 #: Parameters that hold the paths of written files.
-_OUTPUTS = ("output", "outputs", "targets")
+_OUTPUTS = ("output", "outputs", "targets", "names")
 #: Parameters of read files, except for those that the reader of images reads from ``-`` itself.
 _INPUTS = ("rig_path", "rig", "truth", "guess", "start", "model_path")
 _FORMAT = "format_"
@@ -82,10 +82,9 @@ def _to_standard_output(
     folder: Path, options: dict[str, Any], form: str | None
 ) -> Iterator[dict[str, Any]]:
     """Options with a file in place of an output ``-``, which is copied at the end."""
-    name = next((name for name in _OUTPUTS if name in options), "")
+    name = next((name for name in _OUTPUTS if _STREAM in _each(options.get(name))), "")
     outputs = options.get(name)
-    several = outputs if isinstance(outputs, tuple) else (outputs,)
-    if _STREAM not in several:
+    if not name:
         if form is not None:
             raise EnvLightsError("--format is of the output '-'; leave it out, or write to -")
         yield options
@@ -96,7 +95,7 @@ def _to_standard_output(
         raise EnvLightsError("--json and the output '-' both print; leave out one of them")
     folder.mkdir()
     path = folder / f"standard_output{_suffix(form)}"
-    replaced = tuple(str(path) if each == _STREAM else each for each in several)
+    replaced = tuple(str(path) if each == _STREAM else each for each in _each(outputs))
     click.get_current_context().meta[_KEY] = str(path)
     binary = sys.stdout.buffer
     try:
@@ -106,6 +105,11 @@ def _to_standard_output(
         _copy(path, binary)  # a comparison of folders is written even if a file failed
         raise
     _copy(path, binary)
+
+
+def _each(outputs: Any) -> tuple[Any, ...]:
+    """Values of an option that may be repeated."""
+    return outputs if isinstance(outputs, tuple) else (outputs,)
 
 
 @contextlib.contextmanager

@@ -10,6 +10,7 @@ from typing import Any
 import click
 
 from envlights._native import EnvLightsError
+from envlights.cli.map_input import MapOption
 from envlights.cli.numbers import numbers
 from envlights.sun.almanac import SunAt
 from envlights.sun.choice import AUTO, AnySun
@@ -20,18 +21,35 @@ def sun_options(function: Callable[..., None]) -> Callable[..., None]:
 
     @click.option("--sun", "is_auto", is_flag=True, help="Find the sun in a clipped MAP.")
     @click.option(
-        "--sun-direction", metavar="X,Y,Z", help="Direction towards the sun, if it is known."
+        "--sun-direction",
+        cls=MapOption,
+        metavar="X,Y,Z",
+        help="Direction towards the sun, if it is known.",
     )
     @click.option(
         "--sun-time",
+        cls=MapOption,
         metavar="TIME",
         help="Time of MAP with its zone, such as 2024-06-21T12:00+02:00, with --latitude and"
         " --longitude: the elevation of the sun.",
     )
-    @click.option("--latitude", type=float, metavar="DEGREES", help="Latitude; north is positive.")
-    @click.option("--longitude", type=float, metavar="DEGREES", help="Longitude; east is positive.")
+    @click.option(
+        "--latitude",
+        cls=MapOption,
+        type=float,
+        metavar="DEGREES",
+        help="Latitude; north is positive.",
+    )
+    @click.option(
+        "--longitude",
+        cls=MapOption,
+        type=float,
+        metavar="DEGREES",
+        help="Longitude; east is positive.",
+    )
     @click.option(
         "--north",
+        cls=MapOption,
         type=float,
         metavar="DEGREES",
         help="Azimuth of north in MAP: 0 at its left edge, 180 in the middle.",

@@ -41,7 +41,7 @@ from envlights.comparison.wording import (
 from envlights.kernels.gloss import LEAST_ROUGHNESS
 
 if TYPE_CHECKING:
-    from envlights.environment.envmap import EnvMap
+    from envlights.environment.envmap import EnvMap, Reading
     from envlights.rigs.lights import Lights
     from envlights.rigs.rig import Rig
 
@@ -145,7 +145,11 @@ class Comparison(Result):
 
 @named_arguments()
 def compare(
-    truth: AnyLighting, guess: AnyLighting, protocol: str | Protocol = "exact"
+    truth: AnyLighting,
+    guess: AnyLighting,
+    protocol: str | Protocol = "exact",
+    *,
+    reading: Reading | None = None,
 ) -> Comparison:
     r"""Compare two lightings: on a diffuse, a matte and a mirror sphere, and light by light.
 
@@ -159,6 +163,8 @@ def compare(
         "exact": linear maps and spheres seen from all sides, without a camera or samples.
         The others render images as the published code of the papers does, with its tone and its
         means. A `Protocol` with other fields changes one choice.
+    reading : mapping, optional
+        Options on how the maps are read, as of `batch`; rigs and lights have none.
 
     Returns
     -------
@@ -199,7 +205,7 @@ def compare(
     (1.0, 0.0, 0.0)
     """
     rules = as_protocol(protocol)
-    sides = [_open(name, what) for name, what in (("truth", truth), ("guess", guess))]
+    sides = [_open(name, what, reading) for name, what in (("truth", truth), ("guess", guess))]
     linear, notes = _of_one_size(sides[0], sides[1], rules)
     if not linear.truth.radiance.any():
         raise EnvLightsError("truth must have light; it is black everywhere")
@@ -228,9 +234,9 @@ def _light_set_difference(pair: Pair) -> LightSetDifference:
     return difference if are_alike else replace(difference, flux_ratio=None)
 
 
-def _open(name: str, what: Any) -> EnvMap | Rig | Lights:
+def _open(name: str, what: Any, reading: Reading | None) -> EnvMap | Rig | Lights:
     try:
-        return open_lighting(what)
+        return open_lighting(what, reading)
     except EnvLightsError as refusal:
         raise type(refusal)(f"{name}: {refusal}") from None
 

@@ -25,6 +25,7 @@ from envlights.comparison.compare import Comparison, compare
 from envlights.comparison.light_set_difference import NUMBERS
 from envlights.comparison.protocol import Protocol, as_protocol
 from envlights.detection.lights_file import SUFFIXES as LIGHT_FILES
+from envlights.environment.envmap import Reading, check_reading
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -150,6 +151,7 @@ def compare_folders(
     protocol: str | Protocol = "exact",
     *,
     progress: bool | None = None,
+    reading: Reading | None = None,
 ) -> FolderComparison:
     """Compare the maps of two folders that have the same name.
 
@@ -162,6 +164,8 @@ def compare_folders(
         Protocol of `compare`.
     progress : bool, optional
         True: show a bar. When left out, one appears in a terminal or notebook after a second.
+    reading : mapping, optional
+        Options on how the maps are read, as of `batch`.
 
     Returns
     -------
@@ -189,13 +193,14 @@ def compare_folders(
     1.0
     """
     rules = as_protocol(protocol)
+    check_reading(reading)
     sides = [_files(name, folder) for name, folder in (("truth", truth), ("guess", guess))]
     names = sorted({*sides[0], *sides[1]})
     comparisons, failures = {}, {}
     for name in progress_bar(names, "compare", "map", progress):
         try:
             paths = _only(sides[0], name, "truth"), _only(sides[1], name, "guess")
-            comparisons[name] = compare(paths[0], paths[1], rules)
+            comparisons[name] = compare(paths[0], paths[1], rules, reading=reading)
         except (EnvLightsError, OSError) as refusal:
             failures[name] = printable(str(refusal))
     return FolderComparison(rules, comparisons, failures)

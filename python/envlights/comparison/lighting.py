@@ -16,7 +16,7 @@ from envlights.comparison.angles import degrees_between
 from envlights.comparison.harmonics import Discs
 from envlights.detection.detect import detect
 from envlights.detection.lights_file import SUFFIXES, load_lights
-from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
+from envlights.environment.envmap import AnyMap, EnvMap, Reading, as_envmap
 from envlights.kernels.image import LUMINANCE
 from envlights.kernels.probe import irradiance, rig_irradiance
 from envlights.rigs.lights import Lights
@@ -135,13 +135,13 @@ class Pair:
         return float(degrees_between(self.truth.vector, self.guess.vector))
 
 
-def open_lighting(what: Any) -> EnvMap | Rig | Lights:
-    """Map, rig or lights of an argument: an object, an array or a path."""
+def open_lighting(what: Any, reading: Reading | None = None) -> EnvMap | Rig | Lights:
+    """Map, rig or lights of an argument: an object, an array or a path; `reading` is for maps."""
     if isinstance(what, Rig | Lights | EnvMap):
         return what
     if isinstance(what, str | os.PathLike) and as_path(what).suffix.lower() in SUFFIXES:
         return load_lights(what)
-    return as_envmap(what)
+    return as_envmap(what, reading)
 
 
 def rows_of(what: EnvMap | Rig | Lights) -> int | None:

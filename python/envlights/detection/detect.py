@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 import math
 import time
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -45,6 +46,7 @@ class TreeOptions(NamedTuple):
 def detect(
     env: AnyMap,
     *,
+    lights: int | None = None,
     max_lights: int | None = None,
     min_flux_fraction: float = 0.0,
     min_worth: float = 0.0005,
@@ -68,9 +70,12 @@ def detect(
     ----------
     env : EnvMap, path-like or array_like, shape (height, 2 * height, 3)
         The map.
+    lights : int, optional
+        Largest number of lights, the brightest first. The others are left where they are, in the
+        remainder of the report.
     max_lights : int, optional
-        Largest number of lights. Neighbours are merged until it is reached, the pair with the
-        least cost first (Ward 1963); no flux is dropped. `papers.loghin.detect` drops lights.
+        The same by merging: neighbours are merged until it is reached, the pair with the least cost
+        first (Ward 1963); no flux is dropped.
     min_flux_fraction : float
         Lights with a smaller fraction of the map's flux are dropped.
     min_worth : float
@@ -162,7 +167,8 @@ def detect_with_luminance(
     start = time.perf_counter()
     arguments = inspect.signature(detect).bind(env, **options)
     arguments.apply_defaults()
-    checked = _options(arguments.kwargs)
+    checked, most = _options(arguments.kwargs), arguments.kwargs["lights"]
+    most = None if most is None else count("lights", most)
 
     def detection_in(world: EnvMap) -> _native.TreeDetection:
         clip_level = world.clip_level if checked.clip_level is None else checked.clip_level
@@ -177,6 +183,11 @@ def detect_with_luminance(
         overview = detection.luminance.reshape(*detection.working_size, 1)
         notes += doubts_of_array(world._pixels, overview)
     lights = _lights(detection, notes, time.perf_counter() - start, world)
+    if most is not None and len(lights) > most:
+        left, lights = len(lights) - most, lights[:most]
+        skipped = (*lights.report.skipped, wording.left_out(left))
+        rest = _remainder(world, lights.flux)
+        lights = replace(lights, report=replace(lights.report, skipped=skipped, remainder=rest))
     return lights, detection.luminance
 
 

@@ -35,6 +35,12 @@ def dropped_by_tree(detection: _native.TreeDetection) -> tuple[str, ...]:
     return tuple(lines)
 
 
+def left_out(number: int) -> str:
+    """Sentence on the weaker lights beyond the largest number."""
+    lights = "light is" if number == 1 else "lights are"
+    return f"{number} weaker {lights} left in the map (option lights)"
+
+
 def joined_panes(detection: _native.TreeDetection) -> list[str]:
     """Windows that were joined from panes."""
     return [

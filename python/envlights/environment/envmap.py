@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from inspect import signature
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 import numpy as np
@@ -32,6 +33,7 @@ from envlights.environment.layouts.records import Origin
 from envlights.environment.open import map_of_array, map_of_exposures, open_map, unchecked_map
 from envlights.environment.picture_files import PictureSource, is_picture_source
 from envlights.environment.pixels import PROJECTION, MapPixels, are_equal
+from envlights.frames import turn_of, turn_upright
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -634,13 +636,24 @@ class EnvMap:
         readings = Readings(lux, normal, shaded, nits, at, ev100)
         return self._changed(calibrate(self._pixels, readings, patch, fill))
 
-    def rotated(self, matrix: ArrayLike) -> Self:
+    def rotated(
+        self,
+        matrix: ArrayLike | None = None,
+        *,
+        frame: str | None = None,
+        camera: ArrayLike | None = None,
+    ) -> Self:
         """Rotate the map, so that the radiance from d comes from ``matrix @ d``.
 
         Parameters
         ----------
-        matrix : array_like, shape (3, 3)
-            A rotation, in the frame of the map.
+        matrix : array_like, shape (3, 3), optional
+            A rotation, such as one of `el.frames.rotation`, in the frame of the map or in `frame`.
+        frame : str, optional
+            Name of the frame of the other argument, from `el.frames.FRAMES`: "colmap", "blender".
+        camera : array_like, shape (3, 3), (3, 4) or (4, 4), optional
+            In place of `matrix`: the matrix of a camera as the program of `frame` stores it. The
+            map becomes the view of this camera, with what it looks at in the centre.
 
         Returns
         -------
@@ -652,6 +665,7 @@ class EnvMap:
         See Also
         --------
         Rig.rotated : the same for a rig.
+        el.frames.Axes.view : the rotation of a `camera`, for rigs and lights.
 
         Examples
         --------
@@ -663,7 +677,24 @@ class EnvMap:
         >>> np.array_equal(turned.radiance, np.roll(env.radiance, -2, axis=1))
         True
         """
-        return self._changed(convert.rotate(self._pixels, matrix))
+        return self._changed(convert.rotate(self._pixels, turn_of(matrix, frame, camera)))
+
+    def levelled(self, up: ArrayLike) -> Self:
+        """Rotate the map by the smallest angle, so that a direction becomes the zenith.
+
+        Parameters
+        ----------
+        up : array_like, shape (3,)
+            Direction in the map, of any length above 0, that is up in the world.
+
+        Examples
+        --------
+        >>> import envlights as el
+        >>> lamp = el.Lights([[0.6, 0.8, 0]], [[1, 1, 1]], [0.2]).to_map(64)
+        >>> lamp.levelled([0.6, 0.8, 0]).probe([[0, 1, 0]]).round(3)
+        array([[1., 1., 1.]])
+        """
+        return self.rotated(turn_upright(up))
 
     def resized(self, width: int) -> Self:
         """Map of another size, with the same flux.
@@ -876,11 +907,49 @@ class EnvMap:
 AnyMap = EnvMap | PictureSource | ArrayLike
 
 
-def as_envmap(env: Any) -> EnvMap:
-    """Map of an `AnyMap`; a map is returned as it is."""
-    if is_picture_source(env):
-        return EnvMap.open(env)
-    return env if isinstance(env, EnvMap) else EnvMap(env)
+#: Options on how a file is read: arguments of `EnvMap.open`, `levelled`, `calibrated`, `rotated`.
+Reading = Mapping[str, Any]
+#: Methods that follow the opening of a file.
+_STEPS = ("levelled", "calibrated", "rotated")
+
+
+def as_envmap(env: Any, reading: Reading | None = None) -> EnvMap:
+    """Map of an `AnyMap`, read with the options of `reading`; a map is returned as it is."""
+    if isinstance(env, EnvMap):
+        return env
+    is_file = is_picture_source(env)
+    opened, *steps = _steps(reading, EnvMap.open if is_file else EnvMap)
+    world = EnvMap.open(env, **opened) if is_file else EnvMap(env, **opened)
+    for name, given in zip(_STEPS, steps, strict=True):
+        if given.keys() - {"fill"}:  # a fill alone is no reading of a meter
+            world = getattr(world, name)(**given)
+    return world
+
+
+def check_reading(reading: Reading | None) -> None:
+    """Refuse names that are no options on how a file is read, before a file is read."""
+    _steps(reading, EnvMap.open)
+
+
+def _steps(reading: Reading | None, opener: Callable[..., Any]) -> list[dict[str, Any]]:
+    """Arguments of the opener and of each method of `as_envmap`, or a refusal of others."""
+    if reading is None:
+        return [{}, *({} for _ in _STEPS)]
+    if not isinstance(reading, Mapping):
+        raise EnvLightsError(
+            "reading must map names of options on how a map is read to values, such as"
+            f" {{'colour': 'srgb', 'lux': 900}}; got {describe(reading)}"
+        )
+    functions = (opener, *(getattr(EnvMap, name) for name in _STEPS))
+    names = [[*signature(each).parameters][1:] for each in functions]
+    known = [name for each in names for name in each]
+    for name in reading:
+        if name not in known:
+            raise EnvLightsError(
+                f"reading must hold options on how a map is read, {', '.join(known)}; got"
+                f" {describe(name)}"
+            )
+    return [{name: reading[name] for name in each if name in reading} for each in names]
 
 
 def apply_to_map(env: Any, work: Callable[[EnvMap], _T]) -> tuple[EnvMap, _T]:

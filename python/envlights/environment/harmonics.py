@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _native
+from envlights.frames import FRAMES
 from envlights.kernels.ambient import turned_ambient
 
 #: Factors of the polynomials 1, y, z, x, xy, yz, 3zz - 1, xz, xx - yy in irradiance.
@@ -15,7 +16,7 @@ FACTORS = np.array(_native.HARMONIC_FACTORS)
 
 _SAME = None
 #: Our x is mirrored, as by the importers of glTF of left-handed programs.
-_MIRRORED = ((-1, 0, 0), (0, 1, 0), (0, 0, 1))
+_MIRRORED = FRAMES["unity"].matrix
 #: Signs of the basis of Babylon.js, which is negative for odd orders.
 _ODD = np.array([1, -1, 1, -1, 1, -1, 1, -1, 1.0])
 #: Irradiance over radiance in each degree, over pi.
@@ -25,7 +26,7 @@ _LAMBERT = np.array([1, *[2 / 3] * 3, *[1 / 4] * 5])
 _PROGRAMS: dict[str, tuple[Any, Any]] = {
     "envlights": (_SAME, 1.0),
     "ramamoorthi": (_SAME, 1.0),
-    "three": (((0, 0, 1), (0, 1, 0), (-1, 0, 0)), 1.0),
+    "three": (FRAMES["three"].matrix, 1.0),
     # These hold the factors of the polynomials in irradiance over pi.
     "unity": (_MIRRORED, FACTORS / np.pi),
     "filament": (_SAME, FACTORS / np.pi),

@@ -7,7 +7,7 @@
 | format of a suffix, and warnings about losses            | `saving.py`    |
 | several files with one map                               | `links.py`     |
 | lights, and a constant or a map around them              | `scene.py`     |
-| from our frame to the target's                           | `axes.py`      |
+| from our frame to the target's                           | `../frames.py` |
 | from lux and cd/m2 to the target's units                 | `units.py`     |
 | cards as panels in front of the map                      | `panels.py`    |
 | discs in a map, for targets whose lights have no size    | `discs.py`     |
@@ -22,10 +22,10 @@ is imported when it is first used.
 
 from typing import TYPE_CHECKING
 
-from envlights.export.axes import Axes
 from envlights.export.formats.csv_table import read_csv
 from envlights.export.saving import save
 from envlights.export.targets import AXES, TARGETS, Target, function_named, target_of
+from envlights.frames import Axes
 
 if TYPE_CHECKING:
     from envlights.export.formats.blender import add_to_blender, blender, save_blender

@@ -138,9 +138,10 @@ class Capabilities(NamedTuple):
         """Relative RMS error of the irradiance that is shown.
 
         It is exact if sizes are all that is lost. Otherwise, or without a fit, it assumes that the
-        change is independent of the error of the rig. Lights alone have no error of their own.
+        change is independent of the error of the rig. Lights alone, and rigs that were not
+        measured, have no error of their own.
         """
-        if not hasattr(rig, "error"):
+        if getattr(rig, "error", None) is None:
             return self.change(rig)
         as_points = rig.report.points_error
         if as_points is not None and self.losses(rig) == (_AS_POINTS,):

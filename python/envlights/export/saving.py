@@ -81,7 +81,7 @@ def _warn_of_losses(rig: Any, target: Target) -> None:
     """Warn if the error in the file is larger than that of the rig, with both figures."""
     if not hasattr(getattr(rig, "lights", rig), "discs"):
         return  # The writer refuses it.
-    losses, stated = target.shows.losses(rig), getattr(rig, "error", 0.0)
+    losses, stated = target.shows.losses(rig), getattr(rig, "error", None) or 0.0
     if not losses:
         return
     error = target.shows.error(rig)
@@ -108,7 +108,7 @@ def _warn_of_uniform_cards(cards: Any, target: Target, environment: AnyMap | Non
 
 def _figures(rig: Any, target: Target, error: float) -> str:
     """Error in the file, that of the rig, and that of a fit for the target."""
-    if not hasattr(rig, "error"):
+    if getattr(rig, "error", None) is None:
         return f"the irradiance changes by {_percent(error)}"
     fitted = rig.report.fitted_points_error
     both = f"the error in the file is {_percent(error)}, not {_percent(rig.error)}"

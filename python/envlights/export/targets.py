@@ -14,30 +14,16 @@ from typing import Any, NamedTuple
 from envlights._common.check import check_choice, describe
 from envlights._common.files import PICTURES, as_path
 from envlights._native import EnvLightsError
-from envlights.export.axes import Axes, Matrix
 from envlights.export.capabilities import Capabilities, common
 from envlights.export.files import AnyPath
 from envlights.export.units import TargetUnits
+from envlights.frames import FRAMES, Axes
 
 #: End of the name of a map that a program reads as a panorama in our axes.
 PANORAMA = ".ambient.exr"
 #: Lights that cast shadows, the brightest, in renderers that draw the scene again for each of them.
 CASTERS = 3
 
-_SAME: Matrix = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
-#: Our x, y, z become y, z, x: +y becomes +z, and the centre of the map +x.
-_CYCLE: Matrix = ((0, 0, 1), (1, 0, 0), (0, 1, 0))
-#: Axes of an equirectangular map in three.js: its centre along +x, its left quarter along -z.
-_THREE: Matrix = ((0, 0, 1), (0, 1, 0), (-1, 0, 0))
-#: Axes of a map in pbrt's `imgtool makeequiarea`: +z up, the centre along -x, the left quarter
-#: along +y. The matrix mirrors, because pbrt's frame is left-handed.
-_PBRT: Matrix = ((0, 0, -1), (1, 0, 0), (0, 1, 0))
-#: Unity: +x to the right; our +x is on the left of the map.
-_MIRRORED_X: Matrix = ((-1, 0, 0), (0, 1, 0), (0, 0, 1))
-#: Unity's Skybox/Panoramic: u = 0.5 - atan2(z, x) / 2 pi, so the centre looks along +x.
-_PANORAMIC: Matrix = ((0, 0, 1), (0, 1, 0), (1, 0, 0))
-#: Unreal: x forward, y to the right, z up.
-_UNREAL: Matrix = ((0, 0, 1), (-1, 0, 0), (0, 1, 0))
 #: Lumens per watt: the maximum of the photopic eye (SI), and that of white light in Radiance.
 _SI, _RADIANCE = 683.0, 179.0
 #: Units of our own files.
@@ -76,9 +62,6 @@ class Target(NamedTuple):
     suffixes: tuple[str, ...]
     """Suffixes in lower case, the usual one first."""
 
-    axes: Axes
-    """Its axes."""
-
     units: TargetUnits
     """Units of the numbers in its files."""
 
@@ -98,6 +81,11 @@ class Target(NamedTuple):
 
     versions: str = ""
     """Versions of the program that read its files in a check; empty if none did."""
+
+    @property
+    def axes(self) -> Axes:
+        """Its axes."""
+        return FRAMES.get(self.name, FRAMES["envlights"])
 
     @property
     def options(self) -> tuple[str, ...]:
@@ -131,7 +119,6 @@ TARGETS = (
         "json",
         "envlights itself",
         (".json",),
-        Axes(_SAME),
         _OURS,
         Capabilities(environment=False, remark="lossless"),
         file="own_json",
@@ -140,7 +127,6 @@ TARGETS = (
         "csv",
         "a table of numbers",
         (".csv",),
-        Axes(_SAME),
         _OURS,
         Capabilities(environment=False, remark="without report and notes"),
     ),
@@ -148,7 +134,6 @@ TARGETS = (
         "gltf",
         "glTF 2.0",
         (".gltf",),
-        Axes(_SAME),
         TargetUnits("KHR_lights_punctual: directional lights use illuminance in lux"),
         Capabilities(
             sizes="none",
@@ -164,7 +149,6 @@ TARGETS = (
         "three",
         "three.js",
         (".three.json",),
-        Axes(_THREE, _THREE),
         TargetUnits("three.js from release 155: DirectionalLight.intensity is in lux"),
         Capabilities(
             sizes="none",
@@ -179,7 +163,6 @@ TARGETS = (
         "usd",
         "OpenUSD",
         (".usda", ".usdc", ".usd"),
-        Axes(_SAME, _SAME),
         TargetUnits("UsdLuxLightAPI: nits at exposure 0; normalized distant light: lux"),
         Capabilities(
             harmonics="map",
@@ -196,7 +179,6 @@ TARGETS = (
         "mitsuba",
         "Mitsuba 3",
         (".xml",),
-        Axes(_SAME, _SAME),
         TargetUnits("Mitsuba 3 passes the numbers on: pixels of an image are in cd/m2"),
         Capabilities(
             harmonics="map",
@@ -213,7 +195,6 @@ TARGETS = (
         "blender",
         "Blender, a script",
         (".py",),
-        Axes(_CYCLE, _CYCLE),
         TargetUnits("as in Blender's glTF importer", "W/m2", "W/(m2 sr)", _SI),
         Capabilities(
             harmonics="map",
@@ -229,7 +210,6 @@ TARGETS = (
         "radiance",
         "Radiance",
         (".rad",),
-        Axes(_CYCLE, _CYCLE),
         TargetUnits("WHTEFFICACY of Radiance", "W/m2", "W/(m2 sr)", _RADIANCE),
         Capabilities(harmonics="map", source="Radiance, The RADIANCE Lighting Simulation: source"),
         ".ambient.hdr",  # mantissas rounded as Radiance reads them
@@ -239,7 +219,6 @@ TARGETS = (
         "pbrt",
         "pbrt-v4",
         (".pbrt",),
-        Axes(_PBRT, _PBRT),
         TargetUnits("pbrt-v4, lights.cpp: an RGB of 1 is scaled to 1 nit or 1 lux"),
         Capabilities(
             harmonics="map",
@@ -255,7 +234,6 @@ TARGETS = (
         "mujoco",
         "MuJoCo",
         (".mujoco.xml",),
-        Axes(_CYCLE),
         TargetUnits(
             "MuJoCo's lights have no units", "lux, times its scale", "cd/m2, times its scale"
         ),
@@ -274,7 +252,6 @@ TARGETS = (
         "godot",
         "Godot 4",
         (".tscn",),
-        Axes(_SAME, _SAME),
         TargetUnits("Godot 4: energies have no units by default", "lux (energy: over pi)"),
         Capabilities(
             sizes="soften",
@@ -291,7 +268,6 @@ TARGETS = (
         "unity",
         "Unity",
         (".unity.json",),
-        Axes(_MIRRORED_X, _PANORAMIC),
         TargetUnits("Unity HDRP, Light component: directional lights are in lux"),
         Capabilities(
             sizes="soften",
@@ -305,7 +281,6 @@ TARGETS = (
         "unreal",
         "Unreal Engine",
         (".unreal.json",),
-        Axes(_UNREAL),
         TargetUnits("Unreal Engine, Physical Lighting Units: directional lights are in lux"),
         Capabilities(
             sizes="soften",

@@ -8,6 +8,7 @@
 | sentences of the report                                             | `wording.py` |
 | the fit to a map: check, reduce, call the kernel, report            | `map_fit.py` |
 | `fit` and `fit_probe`                                               | `fit.py`     |
+| errors of any rig on any map                                        | `measure.py` |
 | errors by number of lights                                          | `error_curve.py` |
 | the sun as one light, and the fit to the sky around it              | `sun_light.py` |
 

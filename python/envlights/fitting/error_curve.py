@@ -23,7 +23,7 @@ from envlights.environment.fill import Fill
 from envlights.fitting.map_fit import fit_map_by_count
 from envlights.fitting.request import FitArguments
 from envlights.kernels import gloss
-from envlights.rigs.rig import Rig
+from envlights.rigs.rig import Rig, error_of
 
 #: Columns of a table of errors.
 _COLUMNS = ("lights", "used", "objective", "probe", "shadows", "gloss")
@@ -203,7 +203,7 @@ def error_curve(
         tuple(numbers),
         tuple(len(rig.lights) for rig in rigs),
         tuple(_objective_error(rig) for rig in rigs),
-        tuple(rig.error for rig in rigs),
+        tuple(map(error_of, rigs)),
         tuple(rig.report.shadow_error or 0.0 for rig in rigs),
         tuple(rig.report.gloss_error(roughness) or 0.0 for rig in rigs),
         roughness,

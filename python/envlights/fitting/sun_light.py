@@ -26,7 +26,7 @@ from envlights.kernels import gloss
 from envlights.kernels.sphere import pixel_directions, pixel_solid_angles
 from envlights.rigs.lights import Lights, brightest_first
 from envlights.rigs.report import FitReport
-from envlights.rigs.rig import Rig
+from envlights.rigs.rig import Rig, error_of
 from envlights.sun.sun_split import SunSplit
 
 #: Columns of the sky for the ratios of RMS irradiance. The sky has no sun, so that 64 columns give
@@ -206,7 +206,7 @@ def _with_sun(rig: Rig, sun: Lights, ratios: Ratios, pixels: SkyPixels) -> Rig:
     energies, difference = rig.report.gloss_bands
     both = bands_with_sun(np.array(energies), pixels, sun)
     report = replace(report, gloss_bands=(tuple(both.tolist()), difference))
-    error = ratios.probe * rig.error
+    error = ratios.probe * error_of(rig)
     return replace(rig, lights=lights, error=error, report=report, notes=(*own, _NOTE))
 
 

@@ -8,12 +8,9 @@ import numpy as np
 
 from envlights._native import EnvLightsError
 from envlights.batches.labels import LabelArrays
-from envlights.environment.envmap import AnyMap, as_envmap
-from envlights.kernels.probe import relative_rms
-from envlights.kernels.sampling import icosphere
+from envlights.environment.envmap import AnyMap
 from envlights.layers.arrays import Array, constant, namespace, to_numpy
 from envlights.rigs.lights import Lights as Discs
-from envlights.rigs.report import FitReport
 from envlights.rigs.rig import Rig
 
 
@@ -67,7 +64,7 @@ class Lights(NamedTuple):
     def rig(self, env: AnyMap | None = None) -> Rig:
         """Rig of one row, without masked lights, such as a prediction.
 
-        `env` is the map at which `Rig.error` is measured, by default none, and the error is 0.
+        `env` is the map on which the rig is measured; by default none, and its error is None.
         An `EnvLightsError` names values that no rig can have.
         """
         _, lights = check_lights(self)
@@ -78,12 +75,7 @@ class Lights(NamedTuple):
         direction, light, radius = arrays
         direction /= np.linalg.norm(direction, axis=1, keepdims=True)
         discs = Discs(direction, light, radius)
-        rig = Rig(to_numpy(lights.ambient).astype(np.float64), discs, error=0.0)
-        if env is None:
-            return rig
-        normals, weights = icosphere(5120)
-        error = relative_rms(rig.probe(normals), as_envmap(env).probe(normals), weights)
-        return Rig(rig.ambient, discs, error, FitReport(measured_on=f"{len(normals)} normals"))
+        return Rig.of(to_numpy(lights.ambient).astype(np.float64), discs, env)
 
 
 def check_lights(lights: Lights) -> tuple[Any, Lights]:

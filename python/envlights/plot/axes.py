@@ -7,8 +7,8 @@ from matplotlib import rcParams
 from matplotlib.axes import Axes as Panel
 from matplotlib.figure import Figure
 
-from envlights.export.axes import Axes
 from envlights.export.targets import TARGETS
+from envlights.frames import Axes
 from envlights.plot.page import Placement, Unpack, open_page, placed_picture
 
 _COLOURS = ("#c0392b", "#1e8449", "#2456a6")

@@ -22,7 +22,7 @@ from envlights.plot.probe import (
     viewpoint,
 )
 from envlights.plot.wording import entitle
-from envlights.rigs.rig import Rig
+from envlights.rigs.rig import Rig, error_in_words
 
 
 @placed_picture
@@ -109,6 +109,6 @@ def _draw_curve(axes: Axes, rig: Rig, colour: str) -> None:
     label = f"ambient {ambient}: {points} in the search"
     axes.plot(list(tried), list(tried.values()), ".-", color=colour, label=label)
     sizes = " with sizes" if rig.lights.angular_radius.any() else ""
-    label = f"the rig: {rig.lights.in_short()}{sizes}, {100 * rig.error:.3g} %"
-    error = 100 * rig.error or float("nan")  # a logarithmic axis has no 0
+    label = f"the rig: {rig.lights.in_short()}{sizes}, {error_in_words(rig.error)}"
+    error = 100 * (rig.error or 0) or float("nan")  # a logarithmic axis has no 0
     axes.plot([len(rig.lights)], [error], "o", ms=9, mfc="none", mec=colour, label=label)

@@ -28,6 +28,7 @@ from envlights.export import saving
 from envlights.export.formats.csv_table import Table as CsvTable
 from envlights.export.formats.csv_table import load_csv
 from envlights.export.formats.own_json import read_json
+from envlights.frames import frame_named
 from envlights.kernels.angles import angle_cells, azimuths, elevations
 from envlights.kernels.image import LUMINANCE
 from envlights.kernels.probe import disc_map
@@ -304,6 +305,27 @@ class Lights(Editable["Lights"], TableResult):
         array([[1., 0., 0.]])
         """
         return replace(self, direction=rotate(self.direction, rotation(matrix)))
+
+    def in_frame(self, frame: str) -> NDArray[np.float64]:
+        """Directions towards the lights in the frame of another program, (n, 3).
+
+        Parameters
+        ----------
+        frame : str
+            Name from `el.frames.FRAMES`, such as "opencv", "blender" or "unreal".
+
+        Examples
+        --------
+        There and back:
+
+        >>> from envlights import frames
+        >>> there = Lights([[0, 0.6, 0.8]], [[3, 2, 1]]).in_frame("opencv")
+        >>> there
+        array([[ 0. , -0.6,  0.8]])
+        >>> Lights(frames.FRAMES["opencv"].from_target(there), [[3, 2, 1]]).direction
+        array([[0. , 0.6, 0.8]])
+        """
+        return frame_named(frame).to_target(self.direction)
 
     def to_map(self, height: int) -> EnvMap:
         """Map of the lights as discs in a black sky, for training labels or for any renderer.

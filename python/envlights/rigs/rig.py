@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,7 +22,8 @@ from envlights._common.tables import frame_of
 from envlights._common.units import in_nits, statement
 from envlights._common.words import percent
 from envlights._native import EnvLightsError
-from envlights.environment.envmap import EnvMap
+from envlights.environment.envmap import AnyMap, EnvMap
+from envlights.environment.fill import Fill
 from envlights.export import saving
 from envlights.export.formats.csv_table import Table, load_csv
 from envlights.export.formats.own_json import read_json
@@ -65,8 +67,10 @@ class Rig(Result):
     lights: Lights
     """Directional lights, brightest first."""
 
-    error: float
-    """Relative RMS error of the irradiance at the normals that `report` names."""
+    error: float | None = None
+    """Relative RMS error of the irradiance at the normals that `report` names.
+
+    None if it was not measured; see `measured`."""
 
     report: FitReport = field(default_factory=FitReport)
     """Report of the fit."""
@@ -82,7 +86,65 @@ class Rig(Result):
         if flag("floor", self.floor) and self.ambient.ndim == 2:
             raise EnvLightsError("ambient must be one radiance where there is a floor; got (9, 3)")
         object.__setattr__(self, "notes", tuple(map(Note, self.notes)))
-        object.__setattr__(self, "error", amount("error", self.error))
+        if self.error is not None:
+            object.__setattr__(self, "error", amount("error", self.error))
+
+    @classmethod
+    def of(cls, ambient: ArrayLike, lights: Lights, env: AnyMap | None = None) -> Rig:
+        """Rig from numbers, such as the output of a network, with its errors on a map.
+
+        Parameters
+        ----------
+        ambient : array_like, shape (3,) or (9, 3)
+            Radiance of the ambient term, or its harmonics.
+        lights : Lights
+            Directional lights.
+        env : EnvMap, array_like or path, optional
+            True map, on which the rig is `measured`. Default: `error` is None.
+
+        Examples
+        --------
+        >>> sun = Lights([[0.6, 0.8, 0]], [[3, 2, 1]], [0.2])
+        >>> Rig.of([0, 0, 0], sun)
+        <Rig: ambient + 1 light, error not measured>
+        >>> Rig.of([0, 0, 0], sun.dimmed(0, 0.9), sun.to_map(128))
+        <Rig: ambient + 1 light, error 10 %>
+        """
+        rig = cls(ambient, lights)  # type: ignore[arg-type]  # which is converted
+        return rig if env is None else rig.measured(env)
+
+    def measured(self, env: AnyMap, *, fill: Fill = None) -> Rig:
+        """The rig with its errors on a map, whoever made either of them.
+
+        Parameters
+        ----------
+        env : EnvMap, array_like or path
+            True map, in the units of the rig.
+        fill : {"black", "harmonic", "ground"}, float or array_like, shape (3,), optional
+            Radiance where the map shows nothing; see `EnvMap.filled`.
+
+        Returns
+        -------
+        Rig
+            With a new `error` and `report`: errors of the probe, by channel, with shadows and on
+            metal, in the closed forms of `el.compare`. Fields that only a fit knows are empty.
+
+        Raises
+        ------
+        EnvLightsError
+            If the map is black or has other units, or `fill` is required.
+
+        Examples
+        --------
+        >>> import envlights as el
+        >>> rig = el.fit(el.synthetic.hall(64).radiance, lights=2)
+        >>> night = rig.measured(0.5 * el.synthetic.hall(64).radiance)
+        >>> round(night.error, 1), round(night.report.gloss_error(), 1)
+        (1.0, 1.1)
+        """
+        # The measurement compares rigs, so its package is above this one.
+        measure = import_module("envlights.fitting.measure").measure
+        return measure(self, env, fill)  # type: ignore[no-any-return]
 
     @property
     def units(self) -> str:
@@ -295,7 +357,7 @@ class Rig(Result):
 
     def in_short(self) -> str:
         """Ambient term, number of lights and error."""
-        return f"{parts_line(self)}, error {percent(self.error)}"
+        return f"{parts_line(self)}, error {error_in_words(self.error)}"
 
 
 def rigs_to_frame(rigs: Iterable[Rig] | Mapping[str, Rig]) -> pd.DataFrame:
@@ -345,8 +407,18 @@ def _row(rig: Rig) -> dict[str, Any]:
         "lights": len(rig.lights),
         "ambient_luminance": float(mean @ LUMINANCE),
         "lights_luminance": float(rig.lights.luminance.sum()),
-        "error": rig.error,
+        "error": error_of(rig),
     }
+
+
+def error_of(rig: Rig) -> float:
+    """Error of a rig; NaN if it was not measured."""
+    return np.nan if rig.error is None else rig.error
+
+
+def error_in_words(error: float | None) -> str:
+    """Error as a percentage, or that it was not measured."""
+    return "not measured" if error is None else percent(error)
 
 
 def parts_line(rig: Rig) -> str:
@@ -359,7 +431,7 @@ def error_line(rig: Rig) -> str:
     """Error of shading, with shadows, and of rough metal."""
     floor = " over a floor" if rig.floor else ""
     more = filter(None, (rig.report.with_shadows(), rig.report.with_gloss()))
-    return ", ".join([f"relative RMS error {percent(rig.error)}{floor}", *more])
+    return ", ".join([f"relative RMS error {error_in_words(rig.error)}{floor}", *more])
 
 
 def _ambient(values: ArrayLike) -> NDArray[np.float64]:
@@ -384,7 +456,7 @@ def _ambient_lines(ambient: NDArray[np.float64], unit: str) -> list[str]:
 
 
 def _of_table(table: Table) -> Rig:
-    if table.ambient is None or table.error is None:
+    if table.ambient is None:
         raise EnvLightsError("it holds lights without an ambient term; use `Lights.load`")
     return Rig(table.ambient, lights_of_table(table), table.error, floor=table.floor)
 

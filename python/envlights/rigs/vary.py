@@ -18,7 +18,7 @@ from envlights.kernels.ambient import turned_about_pole
 from envlights.rigs.lights import Lights
 from envlights.rigs.planck import planck_gains
 from envlights.rigs.portable import circle, power_of_two, uniform
-from envlights.rigs.rig import Rig
+from envlights.rigs.rig import Rig, error_of
 
 #: A number, or the lowest and the highest of a range.
 Range = float | tuple[float, float]
@@ -266,7 +266,7 @@ def _change(
     rig = Rig(
         gains * turned_about_pole(_ambient(parts), cosine, sine),
         Lights(*(array[~is_dropped] for array in arrays), units=rigs[0].units, notes=notes),
-        max(rig.error for rig in rigs),
+        None if any(rig.error is None for rig in rigs) else max(map(error_of, rigs)),
         notes=_together(rig.notes for rig in rigs),
         floor=rigs[0].floor,
     )

@@ -13,7 +13,7 @@ from envlights.fitting.map_fit import MapSamples, continue_rig, fit_reduction, r
 from envlights.fitting.reduction import Reduction
 from envlights.fitting.request import FitArguments
 from envlights.rigs.lights import Lights
-from envlights.rigs.rig import Rig
+from envlights.rigs.rig import Rig, error_of
 from envlights.sequence.steps import Steps
 from envlights.sequence.window import error_under, thin
 
@@ -110,15 +110,17 @@ class Continuation:
         """True if the error has grown, the period is over, or a requested error is missed."""
         goal = self.arguments.error
         if goal is not None:
-            return near.error > goal or (self._frames >= _PERIOD and near.error < _SURPLUS * goal)
+            return error_of(near) > goal or (
+                self._frames >= _PERIOD and error_of(near) < _SURPLUS * goal
+            )
         has_grown = _error(near) > max(_GROWTH * self._level, _ACCURACY)
         return has_grown or self._frames >= _PERIOD
 
     def _is_worth(self, far: Rig, near: Rig) -> bool:
         """True if the lights of a search replace those that continue the last frame."""
         goal = self.arguments.error
-        if goal is not None and near.error <= goal:
-            return len(far.lights) < len(near.lights) and far.error <= goal
+        if goal is not None and error_of(near) <= goal:
+            return len(far.lights) < len(near.lights) and error_of(far) <= goal
         return _error(far) < (1 - _WORTH) * _error(near)
 
 
@@ -134,7 +136,7 @@ def _of_search(rig: Rig, continued: Fit) -> Fit:
 
 def _error(rig: Rig) -> float:
     error = rig.report.objective_error
-    return rig.error if error is None else error
+    return error_of(rig) if error is None else error
 
 
 def _above_horizon(directions: NDArray[np.float64]) -> NDArray[np.float64]:

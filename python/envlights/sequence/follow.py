@@ -8,14 +8,14 @@ from collections.abc import Iterable, Iterator
 from envlights._common.check import check_choice, check_progress, count, named_arguments
 from envlights._common.progress import progress_bar
 from envlights._native import EnvLightsError
-from envlights.environment.envmap import AnyMap
+from envlights.environment.envmap import AnyMap, Reading
 from envlights.environment.fill import Fill
 from envlights.fitting.map_fit import check_arguments
 from envlights.fitting.request import AMBIENTS, MOST_LIGHTS, FitArguments
 from envlights.rigs.report import SHOWN_ROUGHNESS
 from envlights.sequence.continuation import Continuation
 from envlights.sequence.frame_rig import FrameRig
-from envlights.sequence.frames import AnyFrames, Frames, enumerate_maps, frames_of
+from envlights.sequence.frames import AnyFrames, Frames, enumerate_maps, read_frames
 from envlights.sequence.identity import Identities
 from envlights.sequence.rig_sequence import RigSequence
 from envlights.sequence.steadiness import frame_rate, window_frames
@@ -67,6 +67,7 @@ def follow(
     ambient: str = "constant",
     floor: bool = False,
     fill: Fill = None,
+    reading: Reading | None = None,
 ) -> RigStream:
     """Fit a rig to each frame of a sequence of maps; each light keeps its identity.
 
@@ -99,6 +100,8 @@ def follow(
         for another number must reach 90 % of it, and one for fewer runs below 50 %.
     sizes, max_radius, objective, ambient, floor, fill
         As in `fit`.
+    reading : mapping, optional
+        Options on how the frames are read, as of `batch`.
 
     Returns
     -------
@@ -140,7 +143,7 @@ def follow(
     2 (0,) 44.0
     """
     rate = frame_rate(fps)
-    found = frames_of(frames)
+    found = read_frames(frames, reading, fill)
     rate = found.fps if rate is None else rate
     half = window_frames(steadiness, rate)
     if lights is None and error is None:

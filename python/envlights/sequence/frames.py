@@ -15,7 +15,8 @@ from envlights._common.check import describe
 from envlights._common.errors import MissingFileError
 from envlights._common.files import MAPS, matches
 from envlights._native import EnvLightsError
-from envlights.environment.envmap import AnyMap
+from envlights.environment.envmap import AnyMap, Reading, as_envmap, check_reading
+from envlights.environment.fill import Fill
 from envlights.sequence.video import VIDEOS, video_frames
 
 #: Pattern or folder of files, path of a video, array of the shape (n, height, 2 * height, 3), or
@@ -32,6 +33,16 @@ class Frames(NamedTuple):
 
     fps: float | None = None
     """Frames in a second, if the source says so."""
+
+
+def read_frames(frames: Any, reading: Reading | None, fill: Fill) -> Frames:
+    """Frames of `frames_of`, each read with these options when it is needed."""
+    check_reading(reading)
+    found = frames_of(frames)
+    if reading is None:
+        return found
+    options = {"fill": fill, **reading}
+    return found._replace(maps=(as_envmap(each, options) for each in found.maps))
 
 
 def frames_of(frames: Any) -> Frames:

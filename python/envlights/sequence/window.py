@@ -12,7 +12,7 @@ from envlights import _native
 from envlights.fitting.map_fit import MapSamples
 from envlights.rigs.lights import Lights, brightest_first
 from envlights.rigs.report import FitReport
-from envlights.rigs.rig import Rig
+from envlights.rigs.rig import Rig, error_of
 from envlights.sequence.frame_rig import FrameRig
 from envlights.sequence.steadiness import window_weights
 
@@ -59,7 +59,7 @@ def average(fits: Sequence[FrameFit]) -> FrameRig:
         middle.rig.floor,
         middle.frame,
         ids,
-        middle.rig.error,
+        error_of(middle.rig),
         middle.is_search,
         middle.is_step,
     )

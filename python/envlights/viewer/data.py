@@ -83,7 +83,7 @@ def rig_data(rig: Rig) -> dict[str, Any]:
     return {
         "ambient": _digits(ambient if len(ambient) == 1 else FACTORS[:, None] * ambient),
         "floor": rig.floor,
-        "error": float(f"{rig.error:.3g}"),
+        "error": None if rig.error is None else float(f"{rig.error:.3g}"),
         "lights": _digits(np.hstack(columns)),
     }
 

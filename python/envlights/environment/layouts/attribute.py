@@ -30,7 +30,7 @@ _VERSION = 1
 #: Entries of a statement beside the arguments.
 _OTHERS = {"version", "size"}
 #: Arguments that no saved picture has.
-_UNUSED = {"forward", "eye"}
+_UNUSED = {"forward", "eye", "distance"}
 #: Arguments that name a projection, so that a statement of the file does not count.
 _NAMING = ("projection", "faces", "mapping")
 _WAY_OUT = "give layout=, which replaces the attribute"

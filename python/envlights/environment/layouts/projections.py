@@ -18,6 +18,7 @@ from envlights._native import EnvLightsError
 from envlights.environment.files.hints import NO_HINTS, Hints
 from envlights.environment.layouts import picture_layout as layouts
 from envlights.environment.layouts.conventions import CONVENTIONS, NAMES
+from envlights.environment.layouts.near_ball import reach_of
 from envlights.environment.layouts.picture_layout import MAPPINGS, Axes, PictureLayout
 
 #: Names of the positions of samples.
@@ -78,6 +79,9 @@ class Layout:
     eye: str | None = None
     """Half of a stereo panorama: "left" or "right"."""
 
+    distance: float | None = None
+    """Distance of the camera from the centre of a mirror ball, in radii of the ball."""
+
     axes: ArrayLike | None = None
     """Unit vectors forward, right and up of the picture, from the statement of a file."""
 
@@ -93,6 +97,11 @@ class Layout:
                 check_choice(name, value, choices)
         if self.fov is not None and amount("fov", self.fov, 0, 360) == 0:
             raise EnvLightsError("fov must be above 0 degrees, up to 360; got 0")
+        if self.distance is not None and amount("distance", self.distance) <= 1:
+            raise EnvLightsError(
+                "distance must be above 1, in radii from the centre of the mirror ball; got"
+                f" {self.distance:g}"
+            )
         for name, checked in (
             ("circle", _circle),
             ("forward", _direction),
@@ -222,15 +231,21 @@ class Layout:
         return cls("angular", forward=forward)
 
     @classmethod
-    def mirror_ball(cls, *, circle: ArrayLike | None = None) -> Layout:
-        """Photograph of a mirror ball from afar.
+    def mirror_ball(
+        cls, *, circle: ArrayLike | None = None, distance: float | None = None
+    ) -> Layout:
+        """Photograph of a mirror ball.
 
         Parameters
         ----------
         circle : array_like, shape (3,), optional
             Centre x, centre y and radius of the ball, in pixels; the largest circle when left out.
+        distance : float, optional
+            Distance of the camera from the centre of the ball, in radii of the ball. The cone
+            behind the ball is then not seen. When left out, the camera was far away, and a note
+            states the error.
         """
-        return cls("mirror-ball", circle=circle)
+        return cls("mirror-ball", circle=circle, distance=distance)
 
     @classmethod
     def fisheye(
@@ -412,13 +427,20 @@ def _angular(layout: Layout, size: _Size, hints: Hints) -> Placement:
 def _mirror_ball(layout: Layout, size: _Size, hints: Hints) -> Placement:
     n = _square(layout, size) if layout.circle is None else min(size)
     made = layouts.mirror_ball(n, circle=layout.circle)  # type: ignore[arg-type]
-    notes = (
+    made = made._replace(height=size[0], width=size[1])
+    front = (
         "a mirror ball as photographed: the camera, seen in its centre, becomes the front of the"
-        " map (+z), and its right becomes +x",
-        "the camera of the mirror ball was taken to be far away: from a distance of n radii,"
-        " directions 90 degrees beside the camera are 39 / n degrees off",
+        " map (+z), and its right becomes +x"
     )
-    return made._replace(height=size[0], width=size[1]), notes
+    if layout.distance is not None:
+        reach = reach_of(layout.distance)
+        blind = f"the ball hides {180 - math.degrees(reach):.3g} degrees around -z"
+        return made._replace(reach=reach), (front, blind)
+    afar = (
+        "the camera of the mirror ball was taken to be far away: from a distance of n radii,"
+        " directions 90 degrees beside the camera are 39 / n degrees off (distance=)"
+    )
+    return made, (front, afar)
 
 
 def _fisheye(layout: Layout, size: _Size, hints: Hints) -> Placement:

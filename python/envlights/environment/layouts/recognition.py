@@ -16,6 +16,7 @@ from envlights.environment.layouts.attribute import with_statement
 from envlights.environment.layouts.cubes import arrange_cube, is_unfolded_cube
 from envlights.environment.layouts.face_names import face_of_name
 from envlights.environment.layouts.faces import crosses_of
+from envlights.environment.layouts.near_ball import straighten
 from envlights.environment.layouts.projections import (
     EYES,
     REGISTRATIONS,
@@ -147,6 +148,11 @@ def _arrange(
         )
     height, width = picture.shape[:2]
     made, notes = place(layout, (height, width), hints)
+    if layout.distance is not None:
+        circle = made.circle or (width / 2, height / 2, min(width, height) / 2)
+        picture = straighten(picture, circle, layout.distance)
+        if coverage is not None:
+            coverage = straighten(coverage[..., None], circle, layout.distance)[..., 0]
     registration = REGISTRATIONS[made.border_sampled]
     source = Origin(kind.projection, (height, width), "", registration, kind.recognised_by, made)
     return ArrangedPicture(picture, coverage, made, source, notes)

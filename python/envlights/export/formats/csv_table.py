@@ -43,7 +43,7 @@ class Table(NamedTuple):
     """Radiance, (3,), or its harmonics, (9, 3)."""
 
     error: float | None
-    """Relative RMS error of the rig."""
+    """Relative RMS error of the rig; None also if it was not measured."""
 
     units: str
     """Unit of the radiance; see `EnvMap.units`."""
@@ -65,13 +65,13 @@ def read_csv(path: AnyPath) -> Table:
         raise DamagedFileError(f"{path} is not a table of lights: its first line is not '{FORMAT}'")
     header = re.fullmatch(_RIG, lines[2]) if len(lines) > 2 else None
     try:
-        rms = float(header[1]) if header else None
+        rms = float(header[1]) if header and header[1] != "None" else None
         rows = _rows([line for line in lines if line and not line.startswith("#")])
         ambient = _ambient([row for row in rows if row[0] != "light"])
         lights = np.array([row[1:] for row in rows if row[0] == "light"], float).reshape(-1, 7)
     except ValueError as reason:
         raise DamagedFileError(f"{path} is not a complete table of lights: {reason}") from None
-    if (ambient is None) != (rms is None):
+    if (ambient is None) != (header is None):
         raise DamagedFileError(f"{path} is not a complete rig: ambient and error go together")
     floor = bool(header and header[2])
     units = PHOTOMETRIC if lines[1].endswith(f"{SCALE}{PHOTOMETRIC}") else OWN_SCALE

@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 from envlights._common.check import describe
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import AnyMap
-from envlights.export.axes import Axes, Matrix
 from envlights.export.files import AnyPath, check_link, json_text
 from envlights.export.scene import Exportable, Scene, scene_of
 from envlights.export.targets import AXES
 from envlights.export.textures import Beside, save_beside
+from envlights.frames import Axes, Matrix
 from envlights.kernels.ambient import turned_ambient
 
 _FORMAT, _VERSION = "envlights engine", 1

@@ -11,13 +11,10 @@ from envlights._common.check import amount, check_choice
 from envlights._native import EnvLightsError
 from envlights.export.formats.usd_text import string
 from envlights.export.panels import Panel
+from envlights.frames import FRAMES
 
-#: Rows: axes of a stage in our frame. +z up is the quarter turn about +x of
-#: `UsdLuxDomeLight::OrientToStageUpAxis`, and of programs that reference a stage of +y up.
-_TURNS = {
-    "y": ((1, 0, 0), (0, 1, 0), (0, 0, 1)),
-    "z": ((1, 0, 0), (0, 0, -1), (0, 1, 0)),
-}
+#: Frame of a stage by its up axis.
+_AXES = {"y": FRAMES["usd"], "z": FRAMES["usd-z"]}
 _QUANTITIES = "Lights: irradiance at normal incidence; dome: radiance; linear Rec.709 RGB; "
 #: The turn of a dome, whose own pole is +y in every stage; `OrientToStageUpAxis` adds no other.
 _DOME_TURN = [
@@ -34,7 +31,7 @@ class Stage(NamedTuple):
 
     def checked(self) -> Stage:
         """Check the axis and the unit, or refuse what no stage has."""
-        check_choice("up", self.up, tuple(_TURNS))
+        check_choice("up", self.up, tuple(_AXES))
         metres = amount("metres_per_unit", self.metres_per_unit)
         if not metres:
             raise EnvLightsError("metres_per_unit must be greater than 0; got 0")
@@ -55,12 +52,11 @@ class Stage(NamedTuple):
 
     def turned(self, directions: NDArray[np.float64]) -> NDArray[np.float64]:
         """Directions or points, (n, 3), in the frame of the stage."""
-        there: NDArray[np.float64] = directions @ np.transpose(_TURNS[self.up])
-        return there + 0.0  # no minus zero
+        return _AXES[self.up].to_target(directions)
 
     def placed(self, panels: tuple[Panel, ...]) -> tuple[Panel, ...]:
         """Panels in the frame and the unit of the stage."""
-        turn = np.asarray(_TURNS[self.up]) / self.metres_per_unit
+        turn = np.asarray(_AXES[self.up].matrix) / self.metres_per_unit
         return tuple(panel._replace(matrix=turn @ panel.matrix) for panel in panels)
 
     def light_matrix(self, direction: NDArray[np.float64]) -> str:

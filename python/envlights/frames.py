@@ -1,0 +1,245 @@
+"""Frames of other programs by name: their axes, and the way of their cameras, against ours.
+
+Ours is right-handed with +y up; the centre of a map looks along +z, its left quarter along +x.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from envlights._common.check import amount, check_choice, reals
+from envlights._common.check import rotation as checked_rotation
+from envlights._native import EnvLightsError
+
+__all__ = ["FRAMES", "Axes", "rotation"]
+
+Matrix = tuple[tuple[int, int, int], ...]
+
+_OURS: Matrix = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
+#: Cameras of OpenGL: +x to the right, +y up, the view along -z.
+_OPENGL: Matrix = ((-1, 0, 0), (0, 1, 0), (0, 0, -1))
+#: Cameras of OpenCV: +x to the right, +y down, the view along +z.
+_OPENCV: Matrix = ((-1, 0, 0), (0, -1, 0), (0, 0, 1))
+#: Our x, y, z become y, z, x: +y becomes +z, and the centre of the map +x.
+_CYCLE: Matrix = ((0, 0, 1), (1, 0, 0), (0, 1, 0))
+#: Quarter turn about +x of `UsdLuxDomeLight::OrientToStageUpAxis`, and of programs that reference a
+#: stage of +y up.
+_UPRIGHT: Matrix = ((1, 0, 0), (0, 0, -1), (0, 1, 0))
+#: Axes of an equirectangular map in three.js: its centre along +x, its left quarter along -z.
+_THREE: Matrix = ((0, 0, 1), (0, 1, 0), (-1, 0, 0))
+#: Axes of a map in pbrt's `imgtool makeequiarea`: +z up, the centre along -x, the left quarter
+#: along +y. The matrix mirrors, because pbrt's frame is left-handed.
+_PBRT: Matrix = ((0, 0, -1), (1, 0, 0), (0, 1, 0))
+#: Unity: +x to the right; our +x is on the left of the map.
+_MIRRORED_X: Matrix = ((-1, 0, 0), (0, 1, 0), (0, 0, 1))
+#: Unity's Skybox/Panoramic: u = 0.5 - atan2(z, x) / 2 pi, so the centre looks along +x.
+_PANORAMIC: Matrix = ((0, 0, 1), (0, 1, 0), (1, 0, 0))
+#: Unreal: x forward, y to the right, z up.
+_UNREAL: Matrix = ((0, 0, 1), (-1, 0, 0), (0, 1, 0))
+
+
+class Axes(NamedTuple):
+    """Frame of a program: its axes, and those of its cameras.
+
+    Examples
+    --------
+    >>> import envlights as el
+    >>> el.frames.FRAMES["blender"].to_target([[0, 1, 0]])
+    array([[0., 0., 1.]])
+    >>> el.frames.FRAMES["blender"].names
+    ('+y', '+z', '+x')
+    """
+
+    matrix: Matrix
+    """Rows: each axis of the target in our frame. Columns: our +x, +y, +z in the target."""
+
+    map: Matrix | None = None
+    """Directions of an unrotated equirectangular image in the target, or None without such maps.
+
+    Column 2 is the direction of the centre of the image, column 0 that of its left quarter. If this
+    is `matrix`, our maps need no rotation."""
+
+    camera: Matrix = _OPENGL
+    """Axes of a camera, by which it sees the centre of a map straight ahead."""
+
+    is_extrinsic: bool = False
+    """True if a camera's matrix leads from the world to the camera, False if the other way."""
+
+    @property
+    def handedness(self) -> int:
+        """1 for a right-handed target, -1 for a left-handed one."""
+        return round(float(np.linalg.det(self.matrix)))
+
+    @property
+    def hand(self) -> str:
+        """Handedness as a word."""
+        return "right" if self.handedness > 0 else "left"
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Name of each of our axes in the target."""
+        return tuple(map(_axis_name, zip(*self.matrix, strict=True)))
+
+    def to_target(self, direction: ArrayLike) -> NDArray[np.float64]:
+        """Directions, (n, 3), in the target's frame."""
+        turned: NDArray[np.float64] = np.asarray(direction, np.float64) @ np.transpose(self.matrix)
+        return turned + 0.0  # no minus zero
+
+    def from_target(self, direction: ArrayLike) -> NDArray[np.float64]:
+        """Directions of the target, (n, 3), in our frame."""
+        turned: NDArray[np.float64] = np.asarray(direction, np.float64) @ np.asarray(self.matrix)
+        return turned + 0.0
+
+    def turn_of_map(self) -> NDArray[np.float64]:
+        """Rotation in the target's frame that aligns the target's map with our lights."""
+        turn: NDArray[np.float64] = np.asarray(self.matrix, np.float64) @ np.transpose(
+            self.map or self.matrix
+        )
+        return turn
+
+    def rotation(self, matrix: ArrayLike) -> NDArray[np.float64]:
+        """Rotation in our frame for `matrix`, (3, 3), a rotation in the target's frame."""
+        own = np.asarray(self.matrix)
+        turn: NDArray[np.float64] = own.T @ checked_rotation(matrix) @ own
+        return turn
+
+    def view(self, camera: ArrayLike) -> NDArray[np.float64]:
+        """Rotation in our frame that puts what a camera looks at into the centre of a map.
+
+        Parameters
+        ----------
+        camera : array_like, shape (3, 3), (3, 4) or (4, 4)
+            The camera's matrix as the program stores it: from the camera to the world, or the other
+            way if `is_extrinsic`. A translation is not used.
+
+        Examples
+        --------
+        A camera of nerfstudio that looks along +y of the world, with +z up, sees our +x ahead:
+
+        >>> import envlights as el
+        >>> pose = [[1, 0, 0, 5], [0, 0, -1, 5], [0, 1, 0, 5]]
+        >>> el.frames.FRAMES["nerfstudio"].view(pose) @ [1, 0, 0]
+        array([0., 0., 1.])
+        """
+        pose = reals("camera", camera, 2)
+        if pose.shape in ((3, 4), (4, 4)):
+            pose = pose[:3, :3]
+        to_camera = checked_rotation(pose, "camera")
+        to_camera = to_camera if self.is_extrinsic else to_camera.T
+        turn: NDArray[np.float64] = np.transpose(self.camera) @ to_camera @ np.asarray(self.matrix)
+        return turn + 0.0
+
+
+def _axis_name(direction: Iterable[int]) -> str:
+    """Name of a direction along an axis, such as "+x"."""
+    signs = zip(direction, "xyz", strict=True)
+    return next(("+" if sign > 0 else "-") + axis for sign, axis in signs if sign)
+
+
+#: Frame of each program. The centre of a map is straight ahead of a camera of OpenGL, OpenCV,
+#: COLMAP, Unity, Unreal and ROS, and where the others show the centre of a panorama. nerfstudio has
+#: Blender's world, +z up.
+FRAMES: dict[str, Axes] = {
+    "envlights": Axes(_OURS, _OURS, _OURS),
+    "opengl": Axes(_OPENGL),
+    "opencv": Axes(_OPENCV, camera=_OPENCV, is_extrinsic=True),
+    "colmap": Axes(_OPENCV, camera=_OPENCV, is_extrinsic=True),
+    "nerfstudio": Axes(_CYCLE),
+    "blender": Axes(_CYCLE, _CYCLE),
+    "usd": Axes(_OURS, _OURS),
+    "usd-z": Axes(_UPRIGHT, _UPRIGHT),
+    "unreal": Axes(_UNREAL, camera=_UNREAL),
+    "unity": Axes(_MIRRORED_X, _PANORAMIC, _MIRRORED_X),
+    "mitsuba": Axes(_OURS, _OURS, _OURS),
+    "three": Axes(_THREE, _THREE),
+    "gltf": Axes(_OURS),
+    "godot": Axes(_OURS, _OURS),
+    "radiance": Axes(_CYCLE, _CYCLE),
+    "pbrt": Axes(_PBRT, _PBRT, _MIRRORED_X),
+    "mujoco": Axes(_CYCLE),
+    "ros": Axes(_CYCLE, camera=_CYCLE),
+}
+
+
+def frame_named(name: object) -> Axes:
+    """Frame of `FRAMES`, or a refusal that lists them."""
+    check_choice("frame", name, tuple(FRAMES))
+    return FRAMES[str(name)]
+
+
+def rotation(yaw: float = 0.0, pitch: float = 0.0, roll: float = 0.0) -> NDArray[np.float64]:
+    """Rotation by three angles in radians, for `EnvMap.rotated`, `Rig.rotated` and their like.
+
+    Parameters
+    ----------
+    yaw : float
+        Turn about +y: the centre of the map, +z, goes to the left, to +x.
+    pitch : float
+        Turn about +x: the centre of the map goes up.
+    roll : float
+        Turn about +z: the zenith goes to the left. It is the first turn, the yaw the last.
+
+    Returns
+    -------
+    ndarray, shape (3, 3)
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import envlights as el
+    >>> (el.frames.rotation(yaw=np.pi / 2) @ [0, 0, 1]).round(9)
+    array([1., 0., 0.])
+    """
+    turn = np.eye(3)
+    for name, angle, (start, end) in (
+        ("yaw", yaw, (2, 0)),
+        ("pitch", pitch, (2, 1)),
+        ("roll", roll, (1, 0)),
+    ):
+        value = amount(name, angle, -math.inf)
+        step = np.eye(3)
+        step[[start, end], [start, end]] = math.cos(value)
+        step[end, start], step[start, end] = math.sin(value), -math.sin(value)
+        turn = turn @ step
+    return turn
+
+
+def turn_of(
+    matrix: ArrayLike | None, frame: str | None, camera: ArrayLike | None
+) -> NDArray[np.float64]:
+    """Rotation in our frame by one of two matrices; see `EnvMap.rotated`."""
+    axes = frame_named("envlights" if frame is None else frame)
+    if matrix is not None and camera is None:
+        return axes.rotation(matrix)
+    if camera is None or matrix is not None or frame is None:
+        raise EnvLightsError(
+            "give a matrix, a rotation, or the matrix of a camera and its frame, such as"
+            " camera=pose, frame='nerfstudio'"
+        )
+    return axes.view(camera)
+
+
+def turn_upright(up: ArrayLike) -> NDArray[np.float64]:
+    """Smallest rotation that takes the direction `up`, of any length above 0, to +y."""
+    vector = reals("up", up, 1)
+    length = np.linalg.norm(vector)
+    if vector.shape != (3,) or not 0 < length < math.inf:
+        raise EnvLightsError(
+            f"up must be three finite numbers, and not all 0; got {vector.tolist()}"
+        )
+    x, y, z = vector / length
+    if y < -1 + 1e-12:
+        return np.diag([-1.0, -1.0, 1.0])  # the centre of the map stays
+    # Rodrigues' formula for the axis (-z, 0, x), whose length is the sine.
+    axis = np.array([[0, -x, 0], [x, 0, z], [0, -z, 0]])
+    turn: NDArray[np.float64] = np.eye(3) + axis + axis @ axis / (1 + y)
+    return turn
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
