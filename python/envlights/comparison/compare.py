@@ -180,7 +180,7 @@ def compare(
     1 for "mirror", whose errors are the area-weighted ones of the maps. Degrees end at 100,
     for shadows of small lights at 2000. Angles
     are :math:`\mathrm{atan2}(|G \times T|, G \cdot T)` of pixels from all sides: 288 for
-    "diffuse", 256 for "matte", and all pixels of the maps for "mirror".
+    "diffuse", 2048 for "matte", and all pixels of the maps for "mirror".
 
     See Also
     --------
