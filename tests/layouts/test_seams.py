@@ -11,7 +11,7 @@ from envlights.environment.layouts import Layout, recognise
 from envlights.environment.layouts.conventions import DISTINCT
 from envlights.environment.layouts.faces import arranged_faces, stored_faces
 from envlights.environment.layouts.seams import (
-    has_equal_edges,
+    equal_edges,
     lines_of_faces,
     log_luminance,
     seam_score,
@@ -106,14 +106,45 @@ def test_large_faces_are_sampled_without_a_change_of_the_order(arrangement):
 
 
 def test_equal_edges_are_border_samples():
-    assert has_equal_edges(world(border=True))
-    assert not has_equal_edges(world())
-    assert not has_equal_edges(np.ones((6, 8, 8, 3)))
+    assert equal_edges(world(border=True)) == 1
+    assert equal_edges(world()) is None
+    assert equal_edges(np.ones((6, 8, 8, 3))) == 0
     almost = world(border=True)
     almost[2, 0, 5] *= 1.001
-    assert not has_equal_edges(almost)
+    assert equal_edges(almost) is None
     assert score(world(border=True)) == 0
     assert 0.3 < score(world()) < 1.2
+
+
+@pytest.mark.parametrize("columns", [(60, 62), (61, 63), (56, 58), (62, 64)])
+@pytest.mark.parametrize("dtype", [np.float32, np.uint8])
+def test_a_lamp_beside_an_edge_of_a_black_world_is_in_cells(columns, dtype):
+    """Its direction is that of the centres of its pixels, by the geometry of a cube."""
+    faces = np.zeros((6, 64, 64, 3), dtype)
+    faces[0, 20:22, slice(*columns)] = 200
+    if columns[1] == 64:  # A lamp across the edge, equal on both sides.
+        faces[1, 20:22, :2] = 200
+    layout = Layout.cube(faces="pannellum")
+    found = recognise(faces, layout=layout)
+    assert found.source.registration == "cell-centred"
+    assert any("nearly all are constant" in note for note in found.notes)
+    directions = upright_directions(64)
+    area = (directions @ np.array([0, 0, 1]))[0] ** 3
+    env = el.EnvMap(faces.astype(np.float32), layout=layout)
+    (light,) = el.detect(env)
+    weights = faces[..., 0] * np.stack([area] * 6)
+    expected = np.einsum("fij,fijk->k", weights, directions)
+    angle = np.degrees(np.arccos(light.direction @ expected / np.linalg.norm(expected)))
+    assert angle < 0.05  # A pixel beside the edge is 1 degree wide; border samples are 0.5 off.
+
+
+def test_a_black_world_with_border_samples_is_read_by_its_argument():
+    faces = np.zeros((6, 64, 64, 3), np.float32)
+    faces[0, 20:22, 60:62] = 200
+    stated = Layout.cube(faces="opengl", registration="border-sampled")
+    found = recognise(faces, layout=stated)
+    assert (found.source.registration, found.notes) == ("border-sampled", ())
+    assert not recognise(np.ones((6, 8, 8, 3)), layout=Layout.cube(faces="opengl")).notes
 
 
 def test_the_seams_go_before_the_order_of_metadata():

@@ -75,8 +75,12 @@ CODES = {
     "horizon": Code(("the horizon is taken to be the middle row",), "Horizon is a guess.", True),
     "shape": Code(("nearly twice as wide as high",), "Read as the whole sphere all the same."),
     "layout-doubt": Code(
-        ("the picture may be no panorama", "was taken for the front of the map"),
-        "Two lenses, two eyes, a part of a panorama, or a direction that nobody gave.",
+        (
+            "the picture may be no panorama",
+            "was taken for the front of the map",
+            "but nearly all are constant",
+        ),
+        "Two lenses, two eyes, a part of a panorama, a direction or registration that nobody gave.",
         True,
     ),
     "layout": Code(

@@ -39,8 +39,8 @@ from envlights.environment.layouts.seams import (
     Evidence,
     compare,
     contradicts,
+    equal_edges,
     every_nth,
-    has_equal_edges,
     lines_of_faces,
     log_luminance,
 )
@@ -243,10 +243,18 @@ def _registration(
     convention = CONVENTIONS.get(order.name)
     if order.recognised_by != "seams" and convention is not None and convention.border_sampled:
         return True, ()
-    if has_equal_edges(upright):
+    shown = equal_edges(upright)
+    if shown is None or not (upright != upright[:1, :1, :1]).any():
+        return False, ()
+    if shown > 0.5:
         note = "the edges of the faces are equal, so the samples lie on them (border-sampled)"
         return True, (note,)
-    return False, ()
+    border = argument_for(Layout.cube(registration=REGISTRATIONS[1]))
+    note = (
+        "the edges of the faces are equal, but nearly all are constant, so the samples were taken"
+        f" to be cell-centred; directions are half a pixel off if they are not ({border})"
+    )
+    return False, (note,)
 
 
 def _name_of(order: _Order, *, is_border: bool) -> str:

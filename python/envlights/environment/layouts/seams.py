@@ -134,8 +134,11 @@ def contradicts(evidence: Evidence, order: str) -> bool:
     return bool(evidence.chosen) and evidence.chosen != order
 
 
-def has_equal_edges(faces: NDArray[Any]) -> bool:
-    """True if the faces share the samples on all edges, and not because they are constant there.
+def equal_edges(faces: NDArray[Any]) -> float | None:
+    """Fraction of the edges that show border samples; None if two faces differ on an edge.
+
+    An edge shows them if its samples vary along it, and are not those of the next line inside.
+    A lamp across one edge of a black world varies there, and in cells too both sides can be equal.
 
     Parameters
     ----------
@@ -143,20 +146,17 @@ def has_equal_edges(faces: NDArray[Any]) -> bool:
         Upright faces in the order of `FACES`.
     """
     if faces.shape[1] < 2:
-        return False
+        return None
     at = dict(zip(FACES, faces, strict=True))
-    are_equal = all(
-        np.array_equal(_side(at[one], s), _side(at[other], t)[::turn])
-        for one, s, other, t, turn in _EDGES
-    )
-    if not are_equal:
-        return False
-    inner = faces[:, 1:-1, 1:-1] if faces.shape[1] > 2 else faces
-    return not all(
-        np.array_equal(_side(face, s)[1:-1], _side(small, s))
-        for face, small in zip(faces, inner, strict=True)
-        for s in "tblr"
-    )
+    inner = dict(zip(FACES, faces[:, 1:-1, 1:-1], strict=True))
+    shown = 0
+    for one, s, other, t, turn in _EDGES:
+        line = _side(at[one], s)
+        if not np.array_equal(line, _side(at[other], t)[::turn]):
+            return None
+        is_line_inside = faces.shape[1] > 2 and np.array_equal(line[1:-1], _side(inner[one], s))
+        shown += bool((line != line[:1]).any()) and not is_line_inside
+    return shown / len(_EDGES)
 
 
 def every_nth(samples: NDArray[Any]) -> NDArray[Any]:
