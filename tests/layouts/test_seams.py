@@ -1,11 +1,15 @@
 """Order and registration of cubes by their seams."""
 
+import io
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from PIL import Image as pil  # noqa: N813
 
 import envlights as el
+from envlights._common.srgb import encode_srgb
 from envlights.environment.files.images import read_image
 from envlights.environment.layouts import Layout, recognise
 from envlights.environment.layouts.conventions import DISTINCT
@@ -164,3 +168,39 @@ def test_a_requested_order_that_does_not_fit_is_used_with_a_note():
     assert arranged.source[2:5] == ("openexr", "border-sampled", "argument")
     assert "fit the order of OpenGL, not the order of OpenEXR as stated" in arranged.notes[0]
     assert stored_faces(arranged.samples.reshape(6, 32, 32, 3), "openexr").shape == (6, 32, 32, 3)
+
+
+#: Directions of lamps of 1.5 degrees: across edges, at corners, and all together.
+LAMPS = {
+    "edge": [(1, 0.1, 1)],
+    "edge above": [(0.3, 1, 1)],
+    "corner": [(1, 1, 1)],
+    "several": [(1, 0.1, 1), (-1, 0.2, -1), (0.2, 1, 1), (0.1, -1, -1), (-1, -1, 1)],
+}
+
+
+@pytest.mark.parametrize("kind", ["exact", "noise", "jpeg 85", "jpeg 70"])
+@pytest.mark.parametrize("lamps", LAMPS)
+def test_a_right_strip_with_lamps_across_edges_is_accepted_without_a_doubt(lamps, kind):
+    """Blocks of JPEG end at the edges of faces: steps across are 2 to 3 times those inside."""
+    directions = upright_directions(256)
+    faces = 0.3 * smooth(directions)
+    for lamp in LAMPS[lamps]:
+        faces[directions @ lamp > np.cos(np.radians(1.5)) * np.linalg.norm(lamp)] = 50
+    image = arranged_faces(faces, "opengl", "strip")
+    if kind == "noise":
+        random = np.random.default_rng(0).normal(size=image.shape)
+        image = (image * (1 + 0.03 * random)).astype(np.float32)
+    if kind.startswith("jpeg"):
+        image = jpeg(image, int(kind[-2:]))
+    stated = recognise(image, layout=Layout.cube(faces="opengl"))
+    assert not any("do not fit" in note or "not the order" in note for note in stated.notes)
+    assert recognise(image).source.faces == "opengl"
+
+
+def jpeg(image, quality):
+    """Codes after a JPEG file."""
+    file = io.BytesIO()
+    codes = np.round(255 * encode_srgb(image)).astype(np.uint8)
+    pil.fromarray(codes).save(file, "JPEG", quality=quality)
+    return np.asarray(pil.open(file))
