@@ -95,6 +95,23 @@ def test_a_rig_lights_mitsubas_probe_as_it_says():
     assert difference < max(1.2 * noise, 5e-3), f"difference {difference:.2e}, noise {noise:.2e}"
 
 
+def test_the_brightness_of_each_emitter_is_that_of_its_render():
+    """One emitter alone has no noise of a choice, and the mean over pixels has little."""
+    rig = el.fit(skies(64)[0], lights=2, sizes=False)
+    normals, inside = visible_normals()
+    for name, emitter in emitters_of(rig).items():
+        is_light = name.startswith("light")
+        own = [i for i in range(len(rig.lights)) if is_light and name == f"light_{i}"]
+        parts = (getattr(rig.lights, part)[own] for part in ("direction", "irradiance"))
+        part = el.Rig(np.zeros(3) if is_light else rig.ambient, el.Lights(*parts), 0.0)
+        said = part.probe(normals)
+        if not said.any():
+            continue
+        image = np.pi * render({name: emitter}, 64, 1)[inside]
+        scale = (image * said).sum() / (said * said).sum()
+        assert scale == pytest.approx(1, abs=0.003), name
+
+
 @pytest.mark.slow
 def test_the_error_is_that_between_renders_under_map_and_rig():
     ours, theirs = skies(256)

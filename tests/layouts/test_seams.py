@@ -1,17 +1,21 @@
 """Order and registration of cubes by their seams."""
 
+import io
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from PIL import Image as pil  # noqa: N813
 
 import envlights as el
+from envlights._common.srgb import encode_srgb
 from envlights.environment.files.images import read_image
 from envlights.environment.layouts import Layout, recognise
 from envlights.environment.layouts.conventions import DISTINCT
 from envlights.environment.layouts.faces import arranged_faces, stored_faces
 from envlights.environment.layouts.seams import (
-    has_equal_edges,
+    equal_edges,
     lines_of_faces,
     log_luminance,
     seam_score,
@@ -106,14 +110,45 @@ def test_large_faces_are_sampled_without_a_change_of_the_order(arrangement):
 
 
 def test_equal_edges_are_border_samples():
-    assert has_equal_edges(world(border=True))
-    assert not has_equal_edges(world())
-    assert not has_equal_edges(np.ones((6, 8, 8, 3)))
+    assert equal_edges(world(border=True)) == 1
+    assert equal_edges(world()) is None
+    assert equal_edges(np.ones((6, 8, 8, 3))) == 0
     almost = world(border=True)
     almost[2, 0, 5] *= 1.001
-    assert not has_equal_edges(almost)
+    assert equal_edges(almost) is None
     assert score(world(border=True)) == 0
     assert 0.3 < score(world()) < 1.2
+
+
+@pytest.mark.parametrize("columns", [(60, 62), (61, 63), (56, 58), (62, 64)])
+@pytest.mark.parametrize("dtype", [np.float32, np.uint8])
+def test_a_lamp_beside_an_edge_of_a_black_world_is_in_cells(columns, dtype):
+    """Its direction is that of the centres of its pixels, by the geometry of a cube."""
+    faces = np.zeros((6, 64, 64, 3), dtype)
+    faces[0, 20:22, slice(*columns)] = 200
+    if columns[1] == 64:  # A lamp across the edge, equal on both sides.
+        faces[1, 20:22, :2] = 200
+    layout = Layout.cube(faces="pannellum")
+    found = recognise(faces, layout=layout)
+    assert found.source.registration == "cell-centred"
+    assert any("nearly all are constant" in note for note in found.notes)
+    directions = upright_directions(64)
+    area = (directions @ np.array([0, 0, 1]))[0] ** 3
+    env = el.EnvMap(faces.astype(np.float32), layout=layout)
+    (light,) = el.detect(env)
+    weights = faces[..., 0] * np.stack([area] * 6)
+    expected = np.einsum("fij,fijk->k", weights, directions)
+    angle = np.degrees(np.arccos(light.direction @ expected / np.linalg.norm(expected)))
+    assert angle < 0.05  # A pixel beside the edge is 1 degree wide; border samples are 0.5 off.
+
+
+def test_a_black_world_with_border_samples_is_read_by_its_argument():
+    faces = np.zeros((6, 64, 64, 3), np.float32)
+    faces[0, 20:22, 60:62] = 200
+    stated = Layout.cube(faces="opengl", registration="border-sampled")
+    found = recognise(faces, layout=stated)
+    assert (found.source.registration, found.notes) == ("border-sampled", ())
+    assert not recognise(np.ones((6, 8, 8, 3)), layout=Layout.cube(faces="opengl")).notes
 
 
 def test_the_seams_go_before_the_order_of_metadata():
@@ -133,3 +168,39 @@ def test_a_requested_order_that_does_not_fit_is_used_with_a_note():
     assert arranged.source[2:5] == ("openexr", "border-sampled", "argument")
     assert "fit the order of OpenGL, not the order of OpenEXR as stated" in arranged.notes[0]
     assert stored_faces(arranged.samples.reshape(6, 32, 32, 3), "openexr").shape == (6, 32, 32, 3)
+
+
+#: Directions of lamps of 1.5 degrees: across edges, at corners, and all together.
+LAMPS = {
+    "edge": [(1, 0.1, 1)],
+    "edge above": [(0.3, 1, 1)],
+    "corner": [(1, 1, 1)],
+    "several": [(1, 0.1, 1), (-1, 0.2, -1), (0.2, 1, 1), (0.1, -1, -1), (-1, -1, 1)],
+}
+
+
+@pytest.mark.parametrize("kind", ["exact", "noise", "jpeg 85", "jpeg 70"])
+@pytest.mark.parametrize("lamps", LAMPS)
+def test_a_right_strip_with_lamps_across_edges_is_accepted_without_a_doubt(lamps, kind):
+    """Blocks of JPEG end at the edges of faces: steps across are 2 to 3 times those inside."""
+    directions = upright_directions(256)
+    faces = 0.3 * smooth(directions)
+    for lamp in LAMPS[lamps]:
+        faces[directions @ lamp > np.cos(np.radians(1.5)) * np.linalg.norm(lamp)] = 50
+    image = arranged_faces(faces, "opengl", "strip")
+    if kind == "noise":
+        random = np.random.default_rng(0).normal(size=image.shape)
+        image = (image * (1 + 0.03 * random)).astype(np.float32)
+    if kind.startswith("jpeg"):
+        image = jpeg(image, int(kind[-2:]))
+    stated = recognise(image, layout=Layout.cube(faces="opengl"))
+    assert not any("do not fit" in note or "not the order" in note for note in stated.notes)
+    assert recognise(image).source.faces == "opengl"
+
+
+def jpeg(image, quality):
+    """Codes after a JPEG file."""
+    file = io.BytesIO()
+    codes = np.round(255 * encode_srgb(image)).astype(np.uint8)
+    pil.fromarray(codes).save(file, "JPEG", quality=quality)
+    return np.asarray(pil.open(file))

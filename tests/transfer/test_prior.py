@@ -336,3 +336,21 @@ def test_pairs_of_noise_hardly_change_a_prior_and_a_note_says_when_they_do():
     given = el.TransferModel.fit(direct, noisy, prior=prior, ridge=1e-6).report
     assert any("the pairs make the prior worse" in note for note in given.notes)
     assert not any("worse" in note for note in model().report.notes)
+
+
+@pytest.mark.parametrize("noise", [0.3, 1.0])
+def test_pairs_of_noise_leave_the_prior_alone_which_is_said_and_true(noise):
+    """The errors are those for new lights, whose images have no noise."""
+    pairs, prior = room()
+    light = pairs.indirect[:4].astype(float)
+    random = np.random.default_rng(1).normal(size=light.shape)
+    noisy = light + noise * np.sqrt((light**2).mean()) * random
+    chosen = el.TransferModel.fit(pairs.direct[:4], noisy, prior=prior)
+    assert any("the prior alone was kept" in note for note in chosen.report.notes)
+    direct, truth = pairs.direct[NEW], pairs.indirect[NEW]
+    ours, alone = (
+        np.median(relative_errors(each.predict(direct), truth)) for each in (chosen, prior)
+    )
+    # 256 directions of the prior, and no direction of noise.
+    assert ours < 1.05 * alone
+    assert not any("alone was kept" in note for note in model().report.notes)

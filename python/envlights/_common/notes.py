@@ -80,7 +80,7 @@ CODES = {
         True,
     ),
     "layout": Code(
-        ("pixels, converted to ", "so the samples lie on them (border-sampled)"),
+        ("pixels, converted to ", "the edges of the faces are equal, ", "faces in the order of "),
         "Layout of the picture, and its conversion.",
     ),
     "filled": Code(("of the sphere that is not seen ",), "The unseen part was filled."),
@@ -137,6 +137,12 @@ class Note(str):
 def black_note(light: Any, what: str = "map") -> tuple[str, ...]:
     """Note on a map whose `light`, an array, is 0 everywhere; empty for others."""
     return () if light.any() else (f"the {what} is black everywhere, so there is no light to find",)
+
+
+def warnings(notes: Iterable[str]) -> tuple[str, ...]:
+    """Notes on what may make results wrong."""
+    kinds = ((note, CODES.get(Note(note).code)) for note in notes)
+    return tuple(note for note, kind in kinds if kind and kind.is_warning)
 
 
 def log(notes: Iterable[str]) -> None:

@@ -27,7 +27,8 @@ MAPS = (".exr", ".hdr")
 @click.option(
     "--response",
     type=click.Choice(["srgb", "linear"]),
-    help="Response of the camera. Default: it is recognised.",
+    help="Response of the camera. Default: it is recognised, or estimated; then the radiance is"
+    " relative.",
 )
 def command(patterns: Sequence[str], output: str, times: str | None, response: str | None) -> None:
     """Merge exposures into one map.

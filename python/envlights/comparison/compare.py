@@ -34,6 +34,7 @@ from envlights.comparison.wording import (
     brightness,
     note_of_black,
     notes_of_lights,
+    notes_of_maps,
     notes_of_protocol,
     notes_of_size,
     notes_of_units,
@@ -186,7 +187,7 @@ def compare(
     1 for "mirror", whose errors are the area-weighted ones of the maps. Degrees end at 100,
     for shadows of small lights at 2000. Angles
     are :math:`\mathrm{atan2}(|G \times T|, G \cdot T)` of pixels from all sides: 288 for
-    "diffuse", 256 for "matte", and all pixels of the maps for "mirror".
+    "diffuse", 2048 for "matte", and all pixels of the maps for "mirror".
 
     See Also
     --------
@@ -249,7 +250,7 @@ def _of_one_size(
     rows = min([*heights, *([rules.rows] if rules.rows else [])] or [DEFAULT_ROWS])
     pair = Pair(lighting_of(truth, rows), lighting_of(guess, rows))
     named = {"truth": truth, "guess": guess}
-    return pair, [*notes_of_size(named, rows), *notes_of_units(named)]
+    return pair, [*notes_of_maps(named), *notes_of_size(named, rows), *notes_of_units(named)]
 
 
 def _tone(pair: Pair, rules: Protocol) -> tuple[Pair, list[float]]:

@@ -13,8 +13,9 @@ from envlights.comparison.protocol import Camera
 from envlights.kernels.sampling import halton
 from envlights.kernels.sphere import direction_to_uv
 
-#: Pixels of a rough ball from all sides, for its angle.
-SIDES = 256
+#: Pixels of a rough ball from all sides, for its angle: 256 were off by up to 14 % on 14 real maps
+#: with fits of 4 and 8 lights, 2048 by up to 4 %.
+SIDES = 2048
 #: Latitudes of the normals of a Lambertian ball, for its angle; twice as many longitudes.
 _LATITUDES = 12
 #: Rays along each side of a pixel of a mirror.
@@ -53,21 +54,22 @@ class Rays(NamedTuple):
 
 @lru_cache(maxsize=1)
 def sides() -> Rays:
-    """Pixels of a ball from all sides: even normals, and views as those of an image from afar."""
+    """Pixels of a ball from all sides: even directions of a mirror, normals as in an image."""
     u, v, w, turn = halton(SIDES, bases=(2, 3, 5, 7)).T
     y, azimuth = 1 - 2 * u, 2 * np.pi * v
     sine = np.sqrt(1 - y * y)
-    normals = np.stack([sine * np.sin(azimuth), y, -sine * np.cos(azimuth)], axis=1)
+    # The two most even numbers go to what an image depends on most.
+    mirrored = np.stack([sine * np.sin(azimuth), y, -sine * np.cos(azimuth)], axis=1)
     # A ball's image has as many pixels in each interval of the squared sine of the incidence.
     along, across = np.sqrt(1 - w), np.sqrt(w)
-    other = np.where(np.abs(normals[:, :1]) < 0.9, [[1.0, 0, 0]], [[0, 0, 1.0]])
-    tangent = np.cross(normals, other)
+    other = np.where(np.abs(mirrored[:, :1]) < 0.9, [[1.0, 0, 0]], [[0, 0, 1.0]])
+    tangent = np.cross(mirrored, other)
     tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
-    binormal = np.cross(normals, tangent)
+    binormal = np.cross(mirrored, tangent)
     angle = 2 * np.pi * turn
     aside = np.cos(angle)[:, None] * tangent + np.sin(angle)[:, None] * binormal
-    views = along[:, None] * normals + across[:, None] * aside
-    return Rays(seal(normals), seal(views))
+    normals = along[:, None] * mirrored + across[:, None] * aside
+    return Rays(seal(normals), seal(2 * along[:, None] * normals - mirrored))
 
 
 @lru_cache(maxsize=1)

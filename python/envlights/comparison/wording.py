@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from envlights._common.notes import warnings
 from envlights._common.words import percent, quantity
 from envlights.comparison.image_errors import ImageErrors
 from envlights.comparison.light_set_difference import LightSetDifference
@@ -33,6 +34,12 @@ def notes_of_size(sides: Mapping[str, EnvMap | Rig | Lights], rows: int) -> list
             percent = 100 * (1 - what.coverage_fraction)
             notes.append(f"{name}: {percent:.3g} % of the sphere is not seen and was filled")
     return notes
+
+
+def notes_of_maps(sides: Mapping[str, EnvMap | Rig | Lights]) -> list[str]:
+    """Notes of the maps on what may make the numbers wrong."""
+    maps = {name: what for name, what in sides.items() if isinstance(what, EnvMap)}
+    return [f"{name}: {note}" for name, what in maps.items() for note in warnings(what.notes)]
 
 
 def notes_of_units(sides: Mapping[str, EnvMap | Rig | Lights]) -> list[str]:

@@ -98,7 +98,8 @@ def detect(
         Largest number of columns of the reduced map in which lights are searched. A clipped map is
         reduced to half of them, and further if more than 12 % of the sphere is bright.
     clip_level : float, optional
-        Largest value that the map can hold, in place of `EnvMap.clip_level`.
+        Largest value that the map can hold, in place of `EnvMap.clip_level`. Without either, the
+        flat top of floats that are decoded 8-bit codes of sRGB.
 
     Returns
     -------
@@ -171,7 +172,8 @@ def detect_with_luminance(
     most = None if most is None else count("lights", most)
 
     def detection_in(world: EnvMap) -> _native.TreeDetection:
-        clip_level = world.clip_level if checked.clip_level is None else checked.clip_level
+        clip_level = checked.clip_level
+        clip_level = world._pixels.clip_level_of_picture if clip_level is None else clip_level
         is_border = world.registration == "border-sampled"
         options_of_map = checked._replace(clip_level=clip_level)
         return _native.detect_tree(world.radiance, is_border, options_of_map, world.coverage)

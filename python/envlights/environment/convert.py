@@ -146,6 +146,8 @@ def _in_layout_of_source(pixels: MapPixels) -> Picture:
         return _picture(pixels, layout, source.faces)
     if layout.kind == "equirectangular":
         layout = layout._replace(border_sampled=False)
+    if layout.kind == "cube":  # Wide faces come back with 90 degrees.
+        layout = layout._replace(field_of_view=0.0)
     if source.faces in CROSSES:
         return straight(_picture(pixels, layout, "opengl", source.faces))
     arrangement = "strip" if source.faces and width > height else "stack"

@@ -244,7 +244,9 @@ class EnvMap:
         Returns
         -------
         EnvMap
-            Radiance 1 is the clip level at an exposure time of 1. `clip_level` is set if the
+            Radiance 1 is the clip level at an exposure time of 1. With an estimated response it is
+            relative: ratios are measured, and its scale, that of the clip level, may be off by a
+            factor of 2; `calibrated` sets it. `clip_level` is set if the
             shortest exposure is still clipped. `notes` report white below 254, a response other
             than sRGB, a corrected time, moved pictures, drift of the white balance, and
             contradictions.

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _native
+from envlights._common.srgb import encode_srgb
 from envlights._common.units import OWN_SCALE
 from envlights.environment import resample
 from envlights.environment.coverage import (
@@ -94,6 +95,13 @@ class MapPixels:
             return float(self.radiance.max())
         return self.clip_level
 
+    @property
+    def clip_level_of_picture(self) -> float | None:
+        """Clip level: the known one, or the flat top of floats that are decoded 8-bit codes."""
+        if self.clip_level is not None or not are_decoded_codes(self.radiance):
+            return self.clip_level
+        return self.found_clip_level
+
     def cells(self) -> NDArray[np.float32]:
         """Radiance of a cell-centred map of the same size and flux."""
         if self.is_border_sampled:
@@ -112,6 +120,18 @@ class MapPixels:
             radiance = multiply_by_coverage(radiance, np.float32(1) * (coverage > 0))
         pixels = replace(self, radiance=radiance, notes=tuple(notes), **others)
         return with_coverage(pixels, coverage)
+
+
+def are_decoded_codes(radiance: NDArray[np.float32]) -> bool:
+    """True if floats are values of many 8-bit sRGB codes, by some of their rows and columns."""
+    rows, columns = (max(side // 64, 1) for side in radiance.shape[:2])
+    some = radiance[::rows, ::columns]
+    if some.max(initial=0) > 1:
+        return False
+    codes = 255 * encode_srgb(some)
+    whole = np.round(codes)
+    # A lamp of radiance 1 in the dark has the codes 0 and 255 alone.
+    return bool(np.abs(codes - whole).max(initial=0) < 0.01 and len(np.unique(whole)) > 8)
 
 
 def with_coverage(pixels: MapPixels, coverage: NDArray[np.float32] | None) -> MapPixels:

@@ -93,7 +93,8 @@ class FitReport(Result):
     """Relative RMS error of shadowed irradiance, or None if it was not measured.
 
     It is the error of the irradiance at every normal with everything behind a plane hidden,
-    integrated over all planes. Each pixel of the map is a square of one radiance."""
+    integrated over all planes. Each pixel of the map is a square of one radiance. Below 0.5 % it is
+    exact to 6 % of itself."""
 
     objective_error: float | None = None
     """Relative RMS error that the fit minimised: of its `objective`, or `Rig.error` of points.

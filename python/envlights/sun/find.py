@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights._common.check import amount, named_arguments, reals
+from envlights._common.notes import warnings
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
 from envlights.kernels.image import LUMINANCE
@@ -80,8 +82,12 @@ def find_sun(
     given = None if direction is None else _direction(direction)
     height = None if elevation is None else _elevation(elevation)
     world = as_envmap(env)
-    if given is not None:
-        return _given_sun(world, given)
+    sun = _sun_of(world, height) if given is None else _given_sun(world, given)
+    return replace(sun, notes=(*sun.notes, *warnings(world.notes)))
+
+
+def _sun_of(world: EnvMap, height: float | None) -> Sun:
+    """Result without a known direction."""
     if world.clip_level is None or not world.clipped_fraction:
         own = sun_of_float_map(world)
         # Floats of a clipped picture hold no sun of their own.

@@ -35,6 +35,9 @@ pub struct Cube {
     side: usize,
     /// True if the outer pixels of a face lie on its edges.
     is_border_sampled: bool,
+    /// Coordinate of the picture's edge on the face's plane: 1, or more for faces wider than 90 degrees. What lies
+    /// beyond 1 belongs to the next face, and its pixels have no solid angle.
+    reach: f64,
     /// Solid angles of the pixels of one face.
     angles: Vec<f64>,
 }
@@ -46,31 +49,34 @@ impl Cube {
         check(height == 6 * width, "a cube is a column of six square faces")?;
         let has_borders = !picture.border_sampled || width > 1;
         check(has_borders, "a face with samples on its border has two or more")?;
-        Ok(Self::new(width, picture.border_sampled))
+        let reach = if picture.field_of_view == 0.0 { 1.0 } else { (0.5 * picture.field_of_view).tan() };
+        check((1.0 - 1e-12..=1e3).contains(&reach), "a face of a cube is at least 90 degrees wide")?;
+        Ok(Self::new(width, picture.border_sampled, reach))
     }
 
-    /// Faces of `side` x `side` pixels.
-    pub fn new(side: usize, is_border_sampled: bool) -> Self {
-        let mut cube = Self { side, is_border_sampled, angles: Vec::new() };
+    /// Faces of `side` x `side` pixels; for `reach`, see the field.
+    pub fn new(side: usize, is_border_sampled: bool, reach: f64) -> Self {
+        let mut cube = Self { side, is_border_sampled, reach, angles: Vec::new() };
         let edges: Vec<f64> = (0..=side).map(|i| cube.on_plane(i as f64).clamp(-1.0, 1.0)).collect();
         cube.angles = plane_angles(&edges, &edges);
         cube
     }
 
-    /// Coordinate on the face's plane, -1 to 1, of one in pixels.
+    /// Coordinate on the face's plane, -1 to 1 for 90 degrees, of one in pixels.
     fn on_plane(&self, x: f64) -> f64 {
-        if self.is_border_sampled {
+        let place = if self.is_border_sampled {
             (2.0 * x - 1.0) / (self.side as f64 - 1.0) - 1.0
         } else {
             2.0 * x / self.side as f64 - 1.0
-        }
+        };
+        self.reach * place
     }
 
     /// Coordinate in pixels of one on the face's plane.
     #[inline(always)]
     fn in_pixels(&self, a: f64) -> f64 {
         let scale = self.side as f64 - f64::from(u8::from(self.is_border_sampled));
-        let place = (a + 1.0) * 0.5 * scale + if self.is_border_sampled { 0.5 } else { 0.0 };
+        let place = (a / self.reach + 1.0) * 0.5 * scale + if self.is_border_sampled { 0.5 } else { 0.0 };
         // A place on the far edge of a face stays in it: one row further, another face begins.
         place.clamp(0.0, (self.side as f64).next_down())
     }
@@ -163,7 +169,10 @@ impl SphereProjection for Cube {
         let column = (in_face % self.side) as isize + right;
         let side = 0..self.side as isize;
         if side.contains(&row) && side.contains(&column) {
-            return pixel.checked_add_signed(down * self.side as isize + right);
+            let next = pixel.checked_add_signed(down * self.side as isize + right);
+            if let Some(visible) = next.filter(|&next| self.solid_angle(next) > 0.0) {
+                return Some(visible);
+            }
         }
         // Continue the plane of the face, and search the pixel of that direction.
         let (a, b) = (self.on_plane(column as f64 + 0.5), -self.on_plane(row as f64 + 0.5));

@@ -21,9 +21,9 @@ fn whole() -> Vec<(&'static str, Box<dyn SphereProjection>)> {
     vec![
         ("map", Box::new(Equirectangular::new([16, 32]))),
         ("odd map", Box::new(Equirectangular::new([9, 18]))),
-        ("cube", Box::new(Cube::new(16, false))),
-        ("odd cube", Box::new(Cube::new(7, false))),
-        ("border cube", Box::new(Cube::new(9, true))),
+        ("cube", Box::new(Cube::new(16, false, 1.0))),
+        ("odd cube", Box::new(Cube::new(7, false, 1.0))),
+        ("border cube", Box::new(Cube::new(9, true, 1.0))),
         ("octahedral", Box::new(Octahedral::new(16))),
         ("equal area", Box::new(EqualArea::new(16))),
         ("odd equal area", Box::new(EqualArea::new(9))),
@@ -131,7 +131,7 @@ fn axes_edges_and_corners_have_a_place_that_leads_back() {
 #[test]
 fn named_places_look_where_the_convention_says() {
     let at = |layout: &dyn SphereProjection, x: f64, y: f64| layout.direction(x, y).unwrap().to_array();
-    let cube = Cube::new(8, false);
+    let cube = Cube::new(8, false, 1.0);
     for (face, expected) in
         [DVec3::Z, DVec3::NEG_X, DVec3::NEG_Z, DVec3::X, DVec3::Y, DVec3::NEG_Y].iter().enumerate()
     {

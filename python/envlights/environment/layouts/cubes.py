@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from envlights._common.check import amount
 from envlights._common.errors import FileError
 from envlights._native import EnvLightsError
 from envlights.environment.files.hints import Hints
@@ -35,12 +37,11 @@ from envlights.environment.layouts.projections import (
 )
 from envlights.environment.layouts.records import ArrangedPicture, Origin
 from envlights.environment.layouts.seams import (
-    FITS,
     Evidence,
     compare,
     contradicts,
+    equal_edges,
     every_nth,
-    has_equal_edges,
     lines_of_faces,
     log_luminance,
 )
@@ -84,7 +85,10 @@ def arrange_cube(
         raise _no_cube(samples, hints)
     upright_of = partial(_upright, is_faces=samples.ndim == 4)
     side = _side_of(samples, orders[0])
-    lines = lines_of_faces(side)
+    view = None if layout.fov is None else math.radians(amount("fov", layout.fov, 90, 170))
+    # Faces meet at 90 degrees.
+    margin = 0 if view is None else round(side * (1 - 1 / math.tan(view / 2)) / 2)
+    lines = margin + lines_of_faces(side - 2 * margin)
     logs = log_luminance(_sample_of(samples, lines, side))
     # Vertical crosses differ in one face.
     faces = ("back",) if orders[0].startswith("vertical") else FACES
@@ -93,7 +97,7 @@ def arrange_cube(
     upright = upright_of(samples, order.name)
     is_border, notes = _registration(upright, order, layout)
     n = upright.shape[1]
-    made = cube(n, border_sampled=is_border)
+    made = cube(n, border_sampled=is_border, field_of_view=view)
     name = _name_of(order, is_border=is_border)
     size = (6 * n, n) if samples.ndim == 4 else samples.shape[:2]
     source = Origin("cube", size, name, REGISTRATIONS[is_border], order.recognised_by, made)
@@ -169,7 +173,7 @@ def _order(evidence: Evidence, hints: Hints, layout: Layout, recognised_by: str)
     if len(evidence.scores) == 1:  # a horizontal cross
         (name,) = evidence.scores
         by = recognised_by if recognised_by != "argument" else "shape"
-        fits = evidence.scores[name] < FITS
+        fits = evidence.fits(name)
         if not fits and by == "shape" and recognised_by == "shape":
             raise EnvLightsError(
                 f"a picture with even corners of the shape 4:3 may be a cube map"
@@ -198,7 +202,7 @@ def _order_of_argument(name: str, by_names: str, evidence: Evidence) -> _Order:
         )
     if contradicts(evidence, fits):
         return _Order(name, "argument", (_misfit(name, evidence),))
-    is_doubtful = evidence.scores[fits] >= FITS
+    is_doubtful = not evidence.fits(fits)
     note = f"faces in {title_of(name)}, as stated{_doubt(evidence)}"
     return _Order(name, "argument", (note,) if is_doubtful else ())
 
@@ -208,7 +212,7 @@ def _order_of_statement(name: str, by: str, evidence: Evidence) -> _Order:
     distinct = _distinct(name)
     if not contradicts(evidence, distinct):
         note = f"faces in {title_of(name)}, by {source}"
-        if evidence.scores[distinct] >= FITS:
+        if not evidence.fits(distinct):
             note += _doubt(evidence)
         return _Order(name, by, (note,))
     note = (
@@ -243,10 +247,18 @@ def _registration(
     convention = CONVENTIONS.get(order.name)
     if order.recognised_by != "seams" and convention is not None and convention.border_sampled:
         return True, ()
-    if has_equal_edges(upright):
+    shown = equal_edges(upright) if layout.fov is None else None
+    if shown is None or not (upright != upright[:1, :1, :1]).any():
+        return False, ()
+    if shown > 0.5:
         note = "the edges of the faces are equal, so the samples lie on them (border-sampled)"
         return True, (note,)
-    return False, ()
+    border = argument_for(Layout.cube(registration=REGISTRATIONS[1]))
+    note = (
+        "the edges of the faces are equal, but nearly all are constant, so the samples were taken"
+        f" to be cell-centred; directions are half a pixel off if they are not ({border})"
+    )
+    return False, (note,)
 
 
 def _name_of(order: _Order, *, is_border: bool) -> str:
@@ -281,7 +293,8 @@ def _scores(evidence: Evidence) -> str:
 def _doubt(evidence: Evidence) -> str:
     """End of a note on faces whose edges do not fit."""
     return (
-        f", but their edges do not fit, so that faces may be turned or swapped; {_scores(evidence)}"
+        f", but their edges do not fit, so that faces may be turned, swapped or"
+        f" wider than 90 degrees (fov=); {_scores(evidence)}"
     )
 
 

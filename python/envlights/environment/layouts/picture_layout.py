@@ -57,7 +57,8 @@ class PictureLayout(NamedTuple):
     """Row and column of an equirectangular part in the whole sphere."""
 
     field_of_view: float = 0.0
-    """Horizontal field of view, in radians: azimuth of a cylinder, angle of a planar picture."""
+    """Horizontal field of view in radians, of a cylinder, a planar picture or the face of a cube; 0
+    is 90 degrees for a face."""
 
     horizon: float | None = None
     """Row coordinate of elevation 0 in a cylinder; None for the middle."""
@@ -118,10 +119,15 @@ def cylinder(
     return PictureLayout("cylinder", height, width, field_of_view=view, horizon=row)
 
 
-def cube(n: int, *, border_sampled: bool = False) -> PictureLayout:
-    """Layout of a cube with faces of n x n pixels, as the stack of six upright faces."""
+def cube(
+    n: int, *, border_sampled: bool = False, field_of_view: float | None = None
+) -> PictureLayout:
+    """Layout of a cube with faces of n x n pixels, as the stack of six upright faces.
+
+    The field of view of a face is in radians; 90 degrees when left out.
+    """
     side = count("n", n, least=2 if border_sampled else 1)
-    return PictureLayout("cube", 6 * side, side, border_sampled)
+    return PictureLayout("cube", 6 * side, side, border_sampled, field_of_view=field_of_view or 0.0)
 
 
 def octahedral(n: int, *, equal_area: bool = False, axes: Axes = FRONT) -> PictureLayout:

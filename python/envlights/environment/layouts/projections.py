@@ -177,7 +177,13 @@ class Layout:
         return cls("cylinder", fov=fov, horizon=horizon)
 
     @classmethod
-    def cube(cls, *, faces: str | None = None, registration: str | None = None) -> Layout:
+    def cube(
+        cls,
+        *,
+        faces: str | None = None,
+        registration: str | None = None,
+        fov: float | None = None,
+    ) -> Layout:
         """Cube map: six squares, a strip, a stack, or a cross.
 
         Parameters
@@ -188,6 +194,9 @@ class Layout:
             edges decide; it is "opengl" in `EnvMap.to`.
         registration : {"cell-centred", "border-sampled"}, optional
             Positions of the samples of a face. When left out, that of the order.
+        fov : float, optional
+            Field of view of a face in degrees, 90 to 170, of a picture that is read; 90 when left
+            out. Where wider faces overlap, the one whose centre is nearer counts.
 
         Examples
         --------
@@ -195,7 +204,7 @@ class Layout:
         >>> el.EnvMap(np.ones((64, 128, 3))).to(el.io.Layout.cube(faces="openexr"), width=32)
         Picture(32x192 cube, border-sampled, faces in the order of OpenEXR)
         """
-        return cls("cube", faces=faces, registration=registration)
+        return cls("cube", faces=faces, registration=registration, fov=fov)
 
     @classmethod
     def octahedral(cls, *, forward: ArrayLike | None = None) -> Layout:
