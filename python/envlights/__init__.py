@@ -51,6 +51,7 @@ __all__ = [
     "kernels",
     "limit",
     "papers",
+    "place",
     "plot",
     "read_pairs",
     "rigs",
@@ -76,6 +77,7 @@ _PACKAGES = {
     "io",
     "layers",
     "papers",
+    "placing",
     "plot",
     "scene",
     "sequence",
@@ -95,6 +97,7 @@ _LATER = {
     "error_curve": "fitting.error_curve",
     "find_sun": "sun",
     "follow": "sequence",
+    "place": "placing",
     "read_pairs": "transfer",
     "shadow_overlay": "scene",
     "vary": "rigs.vary",
@@ -139,6 +142,7 @@ if _typing.TYPE_CHECKING:
     from envlights import io as io
     from envlights import layers as layers
     from envlights import papers as papers
+    from envlights import placing as placing
     from envlights import plot as plot
     from envlights import rigs as rigs
     from envlights import scene as scene
@@ -153,6 +157,7 @@ if _typing.TYPE_CHECKING:
     from envlights.comparison.folders import compare_folders as compare_folders
     from envlights.fitting.error_curve import error_curve as error_curve
     from envlights.papers.photograph import detect_photograph as detect_photograph
+    from envlights.placing.place import place as place
     from envlights.rigs.vary import vary as vary
     from envlights.scene.bake import bake as bake
     from envlights.scene.floor_shadow import shadow_overlay as shadow_overlay

@@ -179,7 +179,7 @@ class Room:
         return np.where(hit < distance + 1e-9, shown, distance)
 
     def probe(self, point, normals):
-        """Irradiance of a white ball at a point: walls by a map of black lamps, and lamps in closed form."""
+        """Irradiance of a white ball at a point: walls by a map, lamps in closed form."""
         radiance, _ = self.panorama(128, point, shine=0.0)
         return kernels.irradiance(radiance, normals) + sum(
             lamp.probe(np.asarray(point, float), normals) for lamp in self.lamps
@@ -237,4 +237,11 @@ def seen(kind, height=256):
 
 
 #: Points 0.5, 1 and 2 m from the camera, two of each.
-OFFSETS = [(0.5, 0, 0), (-0.3, 0.2, 0.35), (0.8, 0, 0.6), (-0.7, -0.5, -0.5), (1.9, 0, 0.62), (-1.7, -0.5, 0.93)]
+OFFSETS = [
+    (0.5, 0, 0),
+    (-0.3, 0.2, 0.35),
+    (0.8, 0, 0.6),
+    (-0.7, -0.5, -0.5),
+    (1.9, 0, 0.62),
+    (-1.7, -0.5, 0.93),
+]

@@ -1,4 +1,4 @@
-"""Distance of the nearest surface in each direction: from an array, a file, or the size of a room."""
+"""Distance of the nearest surface in each direction, by an array, a file or the size of a room."""
 
 from __future__ import annotations
 

@@ -34,8 +34,11 @@ class PointErrors(TableResult):
     def table(self) -> Table:
         """Table of the first dozen points."""
         rows = [
-            [*(f"{value:.2f}" for value in self.point[row]), percent(self.error[row])]
-            + [percent(self.error_at_infinity[row])]
+            [
+                *(f"{value:.2f}" for value in self.point[row]),
+                percent(self.error[row]),
+                percent(self.error_at_infinity[row]),
+            ]
             for row in range(min(len(self.error), MOST_ROWS))
         ]
         return Table(["x", "y", "z", "error", "at infinity"], rows)

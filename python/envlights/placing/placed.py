@@ -16,7 +16,7 @@ from envlights._common.result import Result
 from envlights._common.tables import MOST_ROWS, Table
 from envlights._common.words import percent, quantity
 from envlights._native import EnvLightsError
-from envlights.cards import Cards, geometry
+from envlights.cards import Cards
 from envlights.environment import thumbnails
 from envlights.environment.envmap import EnvMap, as_envmap
 from envlights.fitting.fit import fit_probe
@@ -26,11 +26,13 @@ from envlights.placing.errors import PointErrors
 from envlights.placing.patches import Patches
 from envlights.placing.placed_light import PlacedLight
 from envlights.placing.reading import Reals
+from envlights.placing.seen import cards_from, lights_from
 from envlights.placing.warp import warped
-from envlights.rigs.lights import Lights, rgb_cell, rgb_heading
+from envlights.rigs.lights import rgb_cell, rgb_heading
 from envlights.rigs.rig import Rig
 
-_ORIGIN = np.zeros((1, 3))
+#: Lights of a rig at a point up to which large rectangles are cut into four.
+_MOST_LIGHTS = 8
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -92,7 +94,7 @@ class PlacedLights(Result):
     @property
     def cards(self) -> Cards:
         """The planes as cards at their positions, for `Cards.save` and other cards' methods."""
-        return self._cards_from(np.zeros(3))
+        return cards_from(self.lights, np.zeros(3), self.units)
 
     def irradiance(self, points: ArrayLike, normals: ArrayLike) -> NDArray[np.float64]:
         """Irradiance of surfaces at points in the room.
@@ -114,7 +116,7 @@ class PlacedLights(Result):
         places, is_one = one_or_more("points", points)
         rows = reals("normals", normals, 2)
         near = self._near(places, rows, self.lights, self.patches)
-        values: Reals = np.maximum(near + self._distant(rows), 0)
+        values: Reals = np.maximum(near + self._around(rows) + self._suns(rows), 0)
         return values[0] if is_one else values
 
     def at(self, point: ArrayLike) -> Rig:
@@ -132,11 +134,11 @@ class PlacedLights(Result):
         """
         place = _point(point)
         normals, weights = icosphere(320)
-        lights = self._lights_from(place)
-        surfaces = self._near(place[None], normals, (), self.patches)[0] + self._distant(normals)
-        suns = self._suns(normals)
-        sky = fit_probe(normals, np.maximum(surfaces - suns, 0), 0, weights=weights, ambient="sh2")
-        rig = Rig(sky.ambient, lights, 0.0, notes=self.notes)
+        lights = lights_from(self.lights, place, self.units, most=_MOST_LIGHTS)
+        surfaces = self._near(place[None], normals, (), self.patches)[0] + self._around(normals)
+        surfaces = np.maximum(surfaces, 0)
+        sky = fit_probe(normals, surfaces, 0, weights=weights, ambient="sh2")
+        rig = Rig(sky.ambient, lights, 0.0)
         error = relative_rms(rig.probe(normals), self.irradiance(place, normals), weights)
         return Rig(sky.ambient, lights, error, notes=self.notes)
 
@@ -157,10 +159,11 @@ class PlacedLights(Result):
         remainder = self.remainder.cells()
         if self.depth is not None:
             remainder = warped(remainder, self.depth, place)
-        cards = self._cards_from(place).to_map(self.remainder.width).radiance
-        spheres = [each for each in self.lights if each.kind != "plane"]
-        discs = self._lights_from(place, spheres).to_map(self.remainder.height).radiance
-        return EnvMap(remainder + cards + discs, units=self.units)
+        cards = cards_from(self.lights, place, self.units)
+        others = [each for each in self.lights if each.kind != "plane"]
+        discs = lights_from(others, place, self.units).to_map(self.remainder.height).radiance
+        lamps = cards.to_map(self.remainder.width).radiance + discs
+        return EnvMap(remainder + lamps, units=self.units)
 
     def compare(self, maps: Mapping[Any, Any]) -> PointErrors:
         """Errors of the irradiance at points where maps were taken.
@@ -206,45 +209,16 @@ class PlacedLights(Result):
             patches,
         )
 
-    def _distant(self, normals: Reals) -> Reals:
-        """Irradiance that is the same at all points: remainder less patches at the camera, suns."""
-        patches = self._near(_ORIGIN, normals, (), self.patches)[0]
-        values: Reals = self.remainder.probe(normals) - patches + self._suns(normals)
+    def _around(self, normals: Reals) -> Reals:
+        """Irradiance of the remainder, less that of the patches at the camera."""
+        patches = self._near(np.zeros((1, 3)), normals, (), self.patches)[0]
+        values: Reals = self.remainder.probe(normals) - patches
         return values
 
     def _suns(self, normals: Reals) -> Reals:
-        suns = self._lights_from(np.zeros(3), self._of_kind("sun"))
+        suns = lights_from(self._of_kind("sun"), np.zeros(3), self.units)
         arrays = suns.direction, suns.irradiance, suns.angular_radius
         return rig_irradiance(normals, np.zeros(3), *arrays)
-
-    def _lights_from(self, point: Reals, some: Sequence[PlacedLight] | None = None) -> Lights:
-        """Lights as discs, as a point sees them; those that turn their back are left out."""
-        seen = [_seen(light, point) for light in (self.lights if some is None else some)]
-        each = [light for light in seen if light[1].any()]
-        direction, irradiance, radius = zip(*each, strict=True) if each else ([], [], [])
-        shape = (len(each), 3)
-        return Lights(
-            np.reshape(direction, shape),
-            np.reshape(irradiance, shape),
-            np.array(radius),
-            units=self.units,
-        )
-
-    def _cards_from(self, point: Reals) -> Cards:
-        """Planes as cards around a point, without those that turn their back."""
-        shift = np.zeros((3, 3))
-        shift[:, 2] = point
-        each = [(light, light.matrix - shift) for light in self._of_kind("plane")]
-        seen = [(light, matrix) for light, matrix in each if np.linalg.det(matrix) > 0]
-        irradiance = [_seen(light, point)[1] for light, _ in seen]
-        return Cards(
-            ["disc" if light.is_disc else light.shape for light, _ in seen],
-            np.reshape([matrix for _, matrix in seen], (-1, 3, 3)),
-            np.reshape(irradiance, (-1, 3)),
-            [light.texture for light, _ in seen],
-            units=self.units,
-            is_placed=True,
-        )
 
     def in_short(self) -> str:
         """Number of lights of each kind, and of patches."""
@@ -293,22 +267,3 @@ def _point(values: ArrayLike) -> Reals:
     if point.shape != (3,) or not np.isfinite(point).all():
         raise EnvLightsError(f"point must be three finite numbers in metres; got {point.tolist()}")
     return point
-
-
-def _seen(light: PlacedLight, point: Reals) -> tuple[Reals, Reals, float]:
-    """Direction, irradiance at normal incidence and angular radius of a light at a point."""
-    if light.kind == "sun":
-        return light.direction, light.irradiance, light.angular_radius
-    if light.kind == "sphere":
-        to = light.position - point
-        distance = max(float(np.linalg.norm(to)), light.radius)
-        radius = float(np.arcsin(min(light.radius / distance, 1.0)))
-        return to / distance, light.irradiance * (light.distance / distance) ** 2, radius
-    shift = np.zeros((3, 3))
-    shift[:, 2] = point
-    matrix = light.matrix - shift
-    vector = geometry.vector_irradiance(geometry.outline(matrix, light.is_disc))
-    length = float(np.linalg.norm(vector))
-    if np.linalg.det(matrix) <= 0 or not length:
-        return light.direction, np.zeros(3), 0.0
-    return vector / length, light.radiance * length, float(np.arcsin(np.sqrt(length / np.pi)))

@@ -51,12 +51,12 @@ def _place_card(
     if wall is not None:
         pixels.behind(behind, wall)
     if not pixels.own.has_surface:  # a window: it lies in the surface around it
-        return _on_plane(cards, row, wall, around)
+        return on_plane(cards, row, wall, around)
     own = pixels.own.known()
     if wall is not None and _ratio(own, wall) > 1 - _HANGING:
-        return _on_plane(cards, row, wall, around)
+        return on_plane(cards, row, wall, around)
     if not is_ellipse and len(own.distance) >= _LEAST_PIXELS:
-        return _on_plane(cards, row, *plane(own))
+        return on_plane(cards, row, *plane(own))
     return sphere(cards, row, *ball_distance(own, cards.direction[row], cards.angular_radius[row]))
 
 
@@ -71,10 +71,15 @@ def _ratio(own: Pixels, wall: Reals) -> float:
     return weighted_median(own.distance * (own.ray @ wall), own.weight)
 
 
-def _on_plane(cards: Cards, row: int, wall: Reals | None, residual: float) -> PlacedLight:
-    """Light in a plane q . x = 1; a sun without one, and a facing plane where it is too oblique."""
+def infinite(cards: Cards, row: int) -> PlacedLight:
+    """Light of a card at infinity."""
+    return _light("sun", cards, row, cards.matrix[row], 0.0)
+
+
+def on_plane(cards: Cards, row: int, wall: Reals | None, residual: float) -> PlacedLight:
+    """Light in a plane q . x = 1; at infinity without one, and facing where it is too oblique."""
     if wall is None:
-        return _light("sun", cards, row, cards.matrix[row], 0.0)
+        return infinite(cards, row)
     matrix, direction = cards.matrix[row], cards.direction[row]
     corners = geometry.corners(matrix[None])[0] @ wall
     if (corners > 0.2 * corners.max()).all():

@@ -1,4 +1,4 @@
-"""Planes in a depth map: along a ray, the inverse distance of a plane is linear in the direction."""
+"""Planes in a depth map: the inverse distance of a plane is linear in the direction."""
 
 from __future__ import annotations
 
@@ -12,6 +12,9 @@ from envlights.kernels.sphere import pixel_directions
 
 Reals = NDArray[np.float64]
 
+#: Rows of blocks in which surfaces are compared with planes. With 16, 5 % of noise in each pixel
+#: hides the reading; with 6, it is right in 36 of 36 trials.
+_ROWS = 6
 #: Distance along the ray for the samples of each reading, and the directions of their pixels.
 READINGS: dict[str, Callable[[Reals, Reals], Reals]] = {
     "ray": lambda values, _: values,
@@ -47,8 +50,8 @@ def of_blocks(values: NDArray[np.float64], shape: tuple[int, int]) -> Reals:
 
 
 def flatness(distance: Reals, ray: Reals) -> float:
-    """Median relative distance of a depth map from the planes of its blocks, of 11 degrees each."""
-    planes = of_blocks(block_planes(distance, ray, 16), distance.shape)
+    """Median relative distance of a depth map from the planes of its blocks, of 30 degrees each."""
+    planes = of_blocks(block_planes(distance, ray, _ROWS), distance.shape)
     known = np.isfinite(distance)
     expected = np.einsum("...i,...i->...", planes, ray)[known]
     return float(np.nanmedian(np.abs(expected * distance[known] - 1)))
