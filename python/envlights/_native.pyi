@@ -350,11 +350,7 @@ def merge_along_lines(
     luminance: _Image, pixels: _Indices, points: _Reals, rule: LineRule
 ) -> _Indices: ...
 def near_irradiance(
-    points: _Reals,
-    normals: _Reals,
-    balls: tuple[_Reals, _Reals, _Reals],
-    cards: tuple[_Reals, list[bool], _Reals],
-    patches: tuple[_Reals, _Reals, _Reals, _Reals],
+    points: _Reals, normals: _Reals, spheres: _Reals, cards: _Reals, patches: _Reals
 ) -> _Reals: ...
 def neighbour_maximum(
     luminance: _Image, pixels: _Indices, reach: int, sphere: bool

@@ -4,27 +4,24 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from envlights._common.check import reals
 from envlights._common.notes import log
 from envlights._native import EnvLightsError
 from envlights.cards import CardSplit
 from envlights.environment.envmap import AnyMap
 from envlights.kernels.image import luminance
-from envlights.placing.depth import read_depth, room_distance
-from envlights.placing.patches import no_patches, patches_of
-from envlights.placing.placed import PlacedLights
+from envlights.placing.depth import read_depth, room_distance, triple
+from envlights.placing.patches import patches_of
+from envlights.placing.placed_lights import PlacedLights
 from envlights.placing.position import place_cards
 from envlights.placing.reading import Reals
-from envlights.placing.triangulate import triangulated
+from envlights.placing.triangulate import triangulate
 from envlights.splitting.split import Split, split
 
-#: Most rows of the walls of a room that is given by its size.
-_MOST_ROWS = 512
 #: Map of a place, or its cards and remainder.
 AnyParts = AnyMap | CardSplit
 
@@ -116,11 +113,11 @@ def place(
                 " room with its position"
             )
         where = [place - pairs[0][1] for _, place in pairs]
-        lights, notes = triangulated([each.cards for each in parts], where)
-        return PlacedLights(lights, first.remainder, no_patches(), None, tuple(notes))
+        lights, notes = triangulate([each.cards for each in parts], where)
+        return PlacedLights(lights, first.remainder, np.zeros((0, 10)), None, tuple(notes))
     if len(parts) > 1:
         raise EnvLightsError("give depth or several maps, not both; the depth is that of one map")
-    distance, notes = _distance(first, depth, reading, scale, room, camera)
+    distance, notes = _distance(depth, reading, scale, room, camera)
     log(notes)
     light = luminance(first.cards.to_map(2 * len(distance)).radiance)
     lights, behind = place_cards(first.cards, distance, light)
@@ -129,7 +126,6 @@ def place(
 
 
 def _distance(
-    parts: CardSplit,
     depth: ArrayLike | str | os.PathLike[str] | None,
     reading: str | None,
     scale: float | None,
@@ -137,35 +133,25 @@ def _distance(
     camera: ArrayLike | None,
 ) -> tuple[Reals, list[str]]:
     """Distance along the ray of each pixel, and notes on it."""
-    if room is None:
-        if camera is not None:
-            raise EnvLightsError("camera is a position in a room; give room= as well")
-        return read_depth(cast(Any, depth), reading, scale)
-    if depth is not None or reading is not None or scale is not None:
-        raise EnvLightsError("room replaces a depth; give either, and reading and scale with depth")
-    return room_distance(room, camera, min(max(parts.remainder.height, 16), _MOST_ROWS)), []
+    if room is not None:
+        if depth is not None or reading is not None or scale is not None:
+            raise EnvLightsError("room replaces depth=, reading= and scale=; leave them out")
+        return room_distance(room, camera, 256), []
+    if camera is not None:
+        raise EnvLightsError("camera is a position in a room; give room= as well")
+    return read_depth(depth, reading, scale)
 
 
 def _pairs(env: Any) -> list[tuple[Any, Reals]]:
     """Maps and their positions."""
-    is_list = isinstance(env, list | tuple) and not isinstance(env, CardSplit | Split)
-    if (
-        not is_list
-        or not env
-        or not all(isinstance(each, tuple) and len(each) == 2 for each in env)
-    ):
-        return [(env, np.zeros(3))]
-    pairs = [(each, reals("position", position, 1)) for each, position in env]
-    for _, position in pairs:
-        if position.shape != (3,) or not np.isfinite(position).all():
-            raise EnvLightsError(
-                f"the position of a map must be three finite numbers; got {position.tolist()}"
-            )
-    return pairs
+    is_list = type(env) in (list, tuple) and len(env) > 0
+    if is_list and all(type(each) is tuple and len(each) == 2 for each in env):
+        return [(each, triple("the position of a map", position)) for each, position in env]
+    return [(env, np.zeros(3))]
 
 
 def _parts(env: Any) -> CardSplit:
     """Cards and remainder of a map."""
     if isinstance(env, Split):
-        raise EnvLightsError("place needs cards: give the map, or el.split(env, shapes=True)")
+        raise EnvLightsError("place needs cards; give the map, or el.split(env, shapes=True)")
     return env if isinstance(env, CardSplit) else split(env, shapes=True)

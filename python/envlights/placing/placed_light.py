@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,13 +21,13 @@ class PlacedLight(Result):
     """"sphere": shines evenly into all directions; "plane": shines from one side, by the cosine;
     "sun": at infinity, without a position."""
 
-    shape: str
-    """Shape of its card, such as "rectangle"; a plane is an ellipse unless that has corners."""
+    is_disc: bool
+    """True for an ellipse, False for a rectangle."""
 
     matrix: Reals
-    """Columns U, V, O of the points O + a U + b V, (3, 3); of a sphere, its facing square.
+    """Columns U, V, O of the points O + a U + b V, (3, 3), as of `Cards`.
 
-    U goes to the right and V down, as in `Cards`. Of a sun, the centre is at distance 1."""
+    Of a sphere, its facing square; of a sun, a card with its centre at distance 1."""
 
     irradiance: Reals
     """Linear RGB of a surface at the camera that faces the light, (3,)."""
@@ -39,17 +39,19 @@ class PlacedLight(Result):
     """Linear radiance, (rows, columns, 3); see `Cards`."""
 
     uncertainty: float = 0.0
-    """Relative deviation of the depth from the sphere or plane; of two maps, the residual angle."""
+    """Median relative deviation of the depth from the sphere or the plane.
 
-    @property
-    def is_disc(self) -> bool:
-        """True for a plane that is an ellipse."""
-        return self.shape not in ("rectangle", "tube")
+    Of several maps, the largest angle in radians by which a ray misses the position."""
 
     @property
     def direction(self) -> Reals:
         """Unit vector from the camera to the centre, (3,)."""
         return geometry.unit(self.matrix @ [0.5, 0.5, 1])
+
+    @property
+    def position(self) -> Reals:
+        """Centre in metres, (3,); infinite for a sun."""
+        return self.direction * self.distance
 
     @property
     def distance(self) -> float:
@@ -58,31 +60,26 @@ class PlacedLight(Result):
         return np.inf if is_far else float(np.linalg.norm(self.matrix @ [0.5, 0.5, 1]))
 
     @property
-    def position(self) -> Reals:
-        """Centre in metres, (3,); infinite for a sun."""
-        return self.direction * self.distance
-
-    @property
     def normal(self) -> Reals:
         """Unit normal of the side that shines, (3,); of a sphere, towards the camera."""
-        return geometry.normals(self.matrix[None])[0]
+        return geometry.one(geometry.normals(self.matrix[None]))
 
     @property
     def up(self) -> Reals:
-        """Unit vector up in the plane of the light, (3,)."""
+        """Unit vector upwards in the plane of the light, (3,)."""
         return -geometry.unit(self.matrix[:, 1])
 
     @property
-    def size(self) -> tuple[float, float]:
-        """Width and height in metres; of a sphere, its diameter twice."""
+    def size(self) -> Reals:
+        """Width and height in metres, (2,); of a sphere, its diameter twice."""
         if self.kind == "sphere":
-            return 2 * self.radius, 2 * self.radius
-        width, height = np.linalg.norm(self.matrix[:, :2], axis=0)
-        return float(width), float(height)
+            return np.full(2, 2 * self.radius)
+        lengths: Reals = np.linalg.norm(self.matrix[:, :2], axis=0)
+        return lengths
 
     @property
     def radius(self) -> float:
-        """Radius of a sphere in metres; of others, that of a sphere of their size."""
+        """Radius in metres of a sphere of the angular radius."""
         return float(self.distance * np.sin(self.angular_radius))
 
     @property
@@ -90,22 +87,53 @@ class PlacedLight(Result):
         """Uniform radiance, linear RGB, (3,)."""
         if self.kind == "plane":
             shape = ("disc" if self.is_disc else "rectangle",)
-            return uniform_radiance(self.matrix[None], shape, self.irradiance[None])[0]
-        square = np.sin(self.angular_radius) ** 2
-        radiance: Reals = self.irradiance / (np.pi * max(square, 1e-12))
+            return geometry.one(uniform_radiance(self.matrix[None], shape, self.irradiance[None]))
+        radiance: Reals = self.irradiance / max(np.pi * np.sin(self.angular_radius) ** 2, 1e-12)
         return radiance
 
     @property
     def intensity(self) -> Reals:
         """Radiant intensity along the normal in W / sr, or candela for a map in cd/m2, (3,)."""
-        if self.kind == "sphere":
+        if self.kind != "plane":
             return self.irradiance * self.distance**2
-        width, height = self.size
-        area = width * height * (np.pi / 4 if self.is_disc else 1)
+        area = float(self.size.prod()) * (np.pi / 4 if self.is_disc else 1)
         return self.radiance * area
 
+    def seen_from(self, point: Reals) -> tuple[Reals, Reals, float]:
+        """Direction, irradiance at normal incidence and angular radius at a point, as a disc.
+
+        The irradiance is 0 behind a plane.
+        """
+        if self.kind == "sun":
+            return self.direction, self.irradiance, self.angular_radius
+        if self.kind == "sphere":
+            to = self.position - point
+            distance = max(float(np.linalg.norm(to)), self.radius)
+            radius = float(np.arcsin(min(self.radius / distance, 1.0)))
+            return to / distance, self.irradiance * (self.distance / distance) ** 2, radius
+        matrix = self.around(point)
+        vector = geometry.vector_irradiance(geometry.outline(matrix, self.is_disc))
+        length = float(np.linalg.norm(vector))
+        if np.linalg.det(matrix) <= 0 or not length:
+            return self.direction, np.zeros(3), 0.0
+        radius = float(np.arcsin(np.sqrt(min(length / np.pi, 1.0))))
+        return vector / length, self.radiance * length, radius
+
+    def around(self, point: Reals) -> Reals:
+        """Matrix relative to a point."""
+        return self.matrix - np.outer(point, [0, 0, 1])
+
+    def quarters(self) -> list[PlacedLight]:
+        """Four quarters of a rectangle, with their parts of the irradiance."""
+        across, down, corner = self.matrix.T
+        corners = [corner + a * across + b * down for a in (0, 0.5) for b in (0, 0.5)]
+        matrices = np.array([np.stack([across / 2, down / 2, each], axis=1) for each in corners])
+        units = uniform_radiance(matrices, ("rectangle",) * 4, np.ones((4, 3)))
+        pairs = zip(matrices, self.radiance / units, strict=True)
+        return [replace(self, matrix=matrix, irradiance=part) for matrix, part in pairs]
+
     def in_short(self) -> str:
-        """Kind, distance and size."""
+        """Kind, size and distance."""
         if self.kind == "sun":
             return "sun at infinity"
         width, height = self.size

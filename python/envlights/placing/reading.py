@@ -24,44 +24,35 @@ READINGS: dict[str, Callable[[Reals, Reals], Reals]] = {
 }
 
 
-def block_planes(distance: Reals, ray: Reals, rows: int) -> Reals:
-    """Planes q . x = 1 of the blocks of a depth map, (rows, 2 * rows, 3): least squares in 1 / d.
+def pixel_planes(distance: Reals, ray: Reals, rows: int, finest: int = 128) -> Reals:
+    """Plane q . x = 1 of each pixel, (height, width, 3): least squares in 1 / d over its block.
 
-    A block without three directions that have a distance gets NaN.
+    Planes of blocks without three directions that have a distance are NaN. Blocks use every n-th
+    pixel of maps with 2 `finest` rows or more.
     """
-    inverse = np.where(np.isfinite(distance), 1 / distance, 0)
-    known = np.isfinite(distance)[..., None]
-    pairs = (ray[..., :, None] * ray[..., None, :]).reshape(*distance.shape, 9)
-    right = area_means(ray * inverse[..., None], rows, 2 * rows)
+    few = slice(None, None, max(len(distance) // finest, 1))
+    some, metres = ray[few, few], distance[few, few, None]
+    known = np.isfinite(metres)
+    pairs = (some[..., :, None] * some[..., None, :]).reshape(*some.shape[:2], 9)
     left = area_means(pairs * known, rows, 2 * rows).reshape(rows, 2 * rows, 3, 3)
-    is_flat = np.linalg.cond(left) > 1e12
-    left[is_flat] = np.nan
-    planes: Reals = np.linalg.solve(left, right[..., None])[..., 0]
+    left[np.linalg.cond(left) > 1e12] = np.nan
+    right = area_means(some * np.where(known, 1 / metres, 0), rows, 2 * rows)[..., None]
+    blocks = np.linalg.solve(left, right)[..., 0]
+    row, column = (
+        np.arange(size) * n // size
+        for size, n in zip(distance.shape, (rows, 2 * rows), strict=True)
+    )
+    planes: Reals = blocks[row[:, None], column]
     return planes
 
 
-def of_blocks(values: NDArray[np.float64], shape: tuple[int, int]) -> Reals:
-    """Value of the block of each pixel, for a picture of this shape."""
-    row, column = (
-        np.arange(size) * blocks // size for size, blocks in zip(shape, values.shape, strict=False)
-    )
-    pixels: Reals = values[row[:, None], column]
-    return pixels
-
-
-def flatness(distance: Reals, ray: Reals) -> float:
-    """Median relative distance of a depth map from the planes of its blocks, of 30 degrees each."""
-    planes = of_blocks(block_planes(distance, ray, _ROWS), distance.shape)
-    known = np.isfinite(distance)
-    expected = np.einsum("...i,...i->...", planes, ray)[known]
-    return float(np.nanmedian(np.abs(expected * distance[known] - 1)))
-
-
-def measured_flatness(values: Reals) -> dict[str, float]:
-    """Flatness of the surfaces in samples of depth under each reading."""
+def flatness(values: Reals) -> dict[str, float]:
+    """Median relative distance of surfaces from planes, for each reading of samples of depth."""
     step = max(len(values) // 128, 1)
-    height, width = values.shape
-    few = slice(step // 2, None, step)
-    ray = pixel_directions(height, width)[few, few]
-    with np.errstate(divide="ignore"):
-        return {name: flatness(read(values[few, few], ray), ray) for name, read in READINGS.items()}
+    ray = pixel_directions(*values.shape)[::step, ::step]
+    each = {}
+    for name, read in READINGS.items():
+        distance = read(values[::step, ::step], ray)
+        expected = (pixel_planes(distance, ray, _ROWS) * ray).sum(axis=-1)
+        each[name] = float(np.nanmedian(np.abs(expected * distance - 1)))
+    return each

@@ -14,17 +14,20 @@ from envlights.placing.placed_light import PlacedLight
 from envlights.placing.position import infinite, on_plane, sphere
 from envlights.placing.reading import Reals
 
-#: Angle between two rays at their nearest points, and ratio of intensities as a logarithm, that
-#: cost 1 each; a pair that costs more than 4 is no pair. Errors of centres are below 0.3 degrees.
-_MISS, _RATIO, _MOST_COST = np.radians(3.0), 0.5, 4.0
-#: Least parallax in radians: below 2 degrees the error of a position reaches 3 %.
-_PARALLAX = np.radians(2.0)
+#: Angle by which two rays miss each other, and logarithm of the ratio of intensities, that cost 1;
+#: lights whose pair costs more than 4 are not the same. Centres of cards miss by 0.04 degrees.
+_MISS_DEG, _RATIO, _MOST_COST = 3.0, 0.5, 4.0
+#: Least parallax in degrees: at 2 degrees, a miss of 0.04 degrees moves a light by 1 %.
+_LEAST_PARALLAX_DEG = 2.0
+
+#: Map and card of each ray that meets in a light.
+_Rays = list[tuple[int, int]]
 
 
-def triangulated(
+def triangulate(
     cards: Sequence[Cards], where: Sequence[Reals]
 ) -> tuple[tuple[PlacedLight, ...], list[str]]:
-    """Lights of the first map, at the positions where the rays of the other maps meet theirs.
+    """Lights of the first map where their rays meet those of the others, and notes.
 
     Parameters
     ----------
@@ -33,93 +36,70 @@ def triangulated(
     where : sequence of ndarray, shape (3,)
         Position of each map, relative to the first.
     """
-    if not max(np.linalg.norm(each) for each in where) > 0:
+    if not any(place.any() for place in where):
         raise EnvLightsError("the maps must have different positions; all are at the same one")
-    pairs = [
-        _matched(cards[0], other, shift) for other, shift in zip(cards[1:], where[1:], strict=True)
-    ]
-    lights = [
-        _light(cards, where, row, [each.get(row) for each in pairs]) for row in range(len(cards[0]))
-    ]
-    far = sum(light.kind == "sun" for light in lights)
-    notes = [f"{quantity(len(lights) - far, 'light')} placed by the parallax of {len(cards)} maps"]
-    if far:
-        notes.append(f"{quantity(far, 'light')} without a partner or parallax stay at infinity")
-    return tuple(lights), notes
+    rays: list[_Rays] = [[(0, row)] for row in range(len(cards[0]))]
+    for number, (others, shift) in enumerate(zip(cards, where, strict=True)):
+        for row, partner in _partners(cards[0], others, shift) if number else ():
+            rays[row].append((number, partner))
+    lights = tuple(_light(cards, where, each) for each in rays)
+    near = sum(light.kind != "sun" for light in lights)
+    notes = [f"{quantity(near, 'light')} placed by the parallax of {len(cards)} maps"]
+    if near < len(lights):
+        far = quantity(len(lights) - near, "light")
+        notes.append(f"{far} without a partner or without parallax left at infinity")
+    return lights, notes
 
 
-def _matched(cards: Cards, others: Cards, shift: Reals) -> dict[int, int]:
-    """Row of the other map for each row of the first, as far as there is one."""
-    if not len(cards) or not len(others):
-        return {}
-    cost = np.array(
-        [[_cost(cards, i, others, j, shift) for j in range(len(others))] for i in range(len(cards))]
-    )
-    size = len(cards) + len(others)
-    square = np.full((size, size), _MOST_COST / 2)
-    square[: len(cards), : len(others)] = np.minimum(cost, 2 * _MOST_COST)
-    square[len(cards) :, len(others) :] = 0
-    chosen = _native.assignment(square)
-    return {
-        i: int(j)
-        for i, j in enumerate(chosen[: len(cards)])
-        if j < len(others) and cost[i, j] < _MOST_COST
-    }
+def _partners(cards: Cards, others: Cards, shift: Reals) -> list[tuple[int, int]]:
+    """Pairs of cards that are the same light, at the least sum of costs."""
+    size = max(len(cards), len(others))
+    cost = np.full((size, size), 2 * _MOST_COST)
+    for i in range(len(cards)):
+        for j in range(len(others)):
+            cost[i, j] = min(_cost(cards, i, others, j, shift), 2 * _MOST_COST)
+    chosen = _native.assignment(cost).tolist() if size else []
+    return [(i, j) for i, j in enumerate(chosen) if cost[i, j] < _MOST_COST]
 
 
 def _cost(cards: Cards, i: int, others: Cards, j: int, shift: Reals) -> float:
     """Cost of a pair: the angle by which the rays miss each other, and the ratio of intensities."""
     rays = np.array([cards.direction[i], others.direction[j]])
-    point, miss = meeting(rays, np.array([np.zeros(3), shift]))
-    if not np.isfinite(miss):
-        return np.inf
-    squares = (point**2).sum(), ((point - shift) ** 2).sum()
-    one, other = cards.irradiance[i] * squares[0], others.irradiance[j] * squares[1]
-    ratio = np.log((one + 1e-9 * one.max()) / (other + 1e-9 * one.max() + 1e-300))
-    return float((miss / _MISS) ** 2 + np.mean(ratio**2) / _RATIO**2)
+    point, miss = _meeting(rays, np.array([np.zeros(3), shift]))
+    near, far = (point**2).sum(), ((point - shift) ** 2).sum()
+    light, other = cards.irradiance[i] * near, others.irradiance[j] * far
+    floor = 1e-6 * max(light.max(), other.max()) + 1e-300
+    ratio = np.log((light + floor) / (other + floor))
+    return float((np.degrees(miss) / _MISS_DEG) ** 2 + np.mean(ratio**2) / _RATIO**2)
 
 
-def meeting(rays: Reals, origins: Reals) -> tuple[Reals, float]:
-    """Point nearest to some rays, (n, 3) each, and the largest angle between it and a ray.
+def _meeting(rays: Reals, origins: Reals) -> tuple[Reals, float]:
+    """Point nearest to some rays, (n, 3), and the largest angle between it and a ray.
 
-    The angle is infinite if the point lies behind an origin or the rays are parallel.
+    The angle is infinite if the rays are parallel or the point lies behind an origin.
     """
     across = np.eye(3) - rays[:, :, None] * rays[:, None, :]
     total = across.sum(axis=0)
     if np.linalg.cond(total) > 1e10:
-        return np.zeros(3), np.inf
+        return np.ones(3), np.inf
     point = np.linalg.solve(total, np.einsum("nij,nj->i", across, origins))
-    to = point - origins
-    cosine = np.einsum("ni,ni->n", geometry.unit(to), rays)
+    cosine = (geometry.unit(point - origins) * rays).sum(axis=1)
     return point, np.inf if (cosine <= 0).any() else float(np.arccos(np.minimum(cosine, 1)).max())
 
 
-def _light(
-    cards: Sequence[Cards], where: Sequence[Reals], row: int, partners: Sequence[int | None]
-) -> PlacedLight:
+def _light(cards: Sequence[Cards], where: Sequence[Reals], rays: _Rays) -> PlacedLight:
     """Light at the meeting of its rays, or at infinity."""
-    rows = [(0, row), *((k, other) for k, other in enumerate(partners, 1) if other is not None)]
-    origins = np.array([where[k] for k, _ in rows])
-    rays = np.array([cards[k].direction[other] for k, other in rows])
-    if len(rows) < 2:
-        return infinite(cards[0], row)
-    point, miss = meeting(rays, origins)
+    (_, row), origins = rays[0], np.array([where[k] for k, _ in rays])
+    point, miss = _meeting(np.array([cards[k].direction[i] for k, i in rays]), origins)
     towards = geometry.unit(point - origins)
-    parallax = np.arccos(np.clip(towards @ towards.T, -1, 1)).max()
-    if not parallax > _PARALLAX:
+    parallax = np.degrees(np.arccos(np.clip(towards @ towards.T, -1, 1)).max())
+    if len(rays) < 2 or not np.isfinite(miss) or parallax < _LEAST_PARALLAX_DEG:
         return infinite(cards[0], row)
-    plane = _plane(cards, rows, origins)
-    if plane is None:
-        return sphere(cards[0], row, float(np.linalg.norm(point)), miss)
-    return on_plane(cards[0], row, plane / (plane @ point), miss)
-
-
-def _plane(cards: Sequence[Cards], rows: Sequence[tuple[int, int]], origins: Reals) -> Reals | None:
-    """Normal of a light that is a rectangle in all maps: its corners meet in a plane."""
-    if any(cards[k].shape[row] != "rectangle" for k, row in rows):
-        return None
-    corners = np.array([cards[k].corners[row] for k, row in rows])
-    points = np.array([meeting(corners[:, corner], origins)[0] for corner in range(4)])
-    normal = np.linalg.svd(points - points.mean(axis=0))[2][2]
-    facing: Reals = normal * np.sign(normal @ points.mean(axis=0))
-    return facing if facing @ geometry.unit(points.mean(axis=0)) > 0.1 else None
+    if all(cards[k].shape[i] == "rectangle" for k, i in rays):
+        # The corners meet in a plane.
+        sides = np.array([cards[k].corners[i] for k, i in rays])
+        corners = np.array([_meeting(sides[:, corner], origins)[0] for corner in range(4)])
+        normal = np.linalg.svd(corners - corners.mean(axis=0))[2][2]
+        if abs(normal @ towards[0]) > 0.1:
+            return on_plane(cards[0], row, normal / (normal @ point), miss)
+    return sphere(cards[0], row, float(np.linalg.norm(point)), miss)
