@@ -14,7 +14,7 @@ from envlights._native import EnvLightsError
 from envlights.cards import CardSplit
 from envlights.environment.envmap import AnyMap
 from envlights.kernels.image import luminance
-from envlights.placing.depth import read_depth, room_distance, triple
+from envlights.placing.depth import read_depth, room_distance, triple, without_holes
 from envlights.placing.patches import patches_of
 from envlights.placing.placed_lights import PlacedLights
 from envlights.placing.position import place_cards
@@ -121,8 +121,9 @@ def place(
     log(notes)
     light = luminance(first.cards.to_map(2 * len(distance)).radiance)
     lights, behind = place_cards(first.cards, distance, light)
-    patches = patches_of(first.remainder, behind)
-    return PlacedLights(lights, first.remainder, patches, behind, tuple(notes))
+    surfaces = without_holes(behind)
+    patches = patches_of(first.remainder, surfaces)
+    return PlacedLights(lights, first.remainder, patches, surfaces, tuple(notes))
 
 
 def _distance(

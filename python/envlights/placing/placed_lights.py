@@ -10,11 +10,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native
-from envlights._common.check import count, one_or_more, reals
+from envlights._common.check import count, describe, one_or_more, reals
 from envlights._common.notes import Note
 from envlights._common.result import Result
 from envlights._common.tables import MOST_ROWS, Table
 from envlights._common.words import percent, quantity
+from envlights._native import EnvLightsError
 from envlights.cards import Cards
 from envlights.environment import thumbnails
 from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
@@ -181,6 +182,11 @@ class PlacedLights(Result):
         PointErrors
             Errors, beside those with all light at infinity.
         """
+        if not isinstance(maps, Mapping):
+            raise EnvLightsError(
+                f"maps must be a mapping of positions to maps, such as {{(1, 0, 0): env}}; got"
+                f" {describe(maps)}"
+            )
         normals, weights = icosphere(320)
         points = np.reshape([triple("position", each) for each in maps], (-1, 3))
         truth = [as_envmap(each).probe(normals) for each in maps.values()]
@@ -193,10 +199,9 @@ class PlacedLights(Result):
 
     def _around(self, points: Reals, normals: Reals) -> Reals:
         """Irradiance of surfaces and suns, (p, n, 3): the camera's, and the change of patches."""
-        places = np.vstack([np.zeros((1, 3)), points])
-        patches = self._near(places, normals, (), self.patches)
-        home = self.remainder.probe(normals)
-        surfaces = np.maximum(home + patches[1:] - patches[0], 0)
+        there = self._near(points, normals, (), self.patches)
+        here = self._near(np.zeros((1, 3)), normals, (), self.patches)
+        surfaces = np.maximum(self.remainder.probe(normals) + there - here, 0)
         values: Reals = surfaces + self._suns(normals)
         return values
 
@@ -224,7 +229,7 @@ class PlacedLights(Result):
         return _native.near_irradiance(points, normals, *arrays, patches)
 
     def _pieces(self, point: Reals, most: int) -> list[PlacedLight]:
-        """Lights, with large rectangles in four pieces as long as there are at most `most` lights."""
+        """Lights, with large rectangles in quarters as long as there are at most `most` lights."""
         pieces, left = list[PlacedLight](), most - len(self.lights)
         for light in self.lights:
             is_cut = left >= 3 and light.kind == "plane" and not light.is_disc

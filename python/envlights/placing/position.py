@@ -118,14 +118,13 @@ def _median(values: Reals, weights: Reals) -> float:
 def _plane(pixels: _Pixels) -> tuple[Reals, float]:
     """Plane q . x = 1, robust against a minority of pixels, and their median relative distance."""
     ray, distance, weight = (each[np.isfinite(pixels.distance)] for each in pixels)
-    now, residual = weight, weight
-    normal: Reals = np.zeros(3)
+    now: Reals = weight
     for _ in range(8):
         weighted = ray * now[:, None]
-        normal = np.linalg.lstsq(weighted.T @ ray, weighted.T @ (1 / distance), rcond=None)[0]
-        residual = np.asarray(np.abs(distance * (ray @ normal) - 1), float)
-        now = weight / (1 + (residual / max(1.5 * np.median(residual), 1e-9)) ** 2)
-    return normal, float(np.median(residual))
+        normal, *_ = np.linalg.lstsq(weighted.T @ ray, weighted.T @ (1 / distance), rcond=None)
+        residual = np.abs(distance * (ray @ normal) - 1)
+        now = np.divide(weight, 1 + (residual / max(1.5 * np.median(residual), 1e-9)) ** 2)
+    return normal.astype(float), float(np.median(residual))
 
 
 def _globe(pixels: _Pixels, direction: Reals, radius: float) -> tuple[float, float]:
