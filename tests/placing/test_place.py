@@ -198,11 +198,11 @@ def test_a_sky_without_depth_stays_at_infinity():
 @pytest.mark.parametrize("noise", ["none", "smooth", "each pixel"])
 @pytest.mark.parametrize("stored", ["ray", "horizontal", "cube axis", "inverse"])
 def test_the_reading_of_a_depth_is_measured(stored, noise):
-    radiance, depth = seen("furnished")
-    rays, rng = kernels.pixel_directions(256, 512), np.random.default_rng(0)
+    radiance, depth = seen("furnished", 128)
+    rays, rng = kernels.pixel_directions(128, 256), np.random.default_rng(0)
     wave = rng.standard_normal(depth.shape)
     if noise == "smooth":
-        wave = gaussian_filter(wave, 14, mode=("nearest", "wrap"))
+        wave = gaussian_filter(wave, 7, mode=("nearest", "wrap"))
     depth = depth * np.exp((noise != "none") * 0.05 * wave / wave.std())
     values = {
         "ray": depth,

@@ -100,7 +100,7 @@ class PlacedLights(Result):
 
     @property
     def cards(self) -> Cards:
-        """The planes as cards at their positions, for `Cards.save` and other methods of cards."""
+        """The planes as cards at their positions, for `CardSplit.save` and other uses of cards."""
         return self._cards_around(np.zeros(3))
 
     def irradiance(self, points: ArrayLike, normals: ArrayLike) -> NDArray[np.float64]:
