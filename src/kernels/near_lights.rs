@@ -9,6 +9,8 @@
 //! Globes and cards are given by their irradiance at normal incidence from the origin, so that the origin receives
 //! exactly that. Nothing hides a light from a point.
 
+#![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
+
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::{DMat3, DVec3};
