@@ -59,6 +59,7 @@ from tests.call_values import (
 
 _CORNER = np.transpose([[-2.0, 0, 0], [0, -1, 0], [1, 0.5, 1]])
 CARDS = el.Cards(["rectangle"], [_CORNER], [[3.0, 2.0, 1.0]])
+PLACED = el.place(el.synthetic.hall(64).radiance, room=(6, 3, 5))
 
 CALLS = {
     "EnvMap": (
@@ -154,6 +155,27 @@ CALLS = {
             "shapes": st.booleans(),
         },
     ),
+    "place": (
+        el.place,
+        {
+            "env": IMAGE,
+            "depth": st.sampled_from([np.ones((16, 32)), np.full((20, 40), np.inf)]),
+            "reading": st.sampled_from([None, "ray", "inverse"]),
+            "scale": st.one_of(st.none(), SMALL),
+        },
+    ),
+    "place in a room": (
+        lambda env, room, camera: el.place(env, room=room, camera=camera),
+        {"env": IMAGE, "room": st.just((6, 3, 5)), "camera": st.sampled_from([None, (1, 1, 1)])},
+    ),
+    "place by two maps": (
+        lambda env, other, position: el.place([(env, (0, 0, 0)), (other, position)]),
+        {"env": IMAGE, "other": IMAGE, "position": AXIS_OF_SURFACE},
+    ),
+    "PlacedLights.irradiance": (PLACED.irradiance, {"points": array(5, 3), "normals": NORMALS}),
+    "PlacedLights.at": (PLACED.at, {"point": AXIS_OF_SURFACE, "lights": COUNT}),
+    "PlacedLights.map_at": (PLACED.map_at, {"point": AXIS_OF_SURFACE}),
+    "PlacedLights.compare": (PLACED.compare, {"maps": st.just({(0, 1, 0): np.ones((4, 8, 3))})}),
     "limit": (el.limit, {"env": IMAGE, "maximum": SMALL}),
     "papers.loghin.detect": (
         el.papers.loghin.detect,

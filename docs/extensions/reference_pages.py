@@ -42,6 +42,7 @@ PAGES = (
         "Find lights, and take them out of a map.",
         ("detection", "splitting", "papers", "cards"),
     ),
+    Page("place", "Lights in metres", "Give lights a position in a room.", ("placing",)),
     Page("sequence", "Sequences", "Fit rigs to a sequence of maps.", ("sequence",)),
     Page("sun", "Sun", "Find the sun of an 8-bit panorama.", ("sun",)),
     Page(
@@ -62,7 +63,7 @@ INTRODUCTION = """Every public name has a page with its shapes, units, errors an
 #: Packages with names of their own.
 PACKAGES = (
     *("rigs", "detection", "splitting", "cards", "sun", "fitting", "papers", "batches"),
-    *("scene", "viewer", "comparison", "sequence", "transfer"),
+    *("scene", "viewer", "comparison", "placing", "sequence", "transfer"),
     *("plot", "export", "frames", "io", "layers", "synthetic", "kernels"),
 )
 #: Pages of the guide on a package.

@@ -51,6 +51,7 @@ __all__ = [
     "kernels",
     "limit",
     "papers",
+    "place",
     "plot",
     "read_pairs",
     "rigs",
@@ -77,6 +78,7 @@ _PACKAGES = {
     "io",
     "layers",
     "papers",
+    "placing",
     "plot",
     "scene",
     "sequence",
@@ -96,6 +98,7 @@ _LATER = {
     "error_curve": "fitting.error_curve",
     "find_sun": "sun",
     "follow": "sequence",
+    "place": "placing",
     "read_pairs": "transfer",
     "shadow_overlay": "scene",
     "vary": "rigs.vary",
@@ -141,6 +144,7 @@ if _typing.TYPE_CHECKING:
     from envlights import io as io
     from envlights import layers as layers
     from envlights import papers as papers
+    from envlights import placing as placing
     from envlights import plot as plot
     from envlights import rigs as rigs
     from envlights import scene as scene
@@ -155,6 +159,7 @@ if _typing.TYPE_CHECKING:
     from envlights.comparison.folders import compare_folders as compare_folders
     from envlights.fitting.error_curve import error_curve as error_curve
     from envlights.papers.photograph import detect_photograph as detect_photograph
+    from envlights.placing.place import place as place
     from envlights.rigs.vary import vary as vary
     from envlights.scene.bake import bake as bake
     from envlights.scene.floor_shadow import shadow_overlay as shadow_overlay

@@ -76,6 +76,7 @@ __all__ = [
     "luminance",
     "map_energy",
     "merge_along_lines",
+    "near_irradiance",
     "neighbour_maximum",
     "nine_harmonics",
     "overview",
@@ -348,6 +349,9 @@ def map_energy(
 def merge_along_lines(
     luminance: _Image, pixels: _Indices, points: _Reals, rule: LineRule
 ) -> _Indices: ...
+def near_irradiance(
+    points: _Reals, normals: _Reals, spheres: _Reals, cards: _Reals, patches: _Reals
+) -> _Reals: ...
 def neighbour_maximum(
     luminance: _Image, pixels: _Indices, reach: int, sphere: bool
 ) -> tuple[_Image, _Indices]: ...

@@ -16,6 +16,7 @@ mod hierarchy;
 mod image;
 mod loghin;
 mod madsen;
+mod near_lights;
 mod occluder;
 mod output;
 mod pool;
@@ -91,6 +92,8 @@ mod _native {
     use super::madsen::{
         face_radiance, pack_lights, probe_jacobian, probe_model, probe_residual, unpack_lights,
     };
+    #[pymodule_export]
+    use super::near_lights::near_irradiance;
     #[pymodule_export]
     use super::occluder::{form_factors, hidden_fractions, reflected_irradiance};
     #[pymodule_export]

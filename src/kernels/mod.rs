@@ -12,6 +12,8 @@
 //! | reflection of a map by a rough surface        | `rough_reflection.rs` |
 //! | optimal transport between weighted directions  | `transport/`   |
 //! | irradiance of a disc of uniform radiance       | `disc.rs`      |
+//! | irradiance of a convex polygon                | `polygon.rs`   |
+//! | irradiance of lights with a position           | `near_lights.rs` |
 //! | drawing of discs into a map                    | `disc_map.rs`  |
 //! | light hidden by balls and convex polyhedra     | `occluder/`    |
 //! | bounding volume hierarchy of triangles         | `hierarchy/`   |
@@ -43,7 +45,9 @@ pub mod hierarchy;
 pub mod image;
 mod lanes;
 pub mod madsen;
+pub mod near_lights;
 pub mod occluder;
+mod polygon;
 pub mod probe;
 pub mod projection;
 pub mod repair;

@@ -38,6 +38,7 @@ WITHOUT = {
     "bake": "it takes a scene of Mitsuba, a Python object",
     "find_sun": "the answer behind --sun, which split and repair print",
     "fit_probe": "it takes arrays of normals and irradiance",
+    "place": "its answer is an object of Python: the light at any point of a room",
     "read_pairs": "the first step of transfer fit",
     "shadow_overlay": "it takes Python objects: solids and a camera",
     "threads": "the variable RAYON_NUM_THREADS",

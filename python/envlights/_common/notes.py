@@ -100,6 +100,19 @@ CODES = {
         (" for the clipped light: ", "nothing was added: no pixel is clipped"),
         "Light lost to clipping was estimated.",
     ),
+    "depth-doubt": Code(
+        ("the depth puts the floor ", "the depth shows no flat surfaces"),
+        "A depth has other units, is inverted, or belongs to another map.",
+        True,
+    ),
+    "depth": Code(
+        ("the depth was read as ", "the depth is unknown for "),
+        "Reading of a depth, and its holes.",
+    ),
+    "parallax": Code(
+        (" placed by the parallax of ", "without a partner or without parallax"),
+        "Lights that several maps place.",
+    ),
     "exposures": Code((" exposures were merged",), "Number and times of merged exposures."),
     "exposure-response": Code(("the response of the camera is not sRGB",), "Response used."),
     "exposure-time": Code(

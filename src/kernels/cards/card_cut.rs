@@ -12,6 +12,7 @@ use super::panes::{self, Group};
 use super::shape_fit::{FittedShape, Shape, fit};
 use super::window_fill::fill_windows;
 use super::window_search;
+use crate::kernels::polygon::vector_irradiance;
 
 /// Texels along a side of a texture at most.
 const MOST_TEXELS: f64 = 4096.0;
@@ -233,21 +234,7 @@ fn irradiance_of(matrix: &DMat3, [rows, columns]: [usize; 2], texels: &[DVec3]) 
             corner(row + 1, column + 1),
             corner(row + 1, column),
         ];
-        sum += *texel * lambert(&around).dot(centre);
+        sum += *texel * vector_irradiance(&around).dot(centre);
     }
     sum
-}
-
-/// Vector irradiance of a polygon of radiance 1 (Lambert).
-fn lambert(around: &[DVec3; 4]) -> DVec3 {
-    let edge = |i: usize| {
-        let across = around[i].cross(around[(i + 1) % 4]);
-        let sine = across.length();
-        if sine > 0.0 {
-            across * (0.5 * sine.atan2(around[i].dot(around[(i + 1) % 4])) / sine)
-        } else {
-            DVec3::ZERO
-        }
-    };
-    (0..4).map(edge).sum()
 }

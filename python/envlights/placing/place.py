@@ -1,0 +1,158 @@
+"""`place`: the lights of a map where they hang."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from envlights._common.notes import log
+from envlights._native import EnvLightsError
+from envlights.cards import CardSplit
+from envlights.environment.envmap import AnyMap
+from envlights.kernels.image import luminance
+from envlights.placing.depth import read_depth, room_distance, triple, without_holes
+from envlights.placing.patches import patches_of
+from envlights.placing.placed_lights import PlacedLights
+from envlights.placing.position import place_cards
+from envlights.placing.reading import Reals
+from envlights.placing.triangulate import triangulate
+from envlights.splitting.split import Split, split
+
+#: Map of a place, or its cards and remainder.
+AnyParts = AnyMap | CardSplit
+
+
+def place(
+    env: AnyParts | Sequence[tuple[AnyParts, ArrayLike]],
+    depth: ArrayLike | str | os.PathLike[str] | None = None,
+    *,
+    reading: str | None = None,
+    scale: float | None = None,
+    room: ArrayLike | None = None,
+    camera: ArrayLike | None = None,
+) -> PlacedLights:
+    r"""Give the lights of a map positions in metres, by the depth of its pixels.
+
+    Cards of `split` become planes or spheres in space. A window, which has no depth, lies in the
+    wall around it; a light with no surface around it, such as a sun, stays at infinity. The
+    remainder becomes 512 diffuse patches at their depth. Without `depth` and `room`, two or more
+    maps of one room give the positions of the lights that they share.
+
+    Parameters
+    ----------
+    env : EnvMap, path, array_like or CardSplit
+        The map, or ``el.split(env, shapes=True)``. Or pairs of a map and its position in metres,
+        ``[(env, (0, 0, 0)), (other, (1.2, 0, 0))]``, all with the axes of the first; results are
+        relative to the first.
+    depth : path-like or array_like, shape (height, 2 * height), optional
+        Depth in metres, equirectangular as the map, of any size: OpenEXR with a channel Z, PNG of
+        16 bits, `.npy` or an array. Zero, NaN and infinity mean that it is unknown.
+    reading : {"ray", "horizontal", "cube axis", "inverse"}, optional
+        Distance along the ray, distance in the horizontal plane, depth along the axis of a cube's
+        face, or one over the distance. Default: the reading under which surfaces are flat, with a
+        note.
+    scale : float, optional
+        Metres of a value of 1, such as 0.001 for millimetres; of "inverse", 1 / metres. Required
+        for whole numbers. Default: 1.
+    room : array_like, shape (3,), optional
+        Instead of a depth, width along x, height along y and depth along z of a box, in metres.
+        Lamps that hang in it are then placed on its walls.
+    camera : array_like, shape (3,), optional
+        Position of the camera in the room, from the corner with the least x, y and z. Default: the
+        middle.
+
+    Returns
+    -------
+    PlacedLights
+        `irradiance`, `at` and `map_at` give the light at a point of the room.
+
+    Raises
+    ------
+    EnvLightsError
+        If there is neither depth nor a second map, the depth has another shape, is negative or
+        unknown nearly everywhere, contradicts `reading`, or is of whole numbers without `scale`; or
+        the camera is not in the room.
+
+    See Also
+    --------
+    split : the cards.
+
+    Notes
+    -----
+    On a plane, 1 / depth is linear in the direction: a robust linear fit to the pixels around a
+    light gives the plane. A light that is more than 4 % nearer than that plane hangs, and is a
+    sphere of radius :math:`D \sin a` at the distance D for the angular radius a. Its pixels show
+    its front, at :math:`D (\cos t - \sqrt{\sin^2 a - \sin^2 t})` along a ray at the angle t from
+    its centre.
+
+    Examples
+    --------
+    A room of 6 x 3 x 5 m, with the camera in the middle and a panel in the ceiling:
+
+    >>> import envlights as el
+    >>> lamp = el.synthetic.Rectangle((0, 1, 0), 30.0, 30.0, (9, 9, 9))
+    >>> world = el.synthetic.scene(64, background=[0.2] * 3, shapes=[lamp])
+    >>> placed = el.place(world.radiance, room=(6, 3, 5))
+    >>> placed[0]
+    <PlacedLight: plane, 0.80 m x 0.80 m, at 1.50 m>
+    >>> rig = placed.at([0, 0.5, 0])
+    >>> len(rig.lights), rig.error < 0.01
+    (4, True)
+    """
+    pairs = _pairs(env)
+    parts = [_parts(each) for each, _ in pairs]
+    first = parts[0]
+    if depth is None and room is None:
+        if len(parts) < 2:
+            raise EnvLightsError(
+                "place needs depth=, room=(width, height, depth) in metres, or a second map of the"
+                " room with its position"
+            )
+        where = [place - pairs[0][1] for _, place in pairs]
+        lights, notes = triangulate([each.cards for each in parts], where)
+        return PlacedLights(lights, first.remainder, np.zeros((0, 10)), None, tuple(notes))
+    if len(parts) > 1:
+        raise EnvLightsError("give depth or several maps, not both; the depth is that of one map")
+    distance, notes = _distance(depth, reading, scale, room, camera)
+    log(notes)
+    light = luminance(first.cards.to_map(2 * len(distance)).radiance)
+    lights, behind = place_cards(first.cards, distance, light)
+    surfaces = without_holes(behind)
+    patches = patches_of(first.remainder, surfaces)
+    return PlacedLights(lights, first.remainder, patches, surfaces, tuple(notes))
+
+
+def _distance(
+    depth: ArrayLike | str | os.PathLike[str] | None,
+    reading: str | None,
+    scale: float | None,
+    room: ArrayLike | None,
+    camera: ArrayLike | None,
+) -> tuple[Reals, list[str]]:
+    """Distance along the ray of each pixel, and notes on it."""
+    if room is not None:
+        if depth is not None or reading is not None or scale is not None:
+            raise EnvLightsError("room replaces depth=, reading= and scale=; leave them out")
+        return room_distance(room, camera, 256), []
+    if camera is not None:
+        raise EnvLightsError("camera is a position in a room; give room= as well")
+    return read_depth(depth, reading, scale)
+
+
+def _pairs(env: Any) -> list[tuple[Any, Reals]]:
+    """Maps and their positions."""
+    is_list = type(env) in (list, tuple) and len(env) > 0
+    if is_list and all(type(each) is tuple and len(each) == 2 for each in env):
+        return [(each, triple("the position of a map", position)) for each, position in env]
+    return [(env, np.zeros(3))]
+
+
+def _parts(env: Any) -> CardSplit:
+    """Cards and remainder of a map."""
+    if isinstance(env, Split):
+        raise EnvLightsError("place needs cards; give the map, or el.split(env, shapes=True)")
+    return env if isinstance(env, CardSplit) else split(env, shapes=True)

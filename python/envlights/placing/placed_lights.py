@@ -1,0 +1,294 @@
+"""Lights of a room with their positions, and the light of its surfaces."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from envlights import _native
+from envlights._common.check import count, describe, one_or_more, reals
+from envlights._common.notes import Note
+from envlights._common.result import Result
+from envlights._common.tables import MOST_ROWS, Table
+from envlights._common.words import percent, quantity
+from envlights._native import EnvLightsError
+from envlights.cards import Cards
+from envlights.environment import thumbnails
+from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
+from envlights.fitting.fit import fit_probe
+from envlights.kernels.probe import relative_rms, rig_irradiance
+from envlights.kernels.sampling import icosphere
+from envlights.placing.depth import triple
+from envlights.placing.patches import warp
+from envlights.placing.placed_light import PlacedLight
+from envlights.placing.reading import Reals
+from envlights.rigs.lights import Lights, rgb_cell, rgb_heading
+from envlights.rigs.rig import Rig
+
+#: Angular radius in radians above which `PlacedLights.at` cuts a rectangle into four: as one disc,
+#: a panel of 1.2 m adds 0.8 % to the error at 1 m.
+_LARGE = 0.15
+
+
+class PointErrors(NamedTuple):
+    """Relative RMS errors of irradiance over 320 normals, at points of a room."""
+
+    point: Reals
+    """Metres from the camera, (n, 3)."""
+
+    error: Reals
+    """Error of the placed lights, (n,)."""
+
+    error_at_infinity: Reals
+    """Error of the same light without positions, (n,)."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PlacedLights(Result):
+    """Lights of a room in metres from the camera, and its surfaces, as `place` returns them.
+
+    Nothing hides a light from a point, surfaces are diffuse, and spheres shine evenly.
+
+    Examples
+    --------
+    A panel in the ceiling of a room:
+
+    >>> import envlights as el
+    >>> lamp = el.synthetic.Rectangle((0, 1, 0), 30.0, 30.0, (9, 9, 9))
+    >>> world = el.synthetic.scene(64, background=[0.2] * 3, shapes=[lamp])
+    >>> placed = el.place(world.radiance, room=(6, 3, 5))
+    >>> placed
+    <PlacedLights: 1 plane, and 512 patches>
+    >>> placed.irradiance([[0, 0, 0], [0, 1, 0]], [[0, 1, 0]])[..., 0].round(1)
+    array([[ 2.9],
+           [12.9]])
+    """
+
+    lights: tuple[PlacedLight, ...]
+    """Lights with positions, brightest at the camera first."""
+
+    remainder: EnvMap
+    """The map without the lights."""
+
+    patches: Reals
+    """The remainder as diffuse patches: centre, unit normal, area and radiance, (n, 10)."""
+
+    depth: Reals | None = None
+    """Distance along the ray of each pixel without the lights, infinite if unknown; or None."""
+
+    notes: tuple[str, ...] = ()
+    """Remarks on the depth and on the lights."""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "notes", tuple(map(Note, self.notes)))
+
+    def __len__(self) -> int:
+        return len(self.lights)
+
+    def __getitem__(self, row: int) -> PlacedLight:
+        return self.lights[row]
+
+    def __iter__(self) -> Iterator[PlacedLight]:
+        return iter(self.lights)
+
+    def _of_kind(self, *kinds: str) -> list[PlacedLight]:
+        return [light for light in self.lights if light.kind in kinds]
+
+    @property
+    def cards(self) -> Cards:
+        """The planes as cards at their positions, for `CardSplit.save` and other uses of cards."""
+        return self._cards_around(np.zeros(3))
+
+    def irradiance(self, points: ArrayLike, normals: ArrayLike) -> NDArray[np.float64]:
+        """Irradiance of surfaces at points in the room.
+
+        Parameters
+        ----------
+        points : array_like, shape (p, 3) or (3,)
+            Metres from the camera, in the frame of `EnvMap`.
+        normals : array_like, shape (n, 3)
+            Unit vectors.
+
+        Returns
+        -------
+        ndarray, shape (p, n, 3) or (n, 3)
+            Linear RGB. Rectangles are in closed form (Lambert), spheres as discs. The light of the
+            surfaces is that of the remainder, plus the difference of the patches to the camera, so
+            that it is exact there.
+        """
+        places, is_one = one_or_more("points", points)
+        rows = reals("normals", normals, 2)
+        around = self._around(places, rows)
+        values: Reals = around + self._near(places, rows, self.lights, self.patches[:0])
+        return values[0] if is_one else values
+
+    def at(self, point: ArrayLike, *, lights: int = 8) -> Rig:
+        """Rig of the light at a point: lamps as discs, and surfaces as nine harmonics.
+
+        Parameters
+        ----------
+        point : array_like, shape (3,)
+            Metres from the camera.
+        lights : int
+            Number of lights up to which large rectangles are cut into four, for their shape.
+
+        Returns
+        -------
+        Rig
+            An ordinary rig, whose `error` is relative to `irradiance` at this point.
+        """
+        place, (normals, weights) = triple("point", point), icosphere(320)
+        around = self._around(place[None], normals)[0] - self._suns(normals)
+        lamps = self._lamps_from(place, self._pieces(place, count("lights", lights)))
+        sky = fit_probe(normals, np.maximum(around, 0), 0, weights=weights, ambient="sh2")
+        rig = Rig(sky.ambient, lamps, 0.0, notes=self.notes)
+        error = relative_rms(rig.probe(normals), self.irradiance(place, normals), weights)
+        return replace(rig, error=error)
+
+    def map_at(self, point: ArrayLike) -> EnvMap:
+        """Map at a point: surfaces moved by their depth, and lamps drawn at their positions.
+
+        Parameters
+        ----------
+        point : array_like, shape (3,)
+            Metres from the camera.
+
+        Returns
+        -------
+        EnvMap
+            Map of the size of the remainder. Surfaces that the camera does not see are missing.
+        """
+        place, radiance = triple("point", point), self.remainder.cells()
+        if self.depth is not None:
+            radiance = warp(radiance, self.depth, place)
+        cards = self._cards_around(place).to_map(self.remainder.width)
+        discs = self._lamps_from(place, self._of_kind("sphere", "sun")).to_map(len(radiance))
+        return EnvMap(radiance + cards.radiance + discs.radiance, units=self.remainder.units)
+
+    def compare(self, maps: Mapping[tuple[float, float, float], AnyMap]) -> PointErrors:
+        """Errors of the irradiance at points where maps were taken.
+
+        Parameters
+        ----------
+        maps : mapping
+            Maps by their positions (x, y, z) in metres from the camera.
+
+        Returns
+        -------
+        PointErrors
+            Errors, beside those with all light at infinity.
+        """
+        if not isinstance(maps, Mapping):
+            raise EnvLightsError(
+                f"maps must be a mapping of positions to maps, such as {{(1, 0, 0): env}}; got"
+                f" {describe(maps)}"
+            )
+        normals, weights = icosphere(320)
+        points = np.reshape([triple("position", each) for each in maps], (-1, 3))
+        truth = [as_envmap(each).probe(normals) for each in maps.values()]
+        home = np.repeat(self.irradiance(np.zeros((1, 3)), normals), len(points), axis=0)
+        errors = [
+            np.array([relative_rms(*pair, weights) for pair in zip(guess, truth, strict=True)])
+            for guess in (self.irradiance(points, normals), home)
+        ]
+        return PointErrors(points, *errors)
+
+    def _around(self, points: Reals, normals: Reals) -> Reals:
+        """Irradiance of surfaces and suns, (p, n, 3): the camera's, and the change of patches."""
+        there = self._near(points, normals, (), self.patches)
+        here = self._near(np.zeros((1, 3)), normals, (), self.patches)
+        surfaces = np.maximum(self.remainder.probe(normals) + there - here, 0)
+        values: Reals = surfaces + self._suns(normals)
+        return values
+
+    def _suns(self, normals: Reals) -> Reals:
+        suns = self._lamps_from(np.zeros(3), self._of_kind("sun"))
+        arrays = suns.direction, suns.irradiance, suns.angular_radius
+        return rig_irradiance(normals, np.zeros(3), *arrays)
+
+    def _near(
+        self, points: Reals, normals: Reals, lights: Sequence[PlacedLight], patches: Reals
+    ) -> Reals:
+        """Irradiance of lights and patches with positions, (p, n, 3)."""
+        spheres = [
+            [*each.position, each.radius, *each.irradiance]
+            for each in lights
+            if each.kind == "sphere"
+        ]
+        planes = [
+            [*each.matrix.T.ravel(), each.is_disc, *each.irradiance]
+            for each in lights
+            if each.kind == "plane"
+        ]
+        globes, cards = np.array(spheres, float), np.array(planes, float)
+        arrays = globes.reshape(-1, 7), cards.reshape(-1, 13)
+        return _native.near_irradiance(points, normals, *arrays, patches)
+
+    def _pieces(self, point: Reals, most: int) -> list[PlacedLight]:
+        """Lights, with large rectangles in quarters as long as there are at most `most` lights."""
+        pieces, left = list[PlacedLight](), most - len(self.lights)
+        for light in self.lights:
+            is_cut = left >= 3 and light.kind == "plane" and not light.is_disc
+            if is_cut and light.seen_from(point)[2] > _LARGE:
+                pieces, left = pieces + light.quarters(), left - 3
+            else:
+                pieces.append(light)
+        return pieces
+
+    def _lamps_from(self, point: Reals, lights: Sequence[PlacedLight]) -> Lights:
+        """Lights as discs; those that turn their back are left out."""
+        seen = [light.seen_from(point) for light in lights]
+        shine = [each for each in seen if each[1].any()]
+        direction, irradiance, radius = (np.array([each[k] for each in shine]) for k in range(3))
+        vectors = direction.reshape(-1, 3), irradiance.reshape(-1, 3)
+        return Lights(*vectors, radius, units=self.remainder.units)
+
+    def _cards_around(self, point: Reals) -> Cards:
+        """Planes as cards around a point; those that turn their back are left out."""
+        planes = [each for each in self._of_kind("plane") if np.linalg.det(each.around(point)) > 0]
+        return Cards(
+            tuple("disc" if each.is_disc else "rectangle" for each in planes),
+            np.reshape([each.around(point) for each in planes], (-1, 3, 3)),
+            np.reshape([each.seen_from(point)[1] for each in planes], (-1, 3)),
+            tuple(each.texture for each in planes),
+            units=self.remainder.units,
+            is_placed=True,
+        )
+
+    def in_short(self) -> str:
+        """Number of lights of each kind, and of patches."""
+        counts = ((len(self._of_kind(kind)), kind) for kind in ("plane", "sphere", "sun"))
+        lights = [quantity(number, kind) for number, kind in counts if number] or ["no light"]
+        return ", ".join(lights) + f", and {len(self.patches)} patches" * bool(len(self.patches))
+
+    def _table(self) -> Table:
+        some, scale = self.lights[:MOST_ROWS], self.remainder.units
+        rows = [
+            [
+                *(f"{number}", light.kind, *(f"{value:.2f}" for value in light.position)),
+                *(" x ".join(f"{value:.2f}" for value in light.size), percent(light.uncertainty)),
+                rgb_cell(light.irradiance),
+            ]
+            for number, light in enumerate(some, 1)
+        ]
+        more = quantity(len(self) - len(some), "more light") if len(self) > len(some) else ""
+        colours = thumbnails.hex_of(np.reshape([light.irradiance for light in some], (-1, 3)))
+        names = ["light", "kind", "x", "y", "z", "size", "uncertainty", rgb_heading(scale)]
+        return Table(names, rows, more if rows else "no light", colours)
+
+    def _lines(self) -> list[str]:
+        return [f"note: {note}" for note in self.notes]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Lists of numbers and strings for each light, for example for JSON."""
+        names = ("position", "normal", "up", "size", "radiance", "intensity", "irradiance")
+        rows = [
+            {"kind": light.kind, "is_disc": light.is_disc, "radius": light.radius}
+            | {name: getattr(light, name).tolist() for name in names}
+            for light in self.lights
+        ]
+        return {"lights": rows, "scale": self.remainder.units, "notes": list(self.notes)}
