@@ -14,7 +14,10 @@ from envlights.environment.layouts import picture_layout as layouts
     ("options", "sentence"),
     [
         ({"projection": "cube", "forward": (1, 0, 0)}, "forward is no argument of a cube map"),
-        ({"projection": "cube", "mapping": "equisolid", "fov": 90}, "mapping is no argument of a cube map"),
+        (
+            {"projection": "cube", "mapping": "equisolid", "fov": 90},
+            "mapping is no argument of a cube map",
+        ),
         (
             {"projection": "equirectangular", "registration": "border-sampled"},
             "`EnvMap.to` makes; it takes no arguments",
