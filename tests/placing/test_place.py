@@ -267,6 +267,7 @@ def test_the_size_of_a_room_is_a_depth():
     placed = placed_in("downlights", depth=None, room=(6, 3, 5))
     errors = position_errors(placed, "downlights")
     assert sorted(errors)[-2] < 0.01 < 0.2 < max(errors), "the lamp that hangs is on the wall"
+    assert [note.code for note in placed.notes] == ["depth-doubt"]
     lower = placed_in("downlights", depth=None, room=(6, 3, 5), camera=(3, 1, 2.5))
     assert lower[0].position[1] == pytest.approx(2.0)
 

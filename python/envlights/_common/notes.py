@@ -101,8 +101,12 @@ CODES = {
         "Light lost to clipping was estimated.",
     ),
     "depth-doubt": Code(
-        ("the depth puts the floor ", "the depth shows no flat surfaces"),
-        "A depth has other units, is inverted, or belongs to another map.",
+        (
+            "the depth puts the floor ",
+            "the depth shows no flat surfaces",
+            "the depth is that of the walls ",
+        ),
+        "A depth has other units, is inverted, is of another map, or has no lamps in it.",
         True,
     ),
     "depth": Code(
