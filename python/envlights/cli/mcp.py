@@ -158,6 +158,7 @@ class Tools:
 
 def server(folders: Sequence[str]) -> Any:
     """Server of the tools; needs the extra `mcp`."""
+    tools = Tools(folders)
     try:
         package = import_module("mcp.server.mcpserver")
         failure = import_module("mcp.server.mcpserver.exceptions").ToolError
@@ -165,7 +166,7 @@ def server(folders: Sequence[str]) -> Any:
         raise EnvLightsError(
             "the server needs the package mcp, version 2: pip install 'envlights[mcp]'"
         ) from None
-    made, tools = package.MCPServer("envlights"), Tools(folders)
+    made = package.MCPServer("envlights")
     for name in ("open", "fit", "detect", "split", "relight", "compare", "view", "export"):
         tool = getattr(tools, name)
         text = f"{tool.__doc__}{_READING if 'reading' in tool.__annotations__ else ''}"
