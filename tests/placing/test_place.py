@@ -256,6 +256,14 @@ def test_files_of_depth(tmp_path):
         el.place(radiance, tmp_path / "c.npy")
 
 
+def test_a_point_behind_a_wall_is_noted():
+    placed = placed_in("panel")
+    hidden = [placed.at((0, 0, 2.6)), placed.map_at((0, 0, 2.6))]
+    assert [each.notes[-1].code for each in hidden] == ["depth-doubt"] * 2
+    assert all("lies behind a surface at 2.5 m" in each.notes[-1] for each in hidden)
+    assert all(placed.at((0, 0, z)).notes == placed.notes for z in (0, 2.4))
+
+
 def test_a_depth_of_another_size_gives_the_same_positions():
     radiance, _ = seen("panel")
     for height in (128, 400):

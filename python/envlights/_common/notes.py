@@ -105,8 +105,9 @@ CODES = {
             "the depth puts the floor ",
             "the depth shows no flat surfaces",
             "the depth is that of the walls ",
+            ") lies behind a surface at ",
         ),
-        "A depth has other units, is inverted, is of another map, or has no lamps in it.",
+        "A depth is doubtful or has no lamps in it, or a point lies behind a surface.",
         True,
     ),
     "depth": Code(

@@ -56,9 +56,9 @@ def room_distance(room: ArrayLike, camera: ArrayLike | None, height: int) -> Rea
 
 
 def triple(name: str, values: ArrayLike) -> Reals:
-    """Three finite numbers, or a refusal that names them."""
+    """Three finite numbers below 1e12, or a refusal that names them."""
     numbers = reals(name, values, 1)
-    if numbers.shape != (3,) or not np.isfinite(numbers).all():
+    if numbers.shape != (3,) or not (np.abs(numbers) < 1e12).all():
         raise EnvLightsError(
             f"{name} must be three finite numbers in metres; got {numbers.tolist()}"
         )

@@ -62,6 +62,15 @@ def warp(radiance: NDArray[np.float32], distance: Reals, point: Reals) -> NDArra
     return _bilinear(radiance, towards).reshape(radiance.shape).astype(np.float32)
 
 
+def surface_behind(distance: Reals, point: Reals) -> float:
+    """Distance from the camera to the surface in the direction of a point."""
+    length = np.linalg.norm(point)
+    if length == 0:
+        return np.inf
+    inverse = _bilinear(1 / distance[..., None], point[None] / length)
+    return float(1 / max(inverse.item(), 1e-12))
+
+
 def _bilinear(image: NDArray[np.floating], directions: Reals) -> Reals:
     """Bilinear samples of a cell-centred map, (n, channels)."""
     height, width, _ = image.shape

@@ -23,7 +23,7 @@ from envlights.fitting.fit import fit_probe
 from envlights.kernels.probe import relative_rms, rig_irradiance
 from envlights.kernels.sampling import icosphere
 from envlights.placing.depth import triple
-from envlights.placing.patches import warp
+from envlights.placing.patches import surface_behind, warp
 from envlights.placing.placed_light import PlacedLight
 from envlights.placing.reading import Reals
 from envlights.rigs.lights import Lights, rgb_cell, rgb_heading
@@ -145,7 +145,7 @@ class PlacedLights(Result):
         around = self._around(place[None], normals)[0] - self._suns(normals)
         lamps = self._lamps_from(place, self._pieces(place, count("lights", lights)))
         sky = fit_probe(normals, np.maximum(around, 0), 0, weights=weights, ambient="sh2")
-        rig = Rig(sky.ambient, lamps, 0.0, notes=self.notes)
+        rig = Rig(sky.ambient, lamps, 0.0, notes=self._notes_at(place))
         error = relative_rms(rig.probe(normals), self.irradiance(place, normals), weights)
         return replace(rig, error=error)
 
@@ -167,7 +167,8 @@ class PlacedLights(Result):
             radiance = warp(radiance, self.depth, place)
         cards = self._cards_around(place).to_map(self.remainder.width)
         discs = self._lamps_from(place, self._of_kind("sphere", "sun")).to_map(len(radiance))
-        return EnvMap(radiance + cards.radiance + discs.radiance, units=self.remainder.units)
+        total = radiance + cards.radiance + discs.radiance
+        return EnvMap(total, units=self.remainder.units, notes=self._notes_at(place))
 
     def compare(self, maps: Mapping[tuple[float, float, float], AnyMap]) -> PointErrors:
         """Errors of the irradiance at points where maps were taken.
@@ -196,6 +197,15 @@ class PlacedLights(Result):
             for guess in (self.irradiance(points, normals), home)
         ]
         return PointErrors(points, *errors)
+
+    def _notes_at(self, point: Reals) -> tuple[str, ...]:
+        """Notes, and one on a point that the camera does not see."""
+        surface = np.inf if self.depth is None else surface_behind(self.depth, point)
+        if np.linalg.norm(point) <= surface:
+            return self.notes
+        place = " ".join(f"{metres:.4g}" for metres in point)
+        where = f"the point ({place}) lies behind a surface at {surface:.4g} m"
+        return (*self.notes, f"{where}, so its light is a guess")
 
     def _around(self, points: Reals, normals: Reals) -> Reals:
         """Irradiance of surfaces and suns, (p, n, 3): the camera's, and the change of patches."""
