@@ -1,9 +1,11 @@
 """Each parameter of a public function is an option of its subcommand, or has a reason not to be."""
 
 import inspect
+import json
 import re
 
 import click
+import numpy as np
 import pytest
 from click.testing import CliRunner
 
@@ -22,6 +24,7 @@ FUNCTIONS = {
     "batch": (el.batch, *OPEN),
     "convert": (el.EnvMap.to, el.EnvMap.resized, el.EnvMap.limited, el.EnvMap.save, *OPEN),
     "merge": (el.EnvMap.from_exposures,),
+    "place": (el.place, *OPEN),
     "relight": OPEN,
     "repair": (el.EnvMap.repaired, *OPEN),
     "compare": (el.compare, el.compare_folders, *OPEN),
@@ -38,7 +41,6 @@ WITHOUT = {
     "bake": "it takes a scene of Mitsuba, a Python object",
     "find_sun": "the answer behind --sun, which split and repair print",
     "fit_probe": "it takes arrays of normals and irradiance",
-    "place": "its answer is an object of Python: the light at any point of a room",
     "read_pairs": "the first step of transfer fit",
     "shadow_overlay": "it takes Python objects: solids and a camera",
     "threads": "the variable RAYON_NUM_THREADS",
@@ -53,6 +55,8 @@ OTHER_NAMES = {
     ("*", "distance"): "--ball-distance",
     ("*", "reading"): "--colour",
     ("*", "matrix"): "--rotate",
+    ("place", "reading"): "--depth-reading",
+    ("place", "camera"): "--camera-position",
     ("view", "fill"): "--fill",
     ("batch", "maps"): "MAP",
     ("batch", "out"): "--output",
@@ -84,6 +88,7 @@ LEFT_OUT = {
     ("batch", "fill"): "--set fill=... of the work",
     ("compare", "fill"): "maps are filled as by default",
     ("detect", "fill"): "lights are detected where the map is seen",
+    ("place", "fill"): "lights are placed where the map is seen",
     ("relight", "fill"): "lights are drawn where the map is seen",
     ("split", "fill"): "lights are detected where the map is seen",
     ("transfer fit", "virtual"): "an array of images",
@@ -159,6 +164,23 @@ def test_fit_starts_from_a_file_and_holds_directions(hall, tmp_path):
     assert el.Rig.load(rig) == el.fit(hall, 2, fixed=[[0, 0.6, 0.8]], start="even")
     run("fit", hall, "-n", 3, "--fixed", first, "-o", rig)
     assert el.Rig.load(rig) == el.fit(hall, 3, fixed=el.Rig.load(first).lights)
+
+
+def test_the_light_at_a_point_is_that_of_python(hall, tmp_path):
+    depth, there, rig = (tmp_path / name for name in ("depth.npy", "there.exr", "rig.json"))
+    placed = el.place(hall, room=(8, 4, 6), camera=(4, 1.6, 3))
+    room = ["--room", "8,4,6", "--camera-position", "4,1.6,3"]
+    printed = run("place", hall, *room, "--point", "1,0.2,-0.5", "-o", there, "-o", rig).stdout
+    assert printed.startswith(str(placed))
+    assert el.EnvMap.open(there).radiance == pytest.approx(placed.map_at([1, 0.2, -0.5]).radiance)
+    assert el.Rig.load(rig) == placed.at([1, 0.2, -0.5])
+    np.save(depth, 1 / placed.depth)
+    words = ["--depth", depth, "--depth-reading", "inverse", "--scale", 0.5, "--json"]
+    (first, *_) = json.loads(run("place", hall, *words).stdout)["lights"]
+    assert first["position"] == pytest.approx(2 * placed[0].position, rel=1e-6)
+    refused = CliRunner().invoke(main, ["place", hall, *room, "-o", str(there)])
+    assert refused.exit_code == 2
+    assert "give both" in refused.output
 
 
 def test_settings_reach_the_detection(hall, tmp_path):

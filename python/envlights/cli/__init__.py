@@ -34,6 +34,7 @@ _COMMANDS = {
     "mcp": "Serve tools for agents on the files of some folders.",
     "merge": "Merge exposures into one map.",
     "photograph": "Find the lights of a photograph.",
+    "place": "Find the light at a point of a room, by depth.",
     "relight": "Move, dim, colour, remove or add lights of a map.",
     "repair": "Estimate the clipped light of a picture.",
     "show": "Write one page on a map: its lights, errors and notes.",

@@ -30,6 +30,10 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "mcp": ("maps",),
     "merge": ("dark.jpg light.jpg -o merged.exr",),
     "photograph": ("room.jpg --fov 60",),
+    "place": (
+        "room.exr --depth depth.exr --point 1,0.2,-0.5 -o there.exr -o rig.usda",
+        "room.exr --room 6,3,5",
+    ),
     "relight": ("hall.exr --move 1=,15 --gain 2=0.5 --remove 3 -o new.exr",),
     "repair": ("sky.jpg -o repaired.exr",),
     "show": ("hall.exr -o report.html", "sky.hdr -n 6 --floor"),
