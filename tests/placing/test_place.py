@@ -241,6 +241,9 @@ def test_files_of_depth(tmp_path):
     exr = write_file(tmp_path / "a.exr", np.dstack([depth, depth]).astype("f4"), ("A", "Z"))
     np.save(tmp_path / "a.npy", depth)
     codes = png(tmp_path / "a.png", np.rint(1000 * depth[..., None]).astype(np.uint16))
+    grey = np.float32(np.where(depth > 0.9 * depth.max(), np.nan, depth))[..., None].repeat(3, 2)
+    same = write_file(tmp_path / "grey.exr", grey, ("R", "G", "B"))
+    assert el.place(radiance, same).notes == el.place(radiance, grey[..., 0]).notes
     for path, options in ((exr, {}), (tmp_path / "a.npy", {}), (codes, {"scale": 0.001})):
         found = el.place(radiance, path, **options).irradiance(OFFSETS[0], NORMALS)
         np.testing.assert_allclose(found, wanted, rtol=2e-3)
@@ -248,6 +251,9 @@ def test_files_of_depth(tmp_path):
         el.place(radiance, codes)
     colours = write_file(tmp_path / "b.exr", np.ones((64, 128, 4), "f4"), ("R", "G", "B", "A"))
     with pytest.raises(el.EnvLightsError, match=r"b\.exr has no channel of depth, such as Z"):
+        el.place(radiance, colours)
+    colours = write_file(tmp_path / "b.exr", np.float32(radiance), ("R", "G", "B"))
+    with pytest.raises(el.EnvLightsError, match=r"b\.exr has .* and is not grey; it has R, G, B"):
         el.place(radiance, colours)
     with pytest.raises(FileNotFoundError):
         el.place(radiance, tmp_path / "none.exr")

@@ -82,5 +82,8 @@ def _write(placed: PlacedLights, point: list[float], outputs: Sequence[str]) -> 
     """Write maps and rigs at a point."""
     for output in outputs:
         is_map = Path(output).suffix.lower() in MAP_SUFFIXES
+        light = placed.map_at(point) if is_map else placed.at(point)
+        for note in set(light.notes).difference(placed.notes):
+            click.echo(f"note: {note}", err=True)
         with print_losses():
-            (placed.map_at(point) if is_map else placed.at(point)).save(output)
+            light.save(output)

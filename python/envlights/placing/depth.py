@@ -97,13 +97,16 @@ def _samples(path: str) -> NDArray[Any]:
     source = named_source(path)
     file = open_native(source, kind_of(source, any_format=False), MOST_PIXELS)
     for part, each in enumerate(file.parts):
-        names = [name for name in each.channels if name.lower() in _CHANNELS]
+        names = [name for name in each.channels if name.lower() in _CHANNELS][:1]
         # A picture of grey, perhaps stored as three equal channels.
-        names += each.channels[:1] if len(each.channels) in (1, 3) else []
-        if names:
-            return file.image(part, names[:1]).samples[..., 0]
+        names = names or (list(each.channels) if len(each.channels) in (1, 3) else [])
+        samples = file.image(part, names).samples if names else np.zeros((1, 1, 0))
+        if names and np.array_equal(samples[..., 1:], samples[..., :-1], equal_nan=True):
+            return samples[..., 0]
     channels = ", ".join(name for each in file.parts for name in each.channels)
-    raise EnvLightsError(f"{path} has no channel of depth, such as Z; it has {channels}")
+    raise EnvLightsError(
+        f"{path} has no channel of depth, such as Z, and is not grey; it has {channels}"
+    )
 
 
 def _reading(values: Reals, wanted: str | None) -> tuple[str, list[str]]:
