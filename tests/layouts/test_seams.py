@@ -1,15 +1,11 @@
 """Order and registration of cubes by their seams."""
 
-import io
-
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from PIL import Image as pil  # noqa: N813
 
 import envlights as el
-from envlights._common.srgb import encode_srgb
 from envlights.environment.files.images import read_image
 from envlights.environment.layouts import Layout, recognise
 from envlights.environment.layouts.conventions import DISTINCT
@@ -179,10 +175,9 @@ LAMPS = {
 }
 
 
-@pytest.mark.parametrize("kind", ["exact", "noise", "jpeg 85", "jpeg 70"])
+@pytest.mark.parametrize("kind", ["exact", "noise"])
 @pytest.mark.parametrize("lamps", LAMPS)
 def test_a_right_strip_with_lamps_across_edges_is_accepted_without_a_doubt(lamps, kind):
-    """Blocks of JPEG end at the edges of faces: steps across are 2 to 3 times those inside."""
     directions = upright_directions(256)
     faces = 0.3 * smooth(directions)
     for lamp in LAMPS[lamps]:
@@ -191,16 +186,18 @@ def test_a_right_strip_with_lamps_across_edges_is_accepted_without_a_doubt(lamps
     if kind == "noise":
         random = np.random.default_rng(0).normal(size=image.shape)
         image = (image * (1 + 0.03 * random)).astype(np.float32)
-    if kind.startswith("jpeg"):
-        image = jpeg(image, int(kind[-2:]))
     stated = recognise(image, layout=Layout.cube(faces="opengl"))
     assert not any("do not fit" in note or "not the order" in note for note in stated.notes)
     assert recognise(image).source.faces == "opengl"
 
 
-def jpeg(image, quality):
-    """Codes after a JPEG file."""
-    file = io.BytesIO()
-    codes = np.round(255 * encode_srgb(image)).astype(np.uint8)
-    pil.fromarray(codes).save(file, "JPEG", quality=quality)
-    return np.asarray(pil.open(file))
+def test_a_strip_with_mirrored_faces_is_doubted_in_a_smooth_world():
+    faces = 0.3 * smooth(upright_directions(64))
+    for lamp in LAMPS["several"]:
+        faces[upright_directions(64) @ lamp > np.cos(np.radians(3)) * np.linalg.norm(lamp)] = 50
+    for mirrored in (1, 2, 3):
+        wrong = faces.copy()
+        wrong[mirrored] = wrong[mirrored, :, ::-1]
+        image = arranged_faces(wrong, "opengl", "strip")
+        (note,) = recognise(image, layout=Layout.cube(faces="opengl")).notes
+        assert "do not fit" in note
