@@ -42,7 +42,7 @@ def main():
 def _row(name, rig):
     one = el.Rig(rig.ambient, rig.lights[:1], error=0.0, floor=True)
     single, overlay = (
-        el.shadow_overlay(each, _SOLIDS, columns=_COLUMNS, floor_albedo=_WHITE)
+        el.scene.shadow_overlay(each, _SOLIDS, columns=_COLUMNS, floor_albedo=_WHITE)
         for each in (one, rig)
     )
     errors = overlay.code_errors()

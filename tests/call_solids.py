@@ -30,7 +30,7 @@ SOLID_CALLS = {
         {"vertices": st.just(BOX.vertices), "faces": st.sampled_from([BOX.faces, BOX.faces[:5]])},
     ),
     "shadow_overlay": (
-        el.shadow_overlay,
+        el.scene.shadow_overlay,
         {
             "rig": st.just(RIG),
             "solids": SOLIDS,

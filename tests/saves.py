@@ -51,7 +51,9 @@ CARDS = [
     )
     for which in (0, 1)
 ]
-SHADOWS = [el.shadow_overlay(rig, el.scene.Ball((0, 0.5, 0), 0.5), columns=64) for rig in RIGS]
+SHADOWS = [
+    el.scene.shadow_overlay(rig, el.scene.Ball((0, 0.5, 0), 0.5), columns=64) for rig in RIGS
+]
 PAGES = [el.view(rig) for rig in RIGS]
 
 

@@ -6,7 +6,7 @@ from click.testing import CliRunner
 
 import envlights as el
 from envlights.cli import main
-from envlights.environment.envmap import as_envmap
+from envlights.environment.reading import as_envmap
 from envlights.io import Layout
 
 LAYOUT = Layout.fisheye(fov=360, mapping="equidistant", forward=(1, 0, 0))

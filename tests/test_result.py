@@ -18,7 +18,7 @@ import envlights as el
 from envlights._common import html
 from envlights._common.result import Result
 from envlights._common.tables import MOST_ROWS, Table
-from envlights.environment import thumbnails
+from envlights.kernels import thumbnails
 from tests.helpers import pairs_of_room
 
 room = partial(pairs_of_room, 12, 16)

@@ -25,7 +25,7 @@ OPENINGS = re.compile(
 LONGEST_SENTENCE = 25
 #: Most public names at the top, most files beside the folders, and most files of a folder that is
 #: not a list of equals.
-TOP_NAMES, LOOSE_FILES, FOLDER_FILES = 41, 6, 20
+TOP_NAMES, LOOSE_FILES, FOLDER_FILES = 40, 6, 20
 LISTS = ("cli", "formats", "plot")
 #: Most tuned numbers of the code, no more than today: settings and constants of both languages; and
 #: most tags, markers and limits of the formats of pictures. The judgement of pictures that are no

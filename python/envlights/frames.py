@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights._common.check import amount, check_choice, reals
+from envlights._common.check import amount, check_choice, reals, unit_vector
 from envlights._common.check import rotation as checked_rotation
 from envlights._native import EnvLightsError
 
@@ -226,13 +226,7 @@ def turn_of(
 
 def turn_upright(up: ArrayLike) -> NDArray[np.float64]:
     """Smallest rotation that takes the direction `up`, of any length above 0, to +y."""
-    vector = reals("up", up, 1)
-    length = np.linalg.norm(vector)
-    if vector.shape != (3,) or not 0 < length < math.inf:
-        raise EnvLightsError(
-            f"up must be three finite numbers, and not all 0; got {vector.tolist()}"
-        )
-    x, y, z = vector / length
+    x, y, z = unit_vector("up", up)
     if y < -1 + 1e-12:
         return np.diag([-1.0, -1.0, 1.0])  # the centre of the map stays
     # Rodrigues' formula for the axis (-z, 0, x), whose length is the sine.

@@ -18,6 +18,6 @@ pub fn near_irradiance<'py>(
 ) -> PyResult<Bound<'py, PyArray3<f64>>> {
     let (points, normals) = (points.as_array(), normals.as_array());
     let lights =
-        NearLights { globes: spheres.as_array(), cards: cards.as_array(), tiles: patches.as_array() };
+        NearLights { spheres: spheres.as_array(), cards: cards.as_array(), patches: patches.as_array() };
     Ok(interruptible(py, || irradiance(lights, points, normals))?.into_pyarray(py))
 }

@@ -1,12 +1,12 @@
 //! Irradiance at points in space, under lights with a position.
 //!
-//! | light | what a point receives                                                            |
-//! |-------|----------------------------------------------------------------------------------|
-//! | globe | a disc, whose irradiance falls with the squared distance of its centre           |
-//! | card  | Lambert's formula for its outline; nothing behind its plane                      |
-//! | tile  | a point source of flux `L A cos / (r^2 + A / pi)`, as of a disc, finite at r = 0 |
+//! | light  | what a point receives                                                            |
+//! |--------|----------------------------------------------------------------------------------|
+//! | sphere | a disc, whose irradiance falls with the squared distance of its centre           |
+//! | card   | Lambert's formula for its outline; nothing behind its plane                      |
+//! | patch  | a point source of flux `L A cos / (r^2 + A / pi)`, as of a disc, finite at r = 0 |
 //!
-//! Globes and cards are given by their irradiance at normal incidence from the origin, so that the origin receives
+//! Spheres and cards are given by their irradiance at normal incidence from the origin, so that the origin receives
 //! exactly that. Nothing hides a light from a point.
 
 #![allow(clippy::inline_always, reason = "only inlined functions use the vectors of the processor")]
@@ -31,11 +31,11 @@ const VERTICES: usize = 24;
 #[derive(Clone, Copy)]
 pub struct NearLights<'a> {
     /// Centre, radius, and irradiance at the origin, (n, 7).
-    pub globes: ArrayView2<'a, f64>,
+    pub spheres: ArrayView2<'a, f64>,
     /// Columns U, V, O, 1 for an ellipse, and irradiance at the origin, (n, 13).
     pub cards: ArrayView2<'a, f64>,
     /// Centre, unit normal, area and radiance, (n, 10).
-    pub tiles: ArrayView2<'a, f64>,
+    pub patches: ArrayView2<'a, f64>,
 }
 
 /// Irradiance, (p, n, 3), of `normals`, (n, 3), at each of the `points`, (p, 3).
@@ -49,19 +49,19 @@ pub fn irradiance(
     points: ArrayView2<'_, f64>,
     normals: ArrayView2<'_, f64>,
 ) -> Result<Array3<f64>> {
-    check_rows("spheres", lights.globes, 7)?;
+    check_rows("spheres", lights.spheres, 7)?;
     check_rows("cards", lights.cards, 13)?;
-    check_rows("patches", lights.tiles, 10)?;
+    check_rows("patches", lights.patches, 10)?;
     let (points, normals) = (vectors("points", points)?, unit_vectors("normal", normals)?);
     let columns = [0, 1, 2].map(|axis| normals.iter().map(|normal| normal[axis]).collect::<Vec<_>>());
     let outlines: Vec<_> = lights.cards.rows().into_iter().map(outline).collect();
     let at = |&point: &DVec3| {
         interrupt::check();
         let mut sums = [(); 3].map(|()| vec![0.0; normals.len()]);
-        let sources: Vec<_> = lights.tiles.rows().into_iter().map(|tile| source(tile, point)).collect();
+        let sources: Vec<_> = lights.patches.rows().into_iter().map(|patch| source(patch, point)).collect();
         Arch::new().dispatch(PointSources { sources: &sources, normals: &columns, sums: &mut sums });
-        for globe in lights.globes.rows() {
-            let (direction, irradiance, radius) = disc(globe, point);
+        for sphere in lights.spheres.rows() {
+            let (direction, irradiance, radius) = disc(sphere, point);
             add(&mut sums, irradiance, &normals, |normal| irradiance_share(normal.dot(direction), radius));
         }
         for (vertices, radiance) in &outlines {
@@ -84,12 +84,12 @@ fn vector(row: ArrayView1<'_, f64>, first: usize) -> DVec3 {
     DVec3::new(row[first], row[first + 1], row[first + 2])
 }
 
-/// Direction, irradiance and angular radius of a globe; a point inside sees a hemisphere.
-fn disc(globe: ArrayView1<'_, f64>, point: DVec3) -> (DVec3, DVec3, f64) {
-    let (centre, radius) = (vector(globe, 0), globe[3].max(0.0));
+/// Direction, irradiance and angular radius of a sphere; a point inside sees a hemisphere.
+fn disc(sphere: ArrayView1<'_, f64>, point: DVec3) -> (DVec3, DVec3, f64) {
+    let (centre, radius) = (vector(sphere, 0), sphere[3].max(0.0));
     let to = centre - point;
     let distance = to.length().max(radius).max(f64::MIN_POSITIVE);
-    let irradiance = vector(globe, 4) * (centre.length() / distance).powi(2);
+    let irradiance = vector(sphere, 4) * (centre.length() / distance).powi(2);
     (to.normalize_or(DVec3::Y), irradiance, (radius / distance).asin().min(FRAC_PI_2))
 }
 
@@ -110,12 +110,12 @@ fn outline(card: ArrayView1<'_, f64>) -> (Vec<DVec3>, DVec3) {
     (vertices, if unit > 0.0 { vector(card, 10) / unit } else { DVec3::ZERO })
 }
 
-/// Direction and irradiance of a tile.
-fn source(tile: ArrayView1<'_, f64>, point: DVec3) -> (DVec3, DVec3) {
-    let (to, area) = (vector(tile, 0) - point, tile[6]);
+/// Direction and irradiance of a patch.
+fn source(patch: ArrayView1<'_, f64>, point: DVec3) -> (DVec3, DVec3) {
+    let (to, area) = (vector(patch, 0) - point, patch[6]);
     let direction = to.normalize_or_zero();
-    let cosine = (-direction.dot(vector(tile, 3))).max(0.0);
-    (direction, vector(tile, 7) * (area * cosine / (to.length_squared() + area / PI)))
+    let cosine = (-direction.dot(vector(patch, 3))).max(0.0);
+    (direction, vector(patch, 7) * (area * cosine / (to.length_squared() + area / PI)))
 }
 
 /// Add one light to the sums of red, green and blue at all normals.

@@ -47,3 +47,40 @@ fn clipped(around: &[DVec3], normal: DVec3) -> f64 {
     }
     normal.dot(sum + edge(exit, entry))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Square of 2 x 2 at the height 1 over the origin, its corners as of a card that shines down.
+    const SQUARE: [DVec3; 4] = [
+        DVec3::new(-1.0, 1.0, -1.0),
+        DVec3::new(-1.0, 1.0, 1.0),
+        DVec3::new(1.0, 1.0, 1.0),
+        DVec3::new(1.0, 1.0, -1.0),
+    ];
+
+    fn at(normal: DVec3) -> f64 {
+        irradiance(&SQUARE, vector_irradiance(&SQUARE), normal)
+    }
+
+    /// Four quadrants with the form factor of a corner (Howell, C-12), times pi.
+    #[test]
+    fn a_square_overhead_has_the_form_factor_of_the_tables() {
+        let quadrant = (0.5_f64.sqrt()) * (0.5_f64.sqrt()).atan();
+        assert!((at(DVec3::Y) - 4.0 * quadrant).abs() < 1e-12, "{} {}", at(DVec3::Y), 4.0 * quadrant);
+    }
+
+    /// The parts of the two sides of the horizon add up to the whole vector.
+    #[test]
+    fn opposite_normals_share_what_the_horizon_cuts() {
+        let vector = vector_irradiance(&SQUARE);
+        for normal in [DVec3::new(1.0, 0.2, 0.3), DVec3::new(0.7, -0.5, 0.1), DVec3::new(-0.2, 0.1, 1.0)] {
+            let normal = normal.normalize();
+            let [front, back] = [at(normal), at(-normal)];
+            assert!(front > 0.0 && back > 0.0);
+            assert!((front - back - normal.dot(vector)).abs() < 1e-12, "{front} {back}");
+        }
+        assert!(at(-DVec3::Y) == 0.0);
+    }
+}

@@ -42,7 +42,6 @@ WITHOUT = {
     "find_sun": "the answer behind --sun, which split and repair print",
     "fit_probe": "it takes arrays of normals and irradiance",
     "read_pairs": "the first step of transfer fit",
-    "shadow_overlay": "it takes Python objects: solids and a camera",
     "threads": "the variable RAYON_NUM_THREADS",
 }
 #: Names of parameters that a subcommand calls otherwise.

@@ -99,7 +99,7 @@ def test_files_outside_of_the_folders_are_not_read(name, folder):
         tools.open("hall.exr", {"colour": f"./{name}"})
 
 
-@pytest.mark.parametrize("name", ["../new.exr", "out/new.exr", "/tmp/new.exr", "link.exr"])
+@pytest.mark.parametrize("name", ["../new.exr", "out/new.exr", "/new.exr", "link.exr"])
 def test_files_outside_of_the_folders_are_not_written(name, folder):
     tools, before = Tools([str(folder)]), (folder.parent / "secret.exr").read_bytes()
     with pytest.raises(el.EnvLightsError, match="not below the folders"):

@@ -12,7 +12,7 @@ from scipy.stats import qmc
 
 import envlights as el
 from envlights import _native, kernels
-from envlights.environment.envmap import apply_to_map
+from envlights.environment.reading import apply_to_map
 
 
 def test_radical_inverse_of_base_2_and_3_is_scipys_van_der_corput():

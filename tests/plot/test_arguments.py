@@ -56,7 +56,7 @@ def noon():
 def overlay():
     three = el.Lights([[0.6, 0.8, 0], [-0.6, 0.8, 0], [0, 0.8, 0.6]], [[3] * 3, [2] * 3, [1] * 3])
     sky = el.Rig([1, 1, 1], three, error=0.0, floor=True)
-    return el.shadow_overlay(sky, el.scene.Ball((0, 0.5, 0), 0.5), columns=48)
+    return el.scene.shadow_overlay(sky, el.scene.Ball((0, 0.5, 0), 0.5), columns=48)
 
 
 def frame(pairs):

@@ -15,7 +15,7 @@ MAP = np.ones((4, 8, 3))
 
 
 def test_titles_hold_the_errors_of_blending():
-    overlay = el.shadow_overlay(RIG, el.scene.Ball((0, 0.5, 0), 0.5), columns=32)
+    overlay = el.scene.shadow_overlay(RIG, el.scene.Ball((0, 0.5, 0), 0.5), columns=32)
     titles = [axes.get_title() for axes in plot.overlay_picture(overlay).axes]
     assert titles[:4] == ["all shadows", "ambient alone", "light 1 alone", "light 2 alone"]
     for name, (_, largest) in overlay.code_errors().items():
@@ -23,7 +23,7 @@ def test_titles_hold_the_errors_of_blending():
 
 
 def test_only_pictures_are_drawn():
-    rows = el.shadow_overlay(RIG, el.scene.Ball((0, 0.5, 0), 0.5), [[0, 0, 0]])
+    rows = el.scene.shadow_overlay(RIG, el.scene.Ball((0, 0.5, 0), 0.5), [[0, 0, 0]])
     with pytest.raises(el.EnvLightsError, match="only the overlay of a picture can be drawn"):
         plot.overlay_picture(rows)
     with pytest.raises(el.EnvLightsError, match="overlay must be ShadowOverlay; got Rig"):

@@ -17,12 +17,12 @@ LIGHTS = el.Lights(
     [0.1, 0.4, 0.25],
 )
 RIG = el.Rig([0.2, 0.3, 0.4], LIGHTS, error=0.0, floor=True)
-SHADOW = el.shadow_overlay(RIG, [BALL, BOX], columns=48, floor_albedo=[0.6, 0.5, 0.3])
+SHADOW = el.scene.shadow_overlay(RIG, [BALL, BOX], columns=48, floor_albedo=[0.6, 0.5, 0.3])
 
 
 def test_one_light_is_exact_for_each_channel():
     """Against the radiance of the floor with a hidden light, over that with all light."""
-    seen = el.shadow_overlay(el.Rig([0.2, 0.3, 0.4], SUN, 0.0), BALL, columns=48)
+    seen = el.scene.shadow_overlay(el.Rig([0.2, 0.3, 0.4], SUN, 0.0), BALL, columns=48)
     whole = np.pi * np.array([0.2, 0.3, 0.4]) + 0.8 * SUN.irradiance[0]
     away = np.array(BALL.centre) - seen.points
     distance = np.linalg.norm(away, axis=-1)
@@ -72,7 +72,7 @@ def test_a_product_is_always_too_bright():
     is_single = hidden.sum(axis=0) <= 1
     np.testing.assert_allclose(product[is_single], exact[is_single], atol=1e-12)
     twins = el.Lights([[0.6, 0.8, 0], [-0.6, 0.8, 0]], [[1, 1, 1]] * 2)
-    both = el.shadow_overlay(twins, BALL, [[0, 0, 0.1]])
+    both = el.scene.shadow_overlay(twins, BALL, [[0, 0, 0.1]])
     assert both.ratio[0] == pytest.approx([0] * 3, abs=1e-12)
     assert both.over([1, 1, 1], "product")[0] == pytest.approx([0.25] * 3)
 
@@ -90,9 +90,10 @@ def test_codes_are_not_linear():
 
 def test_reflected_light_brightens_the_contact():
     dark, white = (
-        el.shadow_overlay(RIG, [BALL, BOX], columns=24, albedo=[value] * 3) for value in (0, 0.8)
+        el.scene.shadow_overlay(RIG, [BALL, BOX], columns=24, albedo=[value] * 3)
+        for value in (0, 0.8)
     )
-    plain = el.shadow_overlay(RIG, [BALL, BOX], columns=24)
+    plain = el.scene.shadow_overlay(RIG, [BALL, BOX], columns=24)
     np.testing.assert_allclose(dark.ratio, plain.ratio, atol=1e-9)
     assert (white.ratio >= dark.ratio - 1e-9).all()
     assert (white.ratio - dark.ratio).max() > 0.1
@@ -103,8 +104,8 @@ def test_harmonics_of_a_constant_are_the_constant():
     constant = np.zeros((9, 3))
     constant[0] = np.sqrt(4 * np.pi) * RIG.ambient
     harmonics = el.Rig(constant, LIGHTS, error=0.0)
-    seen = el.shadow_overlay(harmonics, [BALL, BOX], columns=24)
-    expected = el.shadow_overlay(RIG, [BALL, BOX], columns=24)
+    seen = el.scene.shadow_overlay(harmonics, [BALL, BOX], columns=24)
+    expected = el.scene.shadow_overlay(RIG, [BALL, BOX], columns=24)
     np.testing.assert_allclose(seen.ratio, expected.ratio, atol=1e-9)
 
 
@@ -139,45 +140,55 @@ def test_views_name_the_errors():
     assert repr(SHADOW).startswith("<ShadowOverlay: 48x48 points under ambient + 3 lights")
     assert "product" in str(SHADOW)
     assert "<img" in SHADOW._repr_html_()
-    rows = el.shadow_overlay(RIG, BALL, [[0, 0, 0], [3, 0, 1]])
+    rows = el.scene.shadow_overlay(RIG, BALL, [[0, 0, 0], [3, 0, 1]])
     assert repr(rows).startswith("<ShadowOverlay: 2 points")
     assert "<img" not in rows._repr_html_()
 
 
 def test_a_solid_in_the_floor_is_noted():
     dome = el.scene.Ball((0, 0.0, 0), 0.5)
-    assert "solid 0 (Ball) reaches 0.5 below the floor" in el.shadow_overlay(RIG, dome).notes[0]
+    assert (
+        "solid 0 (Ball) reaches 0.5 below the floor" in el.scene.shadow_overlay(RIG, dome).notes[0]
+    )
 
 
 def test_points_under_a_solid_do_not_count_as_errors():
     points = [[1.2, 0, -0.2], [0, 0, 0], [0.01, 0, 0], [3, 0, 0]]
-    seen = el.shadow_overlay(RIG, [BALL, BOX], points)
+    seen = el.scene.shadow_overlay(RIG, [BALL, BOX], points)
     assert seen.covered.tolist() == [True, True, False, False]
-    assert el.shadow_overlay(RIG, [BALL, BOX], points[:2]).code_errors()["codes"] == (0, 0)
+    assert el.scene.shadow_overlay(RIG, [BALL, BOX], points[:2]).code_errors()["codes"] == (0, 0)
 
 
 def test_no_light_and_no_solid_give_no_shadow():
     dark = el.Rig([0, 0, 0], LIGHTS[:0], error=0.0)
-    assert (el.shadow_overlay(dark, BALL, columns=8).ratio == 1).all()
-    assert (el.shadow_overlay(RIG, [], columns=8).ratio == 1).all()
+    assert (el.scene.shadow_overlay(dark, BALL, columns=8).ratio == 1).all()
+    assert (el.scene.shadow_overlay(RIG, [], columns=8).ratio == 1).all()
 
 
 @pytest.mark.parametrize(
     ("call", "message"),
     [
         (
-            lambda: el.shadow_overlay(RIG, el.scene.Ball((0, -2, 0), 1)),
+            lambda: el.scene.shadow_overlay(RIG, el.scene.Ball((0, -2, 0), 1)),
             "solid 0 .Ball. is below the floor",
         ),
-        (lambda: el.shadow_overlay(RIG, "ball"), "solids must be Ball, Box or Polyhedron"),
-        (lambda: el.shadow_overlay("rig", BALL), "a rig must be a Rig, Lights"),
-        (lambda: el.shadow_overlay(RIG, BALL, [[0, 0]]), r"points must have the shape \(..., 3\)"),
-        (lambda: el.shadow_overlay(RIG, BALL, columns=0), "columns must be a whole number"),
-        (lambda: el.shadow_overlay(RIG, BALL, albedo=[2, 0, 0]), "albedo must lie from 0 to 1"),
-        (lambda: el.shadow_overlay(RIG, BALL, albedo=[1, 0]), "albedo must have the shape"),
-        (lambda: el.shadow_overlay(RIG, BALL, floor_albedo=[-1, 0, 0]), "floor_albedo"),
+        (lambda: el.scene.shadow_overlay(RIG, "ball"), "solids must be Ball, Box or Polyhedron"),
+        (lambda: el.scene.shadow_overlay("rig", BALL), "a rig must be a Rig, Lights"),
         (
-            lambda: el.shadow_overlay(el.Rig(np.ones((9, 3)), SUN, 0.0), BALL, albedo=[1, 1, 1]),
+            lambda: el.scene.shadow_overlay(RIG, BALL, [[0, 0]]),
+            r"points must have the shape \(..., 3\)",
+        ),
+        (lambda: el.scene.shadow_overlay(RIG, BALL, columns=0), "columns must be a whole number"),
+        (
+            lambda: el.scene.shadow_overlay(RIG, BALL, albedo=[2, 0, 0]),
+            "albedo must lie from 0 to 1",
+        ),
+        (lambda: el.scene.shadow_overlay(RIG, BALL, albedo=[1, 0]), "albedo must have the shape"),
+        (lambda: el.scene.shadow_overlay(RIG, BALL, floor_albedo=[-1, 0, 0]), "floor_albedo"),
+        (
+            lambda: el.scene.shadow_overlay(
+                el.Rig(np.ones((9, 3)), SUN, 0.0), BALL, albedo=[1, 1, 1]
+            ),
             "albedo needs a rig with a constant ambient term",
         ),
         (lambda: SHADOW.over([1, 1, 1], "screen"), "blending must be"),
@@ -186,7 +197,7 @@ def test_no_light_and_no_solid_give_no_shadow():
         (lambda: SHADOW.save("shadow.jpg"), "the suffix must be .exr or .png"),
         (lambda: SHADOW.save("shadow.exr", "product"), "blending must be"),
         (
-            lambda: el.shadow_overlay(RIG, BALL, [[0, 0, 0]]).save("shadow.exr"),
+            lambda: el.scene.shadow_overlay(RIG, BALL, [[0, 0, 0]]).save("shadow.exr"),
             "only a picture can be saved",
         ),
     ],

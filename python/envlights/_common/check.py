@@ -216,6 +216,18 @@ def rotation(matrix: ArrayLike, name: str = "matrix") -> NDArray[np.float64]:
     return turn
 
 
+def unit_vector(name: str, values: ArrayLike) -> NDArray[np.float64]:
+    """Unit vector along three numbers, (3,), or a refusal."""
+    vector = reals(name, values, 1)
+    length = np.linalg.norm(vector)
+    if vector.shape != (3,) or not 0 < length < np.inf:
+        raise EnvLightsError(
+            f"{name} must be three finite numbers, and not all 0; got {vector.tolist()}"
+        )
+    unit: NDArray[np.float64] = vector / length
+    return unit
+
+
 #: Kinds of parameters without a name of their own.
 _MANY = (inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD)
 

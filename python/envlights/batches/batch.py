@@ -29,7 +29,7 @@ from envlights.batches.result import Batch
 from envlights.batches.rows import plain
 from envlights.batches.sources import items_of, with_unique_names
 from envlights.batches.work import METHODS, Task, check_options, files_of, name_of, work_on
-from envlights.environment.envmap import Reading, check_reading
+from envlights.environment.reading import Reading, check_reading
 
 #: Tasks that wait for each worker, so that none is idle while a row is written.
 _AHEAD = 2

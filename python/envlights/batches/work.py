@@ -18,8 +18,9 @@ from envlights._native import EnvLightsError
 from envlights.batches.rows import row_of
 from envlights.detection.detect import detect
 from envlights.environment.decoders.source import ADDRESS, is_source, named_source
-from envlights.environment.envmap import EnvMap, Reading, as_envmap
+from envlights.environment.envmap import EnvMap
 from envlights.environment.files.image_output import MAP_SUFFIXES
+from envlights.environment.reading import Reading, as_envmap
 from envlights.fitting.error_curve import error_curve
 from envlights.fitting.fit import fit
 from envlights.splitting.split import split

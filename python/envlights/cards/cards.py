@@ -31,8 +31,8 @@ from envlights.cards.arrays import (
     uniform_radiance,
 )
 from envlights.cards.card import Card
-from envlights.environment import thumbnails
 from envlights.environment.envmap import EnvMap
+from envlights.kernels import thumbnails
 from envlights.kernels.angles import azimuths, elevations
 from envlights.kernels.probe import rig_irradiance
 from envlights.rigs.light_arrays import amounts, row_of, rows_of

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from envlights import _native
 from envlights.cards.arrays import SHAPES
 from envlights.cards.cards import Cards
-from envlights.cards.geometry import sources, unit
+from envlights.cards.geometry import sources, square_towards, unit
 from envlights.environment.envmap import EnvMap
 from envlights.rigs.lights import Lights
 
@@ -58,7 +58,7 @@ def cut(
 
 def with_discs(cards: Cards, lights: Lights) -> Cards:
     """Cards, and a disc for each light."""
-    facing = [_facing(each.direction, each.angular_radius) for each in lights]
+    facing = [square_towards(each.direction, each.angular_radius) for each in lights]
     discs = Cards(("disc",) * len(lights), np.reshape(facing, (-1, 3, 3)), lights.irradiance)
     return replace(
         cards,
@@ -70,14 +70,6 @@ def with_discs(cards: Cards, lights: Lights) -> Cards:
         angular_radius=np.concatenate([cards.angular_radius, discs.angular_radius]),
         notes=(*cards.notes, *lights.notes),
     )
-
-
-def _facing(direction: NDArray[np.float64], radius: float) -> NDArray[np.float64]:
-    """Columns U, V, O of a square at distance 1 around a disc."""
-    right = np.cross(direction, [0.0, 1.0, 0.0])
-    right = unit(right) if right.any() else np.array([-1.0, 0.0, 0.0])
-    half = np.tan(radius) * np.stack([right, np.cross(direction, right)])
-    return np.stack([*(2 * half), direction - half.sum(axis=0)], axis=1)
 
 
 def _with_irradiance(

@@ -16,7 +16,7 @@ from envlights.batches.work import METHODS
 from envlights.cli.map_input import MapCommand, reading_options
 from envlights.cli.outputs import default_of, json_option, print_result
 from envlights.cli.settings import settings_from, settings_option
-from envlights.environment.envmap import Reading
+from envlights.environment.reading import Reading
 
 
 @click.command("batch", cls=MapCommand)

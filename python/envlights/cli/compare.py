@@ -13,7 +13,7 @@ from envlights.cli.outputs import check_output, default_of, json_option, print_r
 from envlights.comparison.compare import Comparison, compare
 from envlights.comparison.folders import FolderComparison, compare_folders
 from envlights.comparison.protocol import PROTOCOLS
-from envlights.environment.envmap import Reading
+from envlights.environment.reading import Reading
 
 
 @click.command("compare", cls=MapCommand)

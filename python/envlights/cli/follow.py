@@ -25,7 +25,7 @@ from envlights.cli.outputs import (
     stage_of,
     stage_options,
 )
-from envlights.environment.envmap import Reading
+from envlights.environment.reading import Reading
 from envlights.fitting.request import AMBIENTS
 from envlights.sequence.follow import follow
 from envlights.sequence.formats import SUFFIXES

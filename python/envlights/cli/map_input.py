@@ -13,7 +13,7 @@ import click
 
 from envlights._native import EnvLightsError
 from envlights.cli.numbers import numbers
-from envlights.environment.envmap import EnvMap, Reading, as_envmap
+from envlights.environment.envmap import EnvMap
 from envlights.environment.layouts.projections import (
     ARGUMENTS,
     EYES,
@@ -21,6 +21,7 @@ from envlights.environment.layouts.projections import (
     REGISTRATIONS,
     Layout,
 )
+from envlights.environment.reading import Reading, as_envmap
 from envlights.frames import FRAMES, frame_named, rotation
 
 #: Heading of the options on how a file is read, in the help.

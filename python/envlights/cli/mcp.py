@@ -18,8 +18,9 @@ from envlights.cli.relight import EDITS, apply_edits
 from envlights.comparison.compare import compare
 from envlights.detection.detect import detect
 from envlights.detection.lights_file import SUFFIXES, load_lights
-from envlights.environment.envmap import EnvMap, as_envmap
+from envlights.environment.envmap import EnvMap
 from envlights.environment.layouts.projections import Layout
+from envlights.environment.reading import as_envmap
 from envlights.export.saving import save
 from envlights.fitting.fit import fit
 from envlights.splitting.split import split

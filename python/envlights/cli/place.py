@@ -22,7 +22,7 @@ from envlights.environment.files.image_output import MAP_SUFFIXES
 from envlights.export.targets import SUFFIXES
 from envlights.placing.place import place
 from envlights.placing.placed_lights import PlacedLights
-from envlights.placing.reading import READINGS
+from envlights.placing.planes import READINGS
 
 _POINT = "1,0.2,-0.5"
 

@@ -42,7 +42,8 @@ from envlights.comparison.wording import (
 from envlights.kernels.gloss import LEAST_ROUGHNESS
 
 if TYPE_CHECKING:
-    from envlights.environment.envmap import EnvMap, Reading
+    from envlights.environment.envmap import EnvMap
+    from envlights.environment.reading import Reading
     from envlights.rigs.lights import Lights
     from envlights.rigs.rig import Rig
 

@@ -25,7 +25,7 @@ from envlights.comparison.compare import Comparison, compare
 from envlights.comparison.light_set_difference import NUMBERS
 from envlights.comparison.protocol import Protocol, as_protocol
 from envlights.detection.lights_file import SUFFIXES as LIGHT_FILES
-from envlights.environment.envmap import Reading, check_reading
+from envlights.environment.reading import Reading, check_reading
 
 if TYPE_CHECKING:
     import pandas as pd

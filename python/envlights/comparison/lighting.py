@@ -16,7 +16,8 @@ from envlights.comparison.angles import degrees_between
 from envlights.comparison.harmonics import Discs
 from envlights.detection.detect import detect
 from envlights.detection.lights_file import SUFFIXES, load_lights
-from envlights.environment.envmap import AnyMap, EnvMap, Reading, as_envmap
+from envlights.environment.envmap import EnvMap
+from envlights.environment.reading import AnyMap, Reading, as_envmap
 from envlights.kernels.image import LUMINANCE
 from envlights.kernels.probe import irradiance, rig_irradiance
 from envlights.rigs.lights import Lights

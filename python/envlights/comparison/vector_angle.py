@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights.comparison.angles import degrees_between
-from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
+from envlights.environment.envmap import EnvMap
+from envlights.environment.reading import AnyMap, as_envmap
 from envlights.kernels.image import LUMINANCE
 
 #: Vectors shorter than this fraction of the map's flux are 0: single precision of the pixels gives

@@ -19,9 +19,10 @@ from envlights.detection.colour_casts import colour_cast_notes
 from envlights.detection.lights import DetectedLights, DetectionReport
 from envlights.detection.members import Members
 from envlights.environment.clip_level import checked_clip_level
-from envlights.environment.envmap import AnyMap, EnvMap, apply_to_map
+from envlights.environment.envmap import EnvMap
 from envlights.environment.light import mean_radiance
 from envlights.environment.open import doubts_of_array
+from envlights.environment.reading import AnyMap, apply_to_map
 
 #: Smallest number of columns of the reduced map.
 _LEAST_COLUMNS = 16

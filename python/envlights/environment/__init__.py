@@ -13,4 +13,5 @@
 | merge exposures                                        | `exposures/`                   |
 | reduce the rows of a file for a fit                    | `reduced_file.py`              |
 | the map with its methods                               | `envmap.py`                    |
+| maps of arguments, and the options on reading them     | `reading.py`                   |
 """

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from inspect import signature
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 import numpy as np
@@ -15,7 +14,7 @@ from envlights._common.check import describe, texts
 from envlights._common.former import former_arguments, former_attributes, former_parts
 from envlights._common.notes import Note
 from envlights._common.units import OWN_SCALE, checked_units
-from envlights._native import EnvLightsError, UnusableSamplesError
+from envlights._native import EnvLightsError
 from envlights.environment import convert, light, repair, text
 from envlights.environment.calibrate import Readings, calibrate
 from envlights.environment.colour.choice import ColourArgument
@@ -30,8 +29,8 @@ from envlights.environment.layouts.projections import (
     with_target_arguments,
 )
 from envlights.environment.layouts.records import Origin
-from envlights.environment.open import map_of_array, map_of_exposures, open_map, unchecked_map
-from envlights.environment.picture_files import PictureSource, is_picture_source
+from envlights.environment.open import map_of_array, map_of_exposures, open_map
+from envlights.environment.picture_files import PictureSource
 from envlights.environment.pixels import PROJECTION, MapPixels, are_equal
 from envlights.frames import turn_of, turn_upright
 
@@ -903,71 +902,3 @@ class EnvMap:
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self)._of, (self._pixels,)
-
-
-#: Map, its file as path, bytes or file object, six files of a cube, or radiance as an array.
-AnyMap = EnvMap | PictureSource | ArrayLike
-
-
-#: Options on how a file is read: arguments of `EnvMap.open`, `levelled`, `calibrated`, `rotated`.
-Reading = Mapping[str, Any]
-#: Methods that follow the opening of a file.
-_STEPS = ("levelled", "calibrated", "rotated")
-
-
-def as_envmap(env: Any, reading: Reading | None = None) -> EnvMap:
-    """Map of an `AnyMap`, read with the options of `reading`; a map is returned as it is."""
-    if isinstance(env, EnvMap):
-        return env
-    is_file = is_picture_source(env)
-    opened, *steps = _steps(reading, EnvMap.open if is_file else EnvMap)
-    world = EnvMap.open(env, **opened) if is_file else EnvMap(env, **opened)
-    for name, given in zip(_STEPS, steps, strict=True):
-        if given.keys() - {"fill"}:  # a fill alone is no reading of a meter
-            world = getattr(world, name)(**given)
-    return world
-
-
-def check_reading(reading: Reading | None) -> None:
-    """Refuse names that are no options on how a file is read, before a file is read."""
-    _steps(reading, EnvMap.open)
-
-
-def _steps(reading: Reading | None, opener: Callable[..., Any]) -> list[dict[str, Any]]:
-    """Arguments of the opener and of each method of `as_envmap`, or a refusal of others."""
-    if reading is None:
-        return [{}, *({} for _ in _STEPS)]
-    if not isinstance(reading, Mapping):
-        raise EnvLightsError(
-            "reading must map names of options on how a map is read to values, such as"
-            f" {{'colour': 'srgb', 'lux': 900}}; got {describe(reading)}"
-        )
-    functions = (opener, *(getattr(EnvMap, name) for name in _STEPS))
-    names = [[*signature(each).parameters][1:] for each in functions]
-    known = [name for each in names for name in each]
-    for name in reading:
-        if name not in known:
-            raise EnvLightsError(
-                f"reading must hold options on how a map is read, {', '.join(known)}; got"
-                f" {describe(name)}"
-            )
-    return [{name: reading[name] for name in each if name in reading} for each in names]
-
-
-def apply_to_map(env: Any, work: Callable[[EnvMap], _T]) -> tuple[EnvMap, _T]:
-    """Map of an `AnyMap`, and the result of `work` on it.
-
-    An array is cleaned only if a kernel refuses it.
-
-    Kernels read every sample anyway and refuse those that are not radiance, so the usual array
-    needs no check of its own.
-    """
-    if isinstance(env, EnvMap) or is_picture_source(env):
-        world = as_envmap(env)
-        return world, work(world)
-    try:
-        world = EnvMap._of(unchecked_map(env))
-        return world, work(world)
-    except UnusableSamplesError:
-        world = EnvMap(env)
-        return world, work(world)

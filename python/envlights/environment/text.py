@@ -7,8 +7,8 @@ import numpy as np
 from envlights._common import html
 from envlights._common.blocks import in_blocks
 from envlights._common.units import in_nits
-from envlights.environment import thumbnails
 from envlights.environment.pixels import PROJECTION, MapPixels
+from envlights.kernels import thumbnails
 from envlights.kernels.image import LUMINANCE
 
 

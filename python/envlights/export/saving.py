@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from envlights._native import EnvLightsError
-from envlights.environment.envmap import AnyMap, as_envmap
+from envlights.environment.reading import AnyMap, as_envmap
 from envlights.export.files import AnyPath
 from envlights.export.targets import TARGETS, Target, target_of
 from envlights.kernels.probe import relative_rms

@@ -12,7 +12,8 @@ from envlights._common.blocks import in_blocks
 from envlights._common.check import describe
 from envlights._native import EnvLightsError
 from envlights.environment.decoders.source import is_source
-from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
+from envlights.environment.envmap import EnvMap
+from envlights.environment.reading import AnyMap, as_envmap
 from envlights.export.capabilities import HARMONIC_MEAN, ROWS
 from envlights.export.panels import Panel, distant_and_panels
 from envlights.export.targets import TARGETS, target_named

@@ -18,8 +18,8 @@ from envlights._common.result import TableResult
 from envlights._common.tables import Table, csv_of, json_text, save_table
 from envlights._common.words import percent
 from envlights._native import EnvLightsError
-from envlights.environment.envmap import AnyMap
 from envlights.environment.fill import Fill
+from envlights.environment.reading import AnyMap
 from envlights.fitting.map_fit import fit_map_by_count
 from envlights.fitting.request import FitArguments
 from envlights.kernels import gloss

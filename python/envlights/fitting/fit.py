@@ -12,8 +12,8 @@ from envlights._common.check import check_choice, named_arguments, reals
 from envlights._common.notes import black_note
 from envlights._common.times import Clock
 from envlights._native import EnvLightsError
-from envlights.environment.envmap import AnyMap
 from envlights.environment.fill import Fill
+from envlights.environment.reading import AnyMap
 from envlights.fitting import wording
 from envlights.fitting.map_fit import fit_map
 from envlights.fitting.request import (

@@ -13,9 +13,10 @@ from envlights._common.check import check_choice, flag
 from envlights._common.notes import LOG, black_note, log
 from envlights._common.times import Clock
 from envlights._native import FitAnswer
-from envlights.environment.envmap import AnyMap, EnvMap, apply_to_map
+from envlights.environment.envmap import EnvMap
 from envlights.environment.fill import checked_unseen
 from envlights.environment.open import doubts_of_array
+from envlights.environment.reading import AnyMap, apply_to_map
 from envlights.export.targets import shown_by, target_names
 from envlights.fitting import wording
 from envlights.fitting.reduction import Reduction, is_file, reduction_of, reduction_of_file

@@ -12,8 +12,9 @@ from envlights._native import GLOSS_DEGREE, EnvLightsError
 from envlights.comparison import spectra
 from envlights.comparison.harmonics import products
 from envlights.comparison.lighting import Pair, lighting_of
-from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
+from envlights.environment.envmap import EnvMap
 from envlights.environment.fill import Fill
+from envlights.environment.reading import AnyMap, as_envmap
 from envlights.fitting import wording
 from envlights.fitting.reduction import above_horizon, fill_for_fit
 from envlights.kernels.sampling import icosphere

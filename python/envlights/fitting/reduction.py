@@ -11,7 +11,7 @@ from envlights import _native
 from envlights._common.blocks import in_blocks
 from envlights._common.units import OWN_SCALE
 from envlights._native import ReducedMap
-from envlights.environment.envmap import AnyMap, EnvMap
+from envlights.environment.envmap import EnvMap
 from envlights.environment.fill import (
     Fill,
     PartialMap,
@@ -20,6 +20,7 @@ from envlights.environment.fill import (
     share_above_horizon,
 )
 from envlights.environment.layouts.projections import Layout
+from envlights.environment.reading import AnyMap
 from envlights.environment.reduced_file import reduce_file
 from envlights.kernels.probe import WORKING_COLUMNS, relative_rms, working_irradiance
 from envlights.kernels.sampling import icosphere

@@ -93,6 +93,22 @@ def pixel_directions(
     return _native.pixel_directions(*size, flag("border_sampled", border_sampled), 0, size[0])
 
 
+def samples_at(image: NDArray[np.floating], directions: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Samples of a cell-centred map, (height, width, channels), in unit directions, bilinear."""
+    height, width, _ = image.shape
+    u, v = direction_to_uv(directions).T
+    x, y = u * width - 0.5, np.clip(v * height - 0.5, 0, height - 1)
+    column, row = np.floor(x).astype(int), np.floor(y).astype(int)
+    right, down = (x - column)[:, None], (y - row)[:, None]
+    columns = column % width, (column + 1) % width
+    rows = row, np.minimum(row + 1, height - 1)
+    upper, lower = (
+        (1 - right) * image[each, columns[0]] + right * image[each, columns[1]] for each in rows
+    )
+    samples: NDArray[np.float64] = (1 - down) * upper + down * lower
+    return samples
+
+
 def over_map(
     height: int, value: Callable[[NDArray[np.float64]], NDArray[Any]], *, finer: int = 1
 ) -> NDArray[Any]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from envlights import _native
 from envlights._common.check import check_choice, count
-from envlights.environment.envmap import AnyMap, as_envmap
+from envlights.environment.reading import AnyMap, as_envmap
 from envlights.fitting.reduction import reduction_of
 from envlights.kernels import gloss
 from envlights.layers.arrays import Array, constant

@@ -8,7 +8,7 @@ import numpy as np
 
 from envlights._native import EnvLightsError
 from envlights.batches.labels import LabelArrays
-from envlights.environment.envmap import AnyMap
+from envlights.environment.reading import AnyMap
 from envlights.layers.arrays import Array, constant, namespace, to_numpy
 from envlights.rigs.lights import Lights as Discs
 from envlights.rigs.rig import Rig

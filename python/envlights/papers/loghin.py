@@ -21,7 +21,8 @@ from envlights._common.former import former_settings
 from envlights.detection.detect import detect as detect_tree
 from envlights.detection.lights import DetectedLights, DetectionReport
 from envlights.detection.members import Members
-from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
+from envlights.environment.envmap import EnvMap
+from envlights.environment.reading import AnyMap, as_envmap
 from envlights.kernels import image as images
 from envlights.kernels import sampling as sampling_kernels
 from envlights.kernels.loghin import (

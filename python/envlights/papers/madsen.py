@@ -16,8 +16,9 @@ from envlights._common.result import Result
 from envlights._common.tables import Table
 from envlights._common.units import OWN_SCALE
 from envlights._native import EnvLightsError
-from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
+from envlights.environment.envmap import EnvMap
 from envlights.environment.fill import Fill
+from envlights.environment.reading import AnyMap, as_envmap
 from envlights.fitting.wording import clipping
 from envlights.kernels import probe, sampling
 from envlights.kernels.angles import azimuths, elevations

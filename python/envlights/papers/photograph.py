@@ -17,12 +17,11 @@ from envlights._common.notes import black_note
 from envlights._common.tables import MOST_ROWS
 from envlights._common.words import quantity
 from envlights.detection.lights import DetectionReport
-from envlights.environment import thumbnails
 from envlights.environment.colour.choice import ColourArgument
 from envlights.environment.layouts import picture_layout as layouts
 from envlights.environment.layouts.picture_layout import PictureLayout
 from envlights.kernels import image as images
-from envlights.kernels import loghin
+from envlights.kernels import loghin, thumbnails
 from envlights.papers.loghin_steps import (
     PHOTOGRAPH,
     REFERENCE_PX,

@@ -18,10 +18,10 @@ from envlights._common.result import Result
 from envlights._common.tables import MOST_ROWS, Table, frame_of
 from envlights._native import EnvLightsError
 from envlights.detection.lights import DetectionReport
-from envlights.environment import thumbnails
 from envlights.environment.envmap import EnvMap
 from envlights.export import saving, targets
 from envlights.export.formats.own_json import read_json
+from envlights.kernels import thumbnails
 from envlights.kernels.image import LUMINANCE
 from envlights.rigs.light_arrays import light_arrays, row_of, rows_of
 from envlights.rigs.lights import Lights, Rows, brightest_first, rgb_cell

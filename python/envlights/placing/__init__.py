@@ -2,7 +2,7 @@
 
 | step                                                  | file               |
 |-------------------------------------------------------|--------------------|
-| planes in a depth map, and the meaning of its numbers | `reading.py`       |
+| planes in a depth map, and the meaning of its numbers | `planes.py`        |
 | distance along the ray, from a file or a room         | `depth.py`         |
 | light with a position                                 | `placed_light.py`  |
 | position of a light by depth                          | `position.py`      |

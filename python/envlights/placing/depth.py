@@ -17,7 +17,7 @@ from envlights.environment.decoders.source import kind_of, named_source
 from envlights.environment.envmap import EnvMap
 from envlights.environment.files.images import MOST_PIXELS
 from envlights.kernels.sphere import pixel_directions
-from envlights.placing.reading import READINGS, Reals, flatness
+from envlights.placing.planes import READINGS, Reals, flatness
 
 #: Names of channels of depth, in lower case.
 _CHANNELS = ("z", "depth", "distance", "depth.z")

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from envlights.environment.envmap import EnvMap
 from envlights.kernels.image import area_means
-from envlights.kernels.sphere import direction_to_uv, pixel_directions, pixel_solid_angles
-from envlights.placing.reading import Reals, pixel_planes
+from envlights.kernels.sphere import pixel_directions, pixel_solid_angles, samples_at
+from envlights.placing.planes import Reals, pixel_planes
 
 #: Rows of patches; twice as many columns. 32 rows have half of the error, and take 4 times as long.
 _ROWS = 16
@@ -57,9 +57,9 @@ def warp(radiance: NDArray[np.float32], distance: Reals, point: Reals) -> NDArra
         points = point + metres[:, None] * rays
         length = np.linalg.norm(points, axis=1)
         towards = points / np.maximum(length, 1e-12)[:, None]
-        ratio = length * _bilinear(inverse, towards)[:, 0]
+        ratio = length * samples_at(inverse, towards)[:, 0]
         metres = np.clip(metres / np.maximum(ratio, 1e-3) ** 0.7, 1e-6, 1e12)
-    return _bilinear(radiance, towards).reshape(radiance.shape).astype(np.float32)
+    return samples_at(radiance, towards).reshape(radiance.shape).astype(np.float32)
 
 
 def surface_behind(distance: Reals, point: Reals) -> float:
@@ -67,19 +67,5 @@ def surface_behind(distance: Reals, point: Reals) -> float:
     length = np.linalg.norm(point)
     if length == 0:
         return np.inf
-    inverse = _bilinear(1 / distance[..., None], point[None] / length)
+    inverse = samples_at(1 / distance[..., None], point[None] / length)
     return float(1 / max(inverse.item(), 1e-12))
-
-
-def _bilinear(image: NDArray[np.floating], directions: Reals) -> Reals:
-    """Bilinear samples of a cell-centred map, (n, channels)."""
-    height, width, _ = image.shape
-    column, row = (direction_to_uv(directions) * [width, height] - 0.5).T
-    row = np.clip(row, 0, height - 1)
-    left, top = np.floor(column).astype(int), np.floor(row).astype(int)
-    a, b = (column - left)[:, None], (row - top)[:, None]
-    right, bottom = (left + 1) % width, np.minimum(top + 1, height - 1)
-    upper = (1 - a) * image[top, left % width] + a * image[top, right]
-    lower = (1 - a) * image[bottom, left % width] + a * image[bottom, right]
-    samples: Reals = (1 - b) * upper + b * lower
-    return samples

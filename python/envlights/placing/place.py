@@ -12,13 +12,13 @@ from numpy.typing import ArrayLike
 from envlights._common.notes import log
 from envlights._native import EnvLightsError
 from envlights.cards import CardSplit
-from envlights.environment.envmap import AnyMap
+from envlights.environment.reading import AnyMap
 from envlights.kernels.image import luminance
 from envlights.placing.depth import read_depth, room_distance, triple, without_holes
 from envlights.placing.patches import patches_of
 from envlights.placing.placed_lights import PlacedLights
+from envlights.placing.planes import Reals
 from envlights.placing.position import place_cards
-from envlights.placing.reading import Reals
 from envlights.placing.triangulate import triangulate
 from envlights.splitting.split import Split, split
 

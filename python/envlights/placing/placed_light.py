@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from envlights._common.result import Result
 from envlights.cards import geometry
 from envlights.cards.arrays import uniform_radiance
-from envlights.placing.reading import Reals
+from envlights.placing.planes import Reals
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -17,15 +17,16 @@ from envlights._common.tables import MOST_ROWS, Table
 from envlights._common.words import percent, quantity
 from envlights._native import EnvLightsError
 from envlights.cards import Cards
-from envlights.environment import thumbnails
-from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
+from envlights.environment.envmap import EnvMap
+from envlights.environment.reading import AnyMap, as_envmap
 from envlights.fitting.fit import fit_probe
+from envlights.kernels import thumbnails
 from envlights.kernels.probe import relative_rms, rig_irradiance
 from envlights.kernels.sampling import icosphere
 from envlights.placing.depth import triple
 from envlights.placing.patches import surface_behind, warp
 from envlights.placing.placed_light import PlacedLight
-from envlights.placing.reading import Reals
+from envlights.placing.planes import Reals
 from envlights.rigs.lights import Lights, rgb_cell, rgb_heading
 from envlights.rigs.rig import Rig
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from envlights.cards import Cards, geometry
 from envlights.kernels.sphere import pixel_solid_angles, row_directions
 from envlights.placing.placed_light import PlacedLight
-from envlights.placing.reading import Reals
+from envlights.placing.planes import Reals
 
 #: Distance of a lamp in front of the plane around it, relative to that of the plane, from which it
 #: hangs: without it, panels in noise of 5 % become spheres, which cost 8 % at 2 m.

@@ -11,8 +11,8 @@ from envlights._common.words import quantity
 from envlights._native import EnvLightsError
 from envlights.cards import Cards, geometry
 from envlights.placing.placed_light import PlacedLight
+from envlights.placing.planes import Reals
 from envlights.placing.position import infinite, on_plane, sphere
-from envlights.placing.reading import Reals
 
 #: Angle by which two rays miss each other, and logarithm of the ratio of intensities, that cost 1;
 #: lights whose pair costs more than 4 are not the same. Centres of cards miss by 0.04 degrees.

@@ -15,9 +15,10 @@ from envlights.cards import geometry
 from envlights.cards.card import Card
 from envlights.cards.card_split import CardSplit
 from envlights.cards.cards import Cards
-from envlights.environment import thumbnails
-from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
+from envlights.environment.envmap import EnvMap
+from envlights.environment.reading import AnyMap, as_envmap
 from envlights.export.look_up import looked_up
+from envlights.kernels import thumbnails
 from envlights.kernels.image import LUMINANCE
 from envlights.plot.ball import ball
 from envlights.plot.figure import check_is, hide_frame

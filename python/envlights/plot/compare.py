@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from envlights.environment.envmap import AnyMap, as_envmap
+from envlights.environment.reading import AnyMap, as_envmap
 from envlights.plot.curve import mark_percents
 from envlights.plot.figure import check_are_rigs
 from envlights.plot.ground import draw_small_ground, expose, working

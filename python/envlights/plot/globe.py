@@ -8,9 +8,9 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from envlights._common.srgb import encode_srgb
-from envlights.environment import thumbnails
-from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
-from envlights.kernels import sphere
+from envlights.environment.envmap import EnvMap
+from envlights.environment.reading import AnyMap, as_envmap
+from envlights.kernels import sphere, thumbnails
 from envlights.plot.ball import axes_of, ball, draw_rim
 from envlights.plot.figure import check_is, hide_frame
 from envlights.plot.ground import working

@@ -10,9 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.colors import Normalize
 from numpy.typing import NDArray
 
-from envlights.environment import thumbnails
 from envlights.environment.envmap import EnvMap
-from envlights.kernels import sphere
+from envlights.kernels import sphere, thumbnails
 from envlights.kernels.image import LUMINANCE
 from envlights.plot.wording import LETTER, font_size, is_narrow, points_per_unit
 

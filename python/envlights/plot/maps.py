@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from envlights._common.check import flag
 from envlights.detection.lights import DetectedLights
-from envlights.environment.envmap import AnyMap, as_envmap
+from envlights.environment.reading import AnyMap, as_envmap
 from envlights.plot.figure import check_is
 from envlights.plot.ground import degrees, draw_luminance, draw_map
 from envlights.plot.markers import (

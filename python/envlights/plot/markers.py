@@ -14,7 +14,7 @@ from matplotlib.patheffects import withStroke
 from matplotlib.transforms import ScaledTranslation
 from numpy.typing import NDArray
 
-from envlights.environment.thumbnails import colours_of
+from envlights.kernels.thumbnails import colours_of
 from envlights.plot.ground import EXTENT, degrees
 from envlights.plot.wording import LETTER, font_size, is_narrow, points_per_unit, width_of
 from envlights.rigs.lights import Lights

@@ -42,7 +42,7 @@ def overlay_picture(overlay: ShadowOverlay, **where: Unpack[Placement]) -> Figur
     --------
     >>> import envlights as el
     >>> rig = el.fit(el.synthetic.hall(64).radiance, lights=2, floor=True)
-    >>> overlay = el.shadow_overlay(rig, el.scene.Ball((0, 0.5, 0), 0.5), columns=64)
+    >>> overlay = el.scene.shadow_overlay(rig, el.scene.Ball((0, 0.5, 0), 0.5), columns=64)
     >>> overlay_picture(overlay).axes[0].get_title()
     'all shadows'
     """

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from envlights import _native
 from envlights._native import EnvLightsError
 from envlights.detection.lights import DetectedLights
-from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
+from envlights.environment.envmap import EnvMap
+from envlights.environment.reading import AnyMap, as_envmap
 from envlights.environment.repair import PLATEAU_COLUMNS, PLATEAU_GAP
 from envlights.plot.figure import check_is
 from envlights.plot.ground import EXTENT, degrees, draw_frame, draw_map

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from matplotlib.figure import Figure
 
-from envlights.environment.envmap import AnyMap, as_envmap
+from envlights.environment.reading import AnyMap, as_envmap
 from envlights.plot.figure import check_are_rigs
 from envlights.plot.page import Placement, Unpack, grid, open_page, placed_picture
 from envlights.plot.probe import draw_probe, shaded_ball, viewpoint, white_for

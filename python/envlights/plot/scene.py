@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from envlights._common.check import check_choice, count
 from envlights._common.srgb import encode_srgb
-from envlights.environment.envmap import AnyMap, as_envmap
+from envlights.environment.reading import AnyMap, as_envmap
 from envlights.kernels import sphere
 from envlights.kernels.image import LUMINANCE
 from envlights.plot.figure import check_are_rigs, hide_frame

@@ -6,8 +6,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from envlights.environment import thumbnails
-from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
+from envlights.environment.envmap import EnvMap
+from envlights.environment.reading import AnyMap, as_envmap
+from envlights.kernels import thumbnails
 from envlights.kernels.image import LUMINANCE
 from envlights.plot.figure import check_is
 from envlights.plot.ground import degrees, draw_ground, expose, working

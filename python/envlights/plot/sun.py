@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from envlights._common.srgb import encode_srgb
 from envlights._common.units import in_lux
-from envlights.environment.envmap import AnyMap, as_envmap
+from envlights.environment.reading import AnyMap, as_envmap
 from envlights.fitting.fit import fit
 from envlights.kernels import sphere
 from envlights.kernels.image import LUMINANCE

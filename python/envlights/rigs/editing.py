@@ -8,7 +8,7 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights._common.check import amount, colour, reals
+from envlights._common.check import amount, colour, unit_vector
 from envlights._native import EnvLightsError
 from envlights.kernels.angles import azimuths, direction_at, elevations
 from envlights.kernels.image import LUMINANCE
@@ -71,7 +71,7 @@ class Editable(ABC, Generic[Plain]):
         if (direction is None) == (azimuth is None and elevation is None):
             raise EnvLightsError("give a direction, or an azimuth or an elevation in radians")
         if direction is not None:
-            return self._with_row("direction", row, _unit(direction))
+            return self._with_row("direction", row, unit_vector("direction", direction))
         old = self.direction[[row]]
         angles = (
             azimuths(old)[0] if azimuth is None else amount("azimuth", azimuth, -np.inf),
@@ -176,7 +176,7 @@ class Editable(ABC, Generic[Plain]):
                [0., 1., 0.]]), (-1, 0))
         """
         row = {
-            "direction": _unit(direction),
+            "direction": unit_vector("direction", direction),
             "irradiance": colour("irradiance", irradiance),
             "angular_radius": angular_radius,
             "origin": -1,
@@ -199,14 +199,3 @@ class Editable(ABC, Generic[Plain]):
     @abstractmethod
     def _edited(self, **changed: NDArray[Any]) -> Plain:
         """Lights with these arrays in place of their own."""
-
-
-def _unit(direction: ArrayLike) -> NDArray[np.float64]:
-    vector = reals("direction", direction, 1)
-    length = np.linalg.norm(vector)
-    if vector.shape != (3,) or not 0 < length < np.inf:
-        raise EnvLightsError(
-            f"direction must be three finite numbers, and not all 0; got {vector.tolist()}"
-        )
-    unit: NDArray[np.float64] = vector / length
-    return unit

@@ -22,13 +22,13 @@ from envlights._common.tables import MOST_ROWS, Table
 from envlights._common.units import OWN_SCALE, checked_units, in_lux
 from envlights._common.words import quantity
 from envlights._native import EnvLightsError
-from envlights.environment import thumbnails
 from envlights.environment.envmap import EnvMap
 from envlights.export import saving
 from envlights.export.formats.csv_table import Table as CsvTable
 from envlights.export.formats.csv_table import load_csv
 from envlights.export.formats.own_json import read_json
 from envlights.frames import frame_named
+from envlights.kernels import thumbnails
 from envlights.kernels.angles import angle_cells, azimuths, elevations
 from envlights.kernels.image import LUMINANCE
 from envlights.kernels.probe import disc_map

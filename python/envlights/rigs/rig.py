@@ -22,8 +22,9 @@ from envlights._common.tables import frame_of
 from envlights._common.units import in_nits, statement
 from envlights._common.words import percent
 from envlights._native import EnvLightsError
-from envlights.environment.envmap import AnyMap, EnvMap
+from envlights.environment.envmap import EnvMap
 from envlights.environment.fill import Fill
+from envlights.environment.reading import AnyMap
 from envlights.export import saving
 from envlights.export.formats.csv_table import Table, load_csv
 from envlights.export.formats.own_json import read_json

@@ -42,7 +42,7 @@ class ShadowOverlay(Result):
     >>> import envlights as el
     >>> rig = el.Rig([0.1, 0.1, 0.1], el.Lights([[0.6, 0.8, 0]], [[2, 2, 2]]), error=0.0)
     >>> ball = el.scene.Ball((0, 0.5, 0), 0.5)
-    >>> el.shadow_overlay(rig, ball, [[0, 0, 0], [1, 0, 0]]).ratio.round(4)
+    >>> el.scene.shadow_overlay(rig, ball, [[0, 0, 0], [1, 0, 0]]).ratio.round(4)
     array([[0.    , 0.    , 0.    ],
            [0.9853, 0.9853, 0.9853]])
     """

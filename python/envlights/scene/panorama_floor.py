@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights.environment.envmap import EnvMap
-from envlights.kernels import sphere
 from envlights.kernels.probe import working_irradiance
+from envlights.kernels.sphere import samples_at
 from envlights.scene.camera import Ray
 from envlights.scene.mitsuba.path_traced import Texture
 
@@ -70,18 +70,7 @@ def background(
 def radiance_at(env: EnvMap, directions: NDArray[np.float64]) -> NDArray[np.float64]:
     """Radiance of a cell-centred map in directions of any length, (n, 3), by bilinear filtering."""
     lengths = np.linalg.norm(directions, axis=1, keepdims=True)
-    u, v = sphere.direction_to_uv(directions / lengths).T
-    x, y = u * env.width - 0.5, np.clip(v * env.height - 0.5, 0, env.height - 1)
-    column, row = np.floor(x).astype(int), np.floor(y).astype(int)
-    right, down = (x - column)[:, None], (y - row)[:, None]
-    columns = column % env.width, (column + 1) % env.width
-    rows = row, np.minimum(row + 1, env.height - 1)
-    upper, lower = (
-        (1 - right) * env.radiance[each, columns[0]] + right * env.radiance[each, columns[1]]
-        for each in rows
-    )
-    radiance: NDArray[np.float64] = (1 - down) * upper + down * lower
-    return radiance
+    return samples_at(env.radiance, directions / lengths)
 
 
 def floor_irradiance(env: EnvMap) -> NDArray[np.float64]:

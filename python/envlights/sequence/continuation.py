@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights.environment.envmap import AnyMap
+from envlights.environment.reading import AnyMap
 from envlights.fitting.map_fit import MapSamples, continue_rig, fit_reduction, reduce_for_fits
 from envlights.fitting.reduction import Reduction
 from envlights.fitting.request import FitArguments

@@ -8,8 +8,8 @@ from collections.abc import Iterable, Iterator
 from envlights._common.check import check_choice, check_progress, count, named_arguments
 from envlights._common.progress import progress_bar
 from envlights._native import EnvLightsError
-from envlights.environment.envmap import AnyMap, Reading
 from envlights.environment.fill import Fill
+from envlights.environment.reading import AnyMap, Reading
 from envlights.fitting.map_fit import check_arguments
 from envlights.fitting.request import AMBIENTS, MOST_LIGHTS, FitArguments
 from envlights.rigs.report import SHOWN_ROUGHNESS

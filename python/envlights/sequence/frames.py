@@ -15,8 +15,8 @@ from envlights._common.check import describe
 from envlights._common.errors import MissingFileError
 from envlights._common.files import MAPS, matches
 from envlights._native import EnvLightsError
-from envlights.environment.envmap import AnyMap, Reading, as_envmap, check_reading
 from envlights.environment.fill import Fill
+from envlights.environment.reading import AnyMap, Reading, as_envmap, check_reading
 from envlights.sequence.video import VIDEOS, video_frames
 
 #: Pattern or folder of files, path of a video, array of the shape (n, height, 2 * height, 3), or

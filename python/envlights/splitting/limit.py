@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from envlights._common.check import amount, named_arguments
 from envlights._common.former import former_attributes
 from envlights._native import EnvLightsError
-from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
+from envlights.environment.envmap import EnvMap
 from envlights.environment.peaks import PixelIntegrals, float32_at_most
+from envlights.environment.reading import AnyMap, as_envmap
 from envlights.kernels.connectivity import connected_regions
 from envlights.kernels.image import LUMINANCE
 from envlights.kernels.sphere import pixel_solid_angles

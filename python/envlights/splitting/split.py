@@ -17,7 +17,8 @@ from envlights.cards.card_split import CardSplit
 from envlights.cards.cut import cut
 from envlights.detection.detect import detect, detect_with_luminance
 from envlights.detection.lights import DetectedLights, DetectionReport
-from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
+from envlights.environment.envmap import EnvMap
+from envlights.environment.reading import AnyMap, as_envmap
 from envlights.export.links import LinkedParts
 from envlights.kernels.image import LUMINANCE
 from envlights.rigs.lights import Lights

@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from envlights._common.check import amount, named_arguments, reals
 from envlights._common.notes import warnings
 from envlights._native import EnvLightsError
-from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
+from envlights.environment.envmap import EnvMap
+from envlights.environment.reading import AnyMap, as_envmap
 from envlights.kernels.image import LUMINANCE
 from envlights.kernels.sphere import pixel_directions, pixel_solid_angles
 from envlights.sun.brightness import INTERVAL, WIDE_INTERVAL, sun_irradiance

@@ -11,8 +11,9 @@ import numpy as np
 from envlights._common.check import amount, named_arguments
 from envlights._common.former import former_attributes
 from envlights._native import EnvLightsError
-from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
+from envlights.environment.envmap import EnvMap
 from envlights.environment.fill import Fill
+from envlights.environment.reading import AnyMap, as_envmap
 from envlights.export.links import LinkedParts
 from envlights.kernels.image import LUMINANCE
 from envlights.kernels.sphere import direction_to_uv

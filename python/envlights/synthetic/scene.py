@@ -20,8 +20,7 @@ from envlights._common.blocks import blocks, in_blocks
 from envlights._common.check import count, is_vector, reals
 from envlights._common.result import Result
 from envlights._native import EnvLightsError
-from envlights.environment import thumbnails
-from envlights.kernels import sphere
+from envlights.kernels import sphere, thumbnails
 from envlights.rigs.lights import Lights, brightest_first
 from envlights.synthetic.shapes import Shape
 

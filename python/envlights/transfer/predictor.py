@@ -15,7 +15,7 @@ from envlights._common.check import count as whole_number
 from envlights._common.result import Result
 from envlights._common.tables import Table
 from envlights._native import EnvLightsError
-from envlights.environment import thumbnails
+from envlights.kernels import thumbnails
 from envlights.transfer.compact import CompactBasis
 from envlights.transfer.consistency import check_fields
 from envlights.transfer.expand import check_range, expand, project, region_mask, truncate

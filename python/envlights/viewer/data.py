@@ -11,11 +11,10 @@ from numpy.typing import NDArray
 
 from envlights._common.srgb import encode_srgb
 from envlights._native import EnvLightsError
-from envlights.environment import thumbnails
 from envlights.environment.envmap import EnvMap
 from envlights.environment.harmonics import FACTORS
 from envlights.fitting.fit import fit
-from envlights.kernels import sphere
+from envlights.kernels import sphere, thumbnails
 from envlights.kernels.image import LUMINANCE
 from envlights.kernels.probe import working_irradiance
 from envlights.rigs.lights import Lights

@@ -20,8 +20,9 @@ from envlights._common.files import as_path
 from envlights._common.words import fill_template
 from envlights._native import EnvLightsError
 from envlights.environment.decoders.source import is_source, name_of
-from envlights.environment.envmap import AnyMap, EnvMap, as_envmap
+from envlights.environment.envmap import EnvMap
 from envlights.environment.fill import Fill
+from envlights.environment.reading import AnyMap, as_envmap
 from envlights.export.files import save_scene
 from envlights.rigs.rig import Rig
 from envlights.viewer import data, model_textures, widget

@@ -15,7 +15,6 @@ from envlights._common.check import check_choice
 from envlights._common.files import as_path
 from envlights._common.units import OWN_SCALE
 from envlights._native import EnvLightsError
-from envlights.environment import thumbnails
 from envlights.environment.files.image_output import (
     COMPRESSIONS,
     PICTURE_SUFFIXES,
@@ -36,6 +35,7 @@ from envlights.environment.layouts.faces import (
     upright_faces,
 )
 from envlights.environment.layouts.picture_layout import PictureLayout
+from envlights.kernels import thumbnails
 
 #: Placeholder for the name of a face in a path.
 PLACEHOLDER = "{face}"

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from envlights._common.words import fill_template
 from envlights._native import EnvLightsError
-from envlights.environment.envmap import AnyMap
+from envlights.environment.reading import AnyMap
 from envlights.export.files import AnyPath, check_link
 from envlights.export.formats import blender_cards
 from envlights.export.scene import Exportable, Scene, scene_of

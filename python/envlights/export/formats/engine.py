@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from envlights._common.check import describe
 from envlights._native import EnvLightsError
-from envlights.environment.envmap import AnyMap
+from envlights.environment.reading import AnyMap
 from envlights.export.files import AnyPath, check_link, json_text
 from envlights.export.scene import Exportable, Scene, scene_of
 from envlights.export.targets import AXES

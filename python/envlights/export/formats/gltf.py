@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights.environment.envmap import AnyMap
+from envlights.environment.reading import AnyMap
 from envlights.export.files import AnyPath, check_link, json_text
 from envlights.export.formats import gltf_cards
 from envlights.export.scene import Exportable, Scene, scene_of

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights._common.srgb import encode_srgb
-from envlights.environment.envmap import AnyMap
+from envlights.environment.reading import AnyMap
 from envlights.export.files import CONTROLS, AnyPath, check_link
 from envlights.export.scene import Exportable, Scene, at_most, scene_of
 from envlights.export.targets import AXES, CASTERS, target_named

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from envlights import kernels
 from envlights._native import EnvLightsError
-from envlights.environment.envmap import AnyMap, EnvMap
+from envlights.environment.envmap import EnvMap
+from envlights.environment.reading import AnyMap
 from envlights.export.discs import MOST_ROWS, rows_for, split_by_size
 from envlights.export.files import AnyPath, check_link
 from envlights.export.formats import mitsuba_cards

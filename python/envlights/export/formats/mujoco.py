@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from envlights._common.check import amount
 from envlights._common.words import fill_template
-from envlights.environment.envmap import AnyMap
+from envlights.environment.reading import AnyMap
 from envlights.export.files import AnyPath, save_scene
 from envlights.export.formats.xml_text import comment, document
 from envlights.export.scene import Discs, Exportable, at_most, mean_radiance, scene_of

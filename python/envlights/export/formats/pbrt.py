@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights.environment.envmap import AnyMap
 from envlights.environment.layouts.picture_layout import PictureLayout, equirectangular
+from envlights.environment.reading import AnyMap
 from envlights.environment.resample import resample
 from envlights.export.discs import split_by_size, with_discs
 from envlights.export.files import AnyPath, check_link

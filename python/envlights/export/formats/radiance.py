@@ -7,7 +7,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights._common.check import describe
 from envlights._native import EnvLightsError
-from envlights.environment.envmap import AnyMap, EnvMap
+from envlights.environment.envmap import EnvMap
+from envlights.environment.reading import AnyMap
 from envlights.export.discs import split_by_size, with_discs
 from envlights.export.files import CONTROLS, AnyPath, check_link
 from envlights.export.look_up import looked_up

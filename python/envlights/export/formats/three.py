@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights.environment.envmap import AnyMap, EnvMap
+from envlights.environment.envmap import EnvMap
+from envlights.environment.reading import AnyMap
 from envlights.export.files import AnyPath, json_text, save_scene
 from envlights.export.formats import three_cards
 from envlights.export.formats.three_things import colour_of, image_of, texture_of, thing_of

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from envlights._common.files import as_path
 from envlights._native import EnvLightsError
-from envlights.environment.envmap import AnyMap
+from envlights.environment.reading import AnyMap
 from envlights.export.files import AnyPath
 from envlights.export.formats import usd_cards
 from envlights.export.formats.usd_stage import Stage

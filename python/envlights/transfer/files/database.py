@@ -20,9 +20,9 @@ from envlights._common.files import as_path
 from envlights._common.progress import progress_bar
 from envlights._common.result import Result
 from envlights._native import EnvLightsError
-from envlights.environment import thumbnails
 from envlights.environment.files.image_output import write_exr
 from envlights.environment.files.images import read_image
+from envlights.kernels import thumbnails
 
 #: First words of the names of files.
 _DIRECT, _INDIRECT = "direct", "lightmap"
