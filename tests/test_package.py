@@ -60,6 +60,14 @@ def test_the_import_does_not_wait_for_what_is_used_later():
     assert run("import envlights; print(envlights.__version__)").stdout.strip()
 
 
+def test_a_first_fit_loads_no_module():
+    """NumPy's median loads `numpy.ma`, which takes 11 ms."""
+    image = "np.random.default_rng(0).random((64, 128, 3), dtype=np.float32)"
+    work = f"image = {image}; before = set(sys.modules); el.fit(image, 2); el.detect(image)"
+    code = f"import sys, numpy as np, envlights as el; {work}; print({{*sys.modules}} - before)"
+    assert run(code).stdout.strip() == "set()"
+
+
 def test_other_names_are_missing_as_in_any_module():
     with pytest.raises(AttributeError, match="'envlights' has no attribute 'lamp'"):
         _ = el.lamp

@@ -97,9 +97,15 @@ def _means(picture: NDArray[np.floating], columns: int) -> Array:
     return means
 
 
+def _median(cells: Array) -> float:
+    """Median of all cells; that of NumPy loads `numpy.ma`, which takes 11 ms of a first fit."""
+    middle = (cells.size - 1) // 2, cells.size // 2
+    return float(np.partition(cells, middle, axis=None)[[*middle]].mean())
+
+
 def _logs(cells: Array) -> Array:
     """Logarithm of radiance over its median, with an end for noise in the dark and for lamps."""
-    middle = float(np.median(cells)) or float(cells.mean()) or 1.0
+    middle = _median(cells) or float(cells.mean()) or 1.0
     logs: Array = np.minimum(np.log(cells / middle + 0.03), 3)
     return logs
 
@@ -113,8 +119,8 @@ def _fit_of_lenses(cells: Array) -> float:
     if not corner.any() or not middle.any():
         return 0.0
     corners = np.stack([half[corner] for half in halves])
-    background = float(np.median(corners))
-    inside = float(np.median([half[middle] for half in halves]))
+    background = _median(corners)
+    inside = _median(np.stack([half[middle] for half in halves]))
     contrast = abs(inside - background)
     if contrast == 0 or np.mean(np.abs(corners - background) <= _EVEN * contrast) < _CORNERS:
         return 0.0
@@ -156,11 +162,9 @@ def _likeness(one: Array, other: Array) -> float:
     one, other = (half - half.mean(axis=2, keepdims=True) for half in rows)
     if min(one.std(), other.std()) < _CONTRAST:
         return 0.0
-    spectra = np.fft.rfft(one) * np.fft.rfft(other).conj()
-    products = np.fft.irfft(spectra.sum(axis=(0, 1)), n=one.shape[2])
     reach = one.shape[2] // 24
-    within = np.r_[products[: reach + 1], products[len(products) - reach :]]
-    return float(within.max() / np.sqrt((one**2).sum() * (other**2).sum()))
+    products = [(one * np.roll(other, by, axis=2)).sum() for by in range(-reach, reach + 1)]
+    return float(max(products) / np.sqrt((one**2).sum() * (other**2).sum()))
 
 
 def _is_part(logs: Array) -> bool:
@@ -173,7 +177,7 @@ def _is_part(logs: Array) -> bool:
     bands = _bands(logs, 16)[1:-1]
     seam = np.abs(bands[:, 0] - bands[:, -1]).mean(axis=1)
     inside = np.abs(bands[:, 2:] - bands[:, :-2]).mean(axis=(1, 2))
-    if np.median(seam / (inside + 0.005)) <= _SEAM:
+    if _median(seam / (inside + 0.005)) <= _SEAM:
         return False
     groups = _bands(logs.swapaxes(0, 1), 32)
     spread = groups.std(axis=0).mean(axis=1)
