@@ -145,35 +145,36 @@ def write_content(path: str | os.PathLike[str], content: str | bytes) -> None:
 
 @contextlib.contextmanager
 def _file_beside(target: Path) -> Iterator[Path]:
-    """Name of a temporary file in the folder of `target`, removed at the end."""
+    """Locked, empty temporary file in the folder of `target`, removed at the end."""
     # Use a short name, because that of `target` may have the greatest length.
     mark = f".{zlib.crc32(target.name.encode(errors='surrogateescape')):08x}"
-    beside = target.with_name(f"{mark}-{os.urandom(4).hex()[:7]}{target.suffix}")
     for stale in target.parent.glob(f"{mark}-*"):
         _clear(stale)
-    try:
-        with _locked_file(beside):
+    with _locked_file(target, mark) as beside:
+        try:
             yield beside
-    finally:
-        with contextlib.suppress(OSError):
-            beside.unlink()
+        finally:
+            with contextlib.suppress(OSError):
+                beside.unlink()
 
 
 @contextlib.contextmanager
-def _locked_file(beside: Path) -> Iterator[None]:
-    """Empty file `beside`, locked while this process writes it.
+def _locked_file(target: Path, mark: str) -> Iterator[Path]:
+    """Empty file beside `target`, locked while this process writes it.
 
-    Another process may remove it as stale before it is locked; then it is created again. Windows
-    has neither such locks nor renames of open files, so there is no lock.
+    Another process may remove it as stale before it is locked; then another name is tried. The
+    same name would be removed by a third process that still has the first file open. Windows has
+    neither such locks nor renames of open files, so there is no lock.
     """
-    if fcntl is None:
-        yield
-        return
     while True:
+        beside = target.with_name(f"{mark}-{os.urandom(4).hex()[:7]}{target.suffix}")
+        if fcntl is None:
+            yield beside
+            return
         with beside.open("xb") as file:
             fcntl.flock(file, fcntl.LOCK_EX)
             if os.fstat(file.fileno()).st_nlink:
-                yield
+                yield beside
                 return
 
 
