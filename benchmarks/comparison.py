@@ -3,7 +3,7 @@
 Usage: python benchmarks/comparison.py [MAP] [--time]
 
 The truth is MAP, or the synthetic hall; the guess is a rig of eight lights that was fitted to it,
-drawn as a map of 256x128 pixels. docs/compare.md has the tables.
+drawn as a map of 256x128 pixels. docs/lab/compare.md has the tables.
 """
 
 import argparse

@@ -1,4 +1,4 @@
-"""Error on rough metal by number of lights, and the lights needed for an error: docs/gloss.md.
+"""Error on rough metal by number of lights, and the lights needed for an error: docs/lab/fit.md.
 
 The first table has the geometric mean over the maps and the worst map. The second has the fewest
 lights for each error on metal of roughness 0.33, of at most 32.

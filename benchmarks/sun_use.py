@@ -1,6 +1,6 @@
 """Irradiance under 8-bit pictures of made skies, repaired without and with their sun.
 
-`python benchmarks/sun_use.py` prints the table of docs/sun.md, and draws docs/sun.png.
+`python benchmarks/sun_use.py` prints the table of docs/lab/sun.md, and draws docs/sun.png.
 """
 
 from pathlib import Path

@@ -20,7 +20,6 @@ extensions = [
     "numpydoc",
     "sphinx_gallery.gen_gallery",
     "math_markup",
-    "other_pages",
     "program_facts",
     "reference_pages",
 ]

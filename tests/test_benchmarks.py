@@ -269,8 +269,8 @@ def two_runs(tmp_path, times, errors, processes=PROCESSES):
 
 def test_the_page_is_what_its_data_say(curves):
     """A section written by hand would be lost when the page is measured again."""
-    parts = importlib.import_module("benchmarks.__main__").parts_of(ROOT / "docs")
-    page = (ROOT / "docs/benchmarks.md").read_text(encoding="utf-8")
+    parts = importlib.import_module("benchmarks.__main__").parts_of(ROOT / "docs/lab")
+    page = (ROOT / "docs/lab/benchmarks.md").read_text(encoding="utf-8")
     assert page == curves["page"].page(parts)
 
 

@@ -25,7 +25,7 @@ def test_every_code_is_of_a_sentence_that_the_package_writes(code):
 
 
 def test_the_documentation_lists_every_code_with_its_level_and_meaning():
-    page = (Path(__file__).parent.parent / "docs" / "notes.md").read_text()
+    page = (Path(__file__).parent.parent / "docs/reference/notes.md").read_text()
     rows = re.findall(r"^\| `([a-z0-9-]+)` \| (\w+) \| (.*) \|$", page, re.M)
     levels = {True: "warning", False: "info"}
     assert rows == [(code, levels[k.is_warning], k.meaning) for code, k in CODES.items()]

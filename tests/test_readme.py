@@ -36,7 +36,7 @@ def test_the_shortest_path_comes_first():
 
 def test_the_figures_are_those_of_the_benchmarks():
     """Number of maps, milliseconds, and errors of four lights in percent."""
-    page = (README.parent / "docs/benchmarks.md").read_text(encoding="utf-8")
+    page = (README.parent / "docs/lab/benchmarks.md").read_text(encoding="utf-8")
     part = page.split("## Few lights for a map\n")[1]
     maps = re.search(r"^(\d+) cases\.$", part, re.M)[1]
     seconds, _, shading, shadows = re.search(r"^\| fit \| 4 \| (.*) \|$", part, re.M)[1].split(

@@ -1,11 +1,11 @@
-"""`docs/benchmarks.md`, from the results alone."""
+"""`docs/lab/benchmarks.md`, from the results alone."""
 
 import numpy as np
 from curves.results import curves, setting_text
 
 _HEAD = """# Run time against error
 
-`python -m benchmarks --out docs` measures this page and writes it; with the names of parts, it
+`python -m benchmarks --out docs/lab` measures this page and writes it; with the names of parts, it
 measures those again. Each part names its machine. The last table compares the page with a second
 run.
 

@@ -8,20 +8,23 @@ from sphinx.util.docutils import SphinxDirective
 from envlights.export import TARGETS, Axes
 from envlights.export.targets import target_named
 
+#: Title of a fact.
+VERSIONS = "versions that were checked"
+
 
 def facts(name: str) -> dict[str, str]:
     """Facts about a target by their titles."""
     target = target_named(name)
     shows, units = target.shows, target.units
     light = {
-        "spread": "lights every surface as a disc does",
-        "soften": "softens shadows only",
-        "none": "is not shown",
+        "spread": "soft light and shadows",
+        "soften": "soft shadows only",
+        "none": "not shown",
     }
     harmonics = {
         "exact": "as they are",
-        "map": "a map, black where they are negative",
-        "none": "their mean radiance",
+        "map": "as a map, 0 where negative",
+        "none": "their mean",
     }
     most = [f"{shows.lights} lights"] * bool(shows.lights)
     most += [f"{shows.casters} shadows"] * bool(shows.casters)
@@ -32,18 +35,31 @@ def facts(name: str) -> dict[str, str]:
         "harmonics": harmonics[shows.harmonics],
         "ambient light from above alone": "yes" if shows.floor else "no",
         "a map as surroundings": "yes" if shows.environment else "no",
-        "at most": ", ".join(most) or "any number of lights",
+        "at most": ", ".join(most) or "any number",
         "a calibrated light is in": units.irradiance,
         "a calibrated map is in": units.radiance,
-        "versions that were checked": target.versions or "none; formulas of its documentation",
+        VERSIONS: target.versions or "formulas of its documentation",
         "remark": shows.remark,
         "source": shows.source,
     }
 
 
-#: Titles of the table of axes, and of that of units.
+#: Titles of the tables of all programs, of axes and of units.
+PROGRAMS = ("program", "file", "size of a light", "harmonics", "map", "at most", "checked versions")
 AXES = ("target", "our +x", "our +y", "our +z, the centre of a map", "matrix, row by row", "handed")
 UNITS = ("target", "lights", "ambient term and maps", "1 lux becomes", "source")
+
+
+def programs_rows() -> list[tuple[str, ...]]:
+    """Capabilities of each program, below their titles."""
+    shown = [each for each in TARGETS if each.name not in {"json", "csv"}]
+    return [PROGRAMS, *(_capabilities(each.name, each.title) for each in shown)]
+
+
+def _capabilities(name: str, title: str) -> tuple[str, ...]:
+    """Row of one program."""
+    row, keys = facts(name), ("file", "size of a light", "harmonics", "a map as surroundings")
+    return f"[{title}]({name}.md)", *(row[key] for key in (*keys, "at most")), row[VERSIONS]
 
 
 def axes_rows() -> list[tuple[str, ...]]:
@@ -84,6 +100,7 @@ def program_rows(name: str) -> list[tuple[str, ...]]:
 
 #: Rows of the table of each directive.
 TABLES: dict[str, Callable[..., list[tuple[str, ...]]]] = {
+    "programs-table": programs_rows,
     "program-facts": program_rows,
     "axes-table": axes_rows,
     "units-table": units_rows,

@@ -68,12 +68,26 @@ PACKAGES = (
 )
 #: Pages of the guide on a package.
 GUIDES = {
-    "plot": "figures",
+    "rigs": "choose",
+    "fitting": "choose",
+    "detection": "choose",
+    "splitting": "lights",
+    "cards": "lights",
+    "sun": "lights",
+    "papers": "method",
+    "kernels": "method",
+    "batches": "many",
+    "sequence": "many",
+    "scene": "view",
+    "viewer": "view",
+    "comparison": "compare",
+    "placing": "metres",
+    "transfer": "transfer",
+    "layers": "training",
     "export": "programs/index",
     "frames": "axes",
-    "transfer": "start",
-    "comparison": "compare",
-    "layers": "training",
+    "io": "maps",
+    "plot": "reference/figures",
 }
 
 

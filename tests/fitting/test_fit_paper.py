@@ -17,7 +17,7 @@ from tests.reference.peers import jax_in_float64
 NORMALS, SOLID_ANGLES = kernels.icosphere(80)
 HALL = el.synthetic.hall(256)
 TETRAHEDRON = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]) / np.sqrt(3)
-DOCUMENT = Path(__file__).parents[2] / "docs" / "own_solver.md"
+DOCUMENT = Path(__file__).parents[2] / "docs" / "method.md"
 
 
 def blocks(*names):

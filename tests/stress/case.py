@@ -19,7 +19,7 @@ class Case(NamedTuple):
     name: str
     bound: float
     reason: str
-    """Reason for the bound; a number refers to `docs/bounds.md`."""
+    """Reason for the bound; a number refers to `docs/lab/bounds.md`."""
 
     measure: Callable[[], float]
     """The largest error, relative unless the name says otherwise."""

@@ -68,7 +68,7 @@ def find_sun(
 
     Notes
     -----
-    ``docs/sun.md`` has the questions, the accuracy on pictures of HDR maps, and the failures.
+    ``docs/lab/sun.md`` has the questions, the accuracy on pictures of HDR maps, and the failures.
     `Sun.lights` is the disc as a light, and `Sun.sky` the radiance of the sky behind it.
 
     Examples

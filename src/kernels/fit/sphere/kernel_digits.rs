@@ -32,7 +32,7 @@ fn derivatives(a: DVec3, b: DVec3, at_a: [DVec3; 2], at_b: [DVec3; 2]) -> ([f64;
 }
 
 proptest! {
-    /// Checks bound 7 of `docs/bounds.md`, with an angle from a cross product, which keeps its digits everywhere.
+    /// Checks bound 7 of `docs/lab/bounds.md`, with an angle from a cross product, which keeps its digits everywhere.
     #[test]
     fn second_derivatives_keep_their_digits(
         azimuth in 0.0..TAU, height in -0.99..0.99_f64, turn in 0.0..TAU,
