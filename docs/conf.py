@@ -19,6 +19,7 @@ extensions = [
     "sphinx.ext.viewcode",
     "numpydoc",
     "sphinx_gallery.gen_gallery",
+    "guide_links",
     "math_markup",
     "program_facts",
     "reference_pages",

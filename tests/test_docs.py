@@ -1,5 +1,6 @@
 """Pages of the documentation: their code runs, their links hold, and no public name is missing."""
 
+import inspect
 import re
 import runpy
 import sys
@@ -26,6 +27,7 @@ NEEDS = {"view.md": ("trimesh", "anywidget"), "training.md": ("jax", "array_api_
 ELSEWHERE = {"method.md"}
 
 sys.path.insert(0, str(DOCS / "extensions"))
+import guide_links  # noqa: E402
 import reference_pages  # noqa: E402
 
 sys.path.remove(str(DOCS / "extensions"))
@@ -137,6 +139,21 @@ def test_every_public_name_is_in_the_reference(package, name):
     else:
         entry = rf"^   ~{full}$|^.. py:data:: {full}$"
     assert re.search(entry, "\n".join(reference().values()), re.M)
+
+
+def test_parameters_that_decide_something_link_to_the_guide():
+    """Every parameter of the table belongs to a public function, and its page exists."""
+    lines = ["    **target** : str, optional", "        Names of targets.", "    **other** : int"]
+    assert guide_links.with_links(lines) == [
+        f"{lines[0]} (:doc:`guide </docs/programs/index>`)",
+        *lines[1:],
+    ]
+    assert all((DOCS / f"{page}.md").exists() for page in guide_links.PAGES)
+    functions = [el.EnvMap.open, el.EnvMap.calibrated, el.EnvMap.repaired, el.EnvMap.rotated]
+    functions += [el.TransferModel.fit, el.follow, el.fit, el.split, el.batch, el.view, el.vary]
+    functions += [el.compare, el.place, el.scene.ShadowOverlay.save, el.export.save_usd]
+    known = {name for each in functions for name in inspect.signature(each).parameters}
+    assert set(guide_links.PAGE_OF) <= known
 
 
 def test_the_help_of_every_command_is_in_the_reference():

@@ -15,9 +15,11 @@
 
 from envlights.batches.labels import LabelArrays, label_arrays
 from envlights.batches.result import Batch
+from envlights.batches.work import row
 
 __all__ = [
     "Batch",
     "LabelArrays",
     "label_arrays",
+    "row",
 ]

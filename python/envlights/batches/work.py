@@ -81,6 +81,52 @@ def work_on(task: Task) -> dict[str, Any] | None:
     return row
 
 
+def row(
+    env: Any, what: str | Callable[..., Any] = "fit", *, threads: int = 1, **options: Any
+) -> dict[str, Any]:
+    """Row of one map, for engines that distribute work themselves, such as Ray or a Slurm array.
+
+    It keeps no state and never fails because of a map: a failure is a part of the row.
+
+    Parameters
+    ----------
+    env : EnvMap, path-like, bytes, file object or array_like, shape (height, 2 * height, 3)
+        The map, or a file.
+    what : {"fit", "detect", "split", "error_curve"} or callable
+        Work on the map; a function gets an `EnvMap` and `options`, as in `envlights.batch`.
+    threads : int
+        Threads of the kernels in this process, also afterwards.
+    **options
+        Arguments of the work, such as ``lights=4``.
+
+    Returns
+    -------
+    dict
+        Numbers and texts: "sha256" of the content, "seconds", "notes", "error", "ambient" and so
+        on, and "lights", a list of dicts; or "failure", class and sentence of the reason.
+
+    Raises
+    ------
+    EnvLightsError
+        If `what` is unknown or has no such options.
+
+    Examples
+    --------
+    >>> import envlights as el
+    >>> row = el.batches.row(el.synthetic.hall(32).radiance, lights=2)
+    >>> len(row["lights"]), row["error"] < 0.05
+    (2, True)
+    >>> el.batches.row(b"no map")["failure"].split(":")[0]
+    'FileError'
+    """
+    if isinstance(what, str) and what not in METHODS:
+        raise EnvLightsError(f"what must be one of {', '.join(METHODS)}, or a function; got {what}")
+    if isinstance(what, str) and options.keys() - inspect.signature(METHODS[what]).parameters:
+        check_options(what, options)  # raises, with a suggestion
+    found = work_on(Task("", "", env, what, options, None, None, threads, None)) or {}
+    return {name: value for name, value in found.items() if name not in {"name", "source", "file"}}
+
+
 def _set_threads(number: int | None) -> None:
     if number is not None and _native.threads(None) != number:
         _native.threads(number)

@@ -1,0 +1,38 @@
+"""`batches.row`: one map for engines that distribute work themselves."""
+
+import json
+import multiprocessing
+
+import pytest
+
+import envlights as el
+
+
+def test_a_row_is_that_of_a_batch(tmp_path):
+    el.EnvMap(el.synthetic.hall(32).radiance).save(tmp_path / "hall.exr")
+    path = tmp_path / "hall.exr"
+    row = el.batches.row(path.read_bytes(), lights=2)
+    (expected,) = el.batch(str(path), lights=2).rows()
+    assert json.loads(json.dumps(row)) == row
+    for name in ("sha256", "error", "shadow_error", "ambient", "lights", "notes"):
+        assert row[name] == expected[name], name
+
+
+def test_a_bad_map_is_a_row_and_a_bad_option_is_not():
+    assert el.batches.row(b"no map")["failure"].startswith("FileError: cannot read the bytes")
+    with pytest.raises(el.EnvLightsError, match="did you mean lights="):
+        el.batches.row(b"no map", lihgts=2)
+    with pytest.raises(el.EnvLightsError, match="what must be one of fit, detect"):
+        el.batches.row(b"no map", "fits")
+
+
+def test_any_process_makes_the_same_row():
+    """Rows of processes that were forked and spawned, with 16 threads on few cores."""
+    hall = el.synthetic.hall(32).radiance
+    here = el.batches.row(hall, "detect")
+    for method in ("spawn", "fork"):
+        if method in multiprocessing.get_all_start_methods():
+            with multiprocessing.get_context(method).Pool(2) as pool:
+                rows = pool.starmap(el.batches.row, [(hall, "detect")] * 4)
+            for row in rows:
+                assert row | {"seconds": 0} == here | {"seconds": 0}
