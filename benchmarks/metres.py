@@ -1,4 +1,4 @@
-"""Errors of lights in metres, for docs/lab/metres.md: five rooms, bad depths, two maps, run time."""
+"""Errors of lights in metres, for docs/lab/metres.md: rooms, bad depths, two maps, run time."""
 
 import time
 

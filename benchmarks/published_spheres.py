@@ -5,8 +5,8 @@ Usage: python benchmarks/published_spheres.py FOLDER
 FOLDER is `example/ground_truth/stylelight` of the repository DiffusionLight-evaluation, with an
 image of the mirror, the matte and the diffuse ball under one map. The mirror shows all directions
 but a cone behind the ball, so it is turned into a map; the other two balls are computed from that
-map, and compared with their images where the incidence is below 60 degrees. docs/lab/compare.md has the
-result.
+map, and compared with their images where the incidence is below 60 degrees. docs/lab/compare.md
+has the result.
 """
 
 import argparse

@@ -105,8 +105,14 @@ def _losses(part, errors, points):
                     beaten.setdefault(key, set()).add(our.case)
             if not any(_is_matched(our, their, error) for our in rivals):
                 unbeaten.setdefault(name, set()).add(their.case)
-        text.append(f"\nFaster and more accurate than ours, {label}: {_listing(beaten, cases)}.")
-        text.append(f"\nNever matched by ours in less time, {label}: {_listing(unbeaten, cases)}.")
+        text.append(
+            f"\nOther methods that are faster and have a smaller {label} than a setting of ours"
+            f" (number of cases): {_listing(beaten, cases)}."
+        )
+        text.append(
+            f"\nOther methods for which no setting of ours is both faster and at least as accurate,"
+            f" by {label} (number of cases): {_listing(unbeaten, cases)}."
+        )
     return text
 
 

@@ -83,7 +83,7 @@ def test_a_client_reads_a_refusal_as_a_sentence(call):
     assert "is not below the folders" in call("open", map="../secret.exr")
     assert "whole number" in call("fit", map="hall.exr", lights=-1)
     refused = call("relight", map="hall.exr", output="new.exr", edits=["drop 1"])
-    assert "an edit is one of move, gain, tint, remove, add" in refused
+    assert "an edit is one of move, turn, gain, tint, radius, remove, add" in refused
 
 
 @pytest.mark.parametrize(

@@ -197,6 +197,33 @@ def test_the_command_changes_lights_by_the_numbers_of_split(tmp_path):
     np.testing.assert_allclose(el.EnvMap.open(out).radiance, expected, rtol=1e-3)
 
 
+def test_the_command_moves_by_degrees_colours_by_temperature_and_resizes(tmp_path):
+    """A sun 20 degrees lower and redder in one command."""
+    source, out = str(tmp_path / "map.exr"), str(tmp_path / "new.exr")
+    scene().save(source)
+    args = ["--turn", "1=400,-20", "--tint", "1=2500K", "--radius", "1=1.5", "-o", out]
+    result = CliRunner().invoke(main, ["relight", source, *args])
+    assert result.exit_code == 0, result.output
+    assert "note" not in result.output
+    parts = el.split(el.EnvMap.open(source))
+    azimuth, elevation = (each[0] for each in (parts.lights.azimuth, parts.lights.elevation))
+    lights = parts.lights.moved(
+        0, azimuth=azimuth + np.deg2rad(40), elevation=elevation - np.deg2rad(20)
+    )
+    lights = lights.coloured(0, kelvin=2500).resized(0, np.deg2rad(1.5))
+    expected = parts.with_lights(lights).radiance
+    np.testing.assert_allclose(el.EnvMap.open(out).radiance, expected, rtol=1e-3)
+
+
+def test_the_command_notes_a_light_below_the_horizon(tmp_path):
+    """An elevation is easily taken for a difference."""
+    source, out = str(tmp_path / "map.exr"), str(tmp_path / "new.exr")
+    scene().save(source)
+    result = CliRunner().invoke(main, ["relight", source, "--move", "1=,-20", "-o", out])
+    assert result.exit_code == 0
+    assert "note: a light was moved below the horizon, from 45.0 to -20.0 degrees" in result.output
+
+
 def test_the_command_reads_lights_that_were_changed_by_hand(tmp_path):
     source, out, file = (str(tmp_path / name) for name in ("map.exr", "new.exr", "lights.json"))
     scene().save(source)
@@ -216,6 +243,10 @@ def test_the_command_reads_lights_that_were_changed_by_hand(tmp_path):
         (["--move", "1=x,3"], "--move must be a number"),
         (["--move", "1=,95"], "elevation in degrees must be a finite number, from -90 to 90"),
         (["--move", "9=1,3"], "names light 9; the map has"),
+        (["--turn", "1=0,60"], "the elevation would be 105"),
+        (["--turn", "1=5"], "--turn must be two numbers"),
+        (["--tint", "1=red"], "--tint must be three numbers"),
+        (["--tint", "1=99K"], "kelvin must be a finite number, from 2000 to 15000"),
         (["--gain", "half"], "--gain must be such as 1=0.5"),
         (["--remove", "1", "--remove", "1"], "names light 1 twice"),
     ],

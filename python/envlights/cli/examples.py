@@ -34,7 +34,10 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
         "room.exr --depth depth.exr --point 1,0.2,-0.5 -o there.exr -o rig.usda",
         "room.exr --room 6,3,5",
     ),
-    "relight": ("hall.exr --move 1=,15 --gain 2=0.5 --remove 3 -o new.exr",),
+    "relight": (
+        "hall.exr --turn 1=0,-20 --tint 1=2500K -o new.exr",
+        "hall.exr --move 1=,15 --gain 2=0.5 --remove 3 -o new.exr",
+    ),
     "repair": ("sky.jpg -o repaired.exr",),
     "show": ("hall.exr -o report.html", "sky.hdr -n 6 --floor"),
     "split": ("hall.exr -n 2 -o rest.exr -o lights.json",),

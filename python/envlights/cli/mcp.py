@@ -84,8 +84,9 @@ class Tools:
     def relight(self, map: str, output: str, edits: list[str], reading: Reading = None) -> Answer:
         """Change the lights of a map and write the new map (.exr, .hdr).
 
-        Edits, with the numbers of `split` from 1: "move 1=azimuth,elevation" in degrees, "gain
-        2=0.5", "tint 1=1,0.8,0.6", "remove 3", "add azimuth,elevation,irradiance".
+        Edits, with the numbers of `split` from 1, in degrees: "move 1=azimuth,elevation", "turn
+        1=0,-20" by a difference, "gain 2=0.5", "tint 1=1,0.8,0.6" or "tint 1=2500K", "radius
+        1=0.27", "remove 3", "add azimuth,elevation,irradiance".
         """
         each: dict[str, list[str]] = {name: [] for name in EDITS}
         for edit in edits:

@@ -24,13 +24,23 @@ from envlights.splitting.split import split
 #: Options that change a numbered light: an example, and the change by the text behind the number.
 _CHANGES: dict[str, tuple[str, Callable[[Lights, int, str], Lights]]] = {
     "move": ("1=120,35", lambda lights, row, text: lights.moved(row, **_angles(text))),
+    "turn": (
+        "1=0,-20",
+        lambda lights, row, text: _turn(lights, row, numbers("--turn", text, "0,-20")),
+    ),
     "gain": (
         "1=0.5",
         lambda lights, row, text: lights.dimmed(row, *numbers("--gain", text, "0.5")),
     ),
     "tint": (
         "1=1,0.8,0.6",
-        lambda lights, row, text: lights.coloured(row, numbers("--tint", text, "1,0.8,0.6")),
+        lambda lights, row, text: lights.coloured(row, **_colour(text)),
+    ),
+    "radius": (
+        "1=0.27",
+        lambda lights, row, text: lights.resized(
+            row, math.radians(*numbers("--radius", text, "0.27"))
+        ),
     ),
     "remove": ("1", lambda lights, row, _: lights.without(row)),
 }
@@ -51,8 +61,10 @@ def _by_number(name: str, metavar: str, help_text: str) -> Callable[[Any], Any]:
     "N=AZ,EL",
     "Move light N to an azimuth and elevation in degrees; leave one out to keep it, as in 1=,15",
 )
+@_by_number("turn", "N=AZ,EL", "Move light N by degrees of azimuth and elevation, as in 1=0,-20")
 @_by_number("gain", "N=FACTOR", "Dim or brighten light N")
-@_by_number("tint", "N=R,G,B", "Colour light N, linear, at the same luminance")
+@_by_number("tint", "N=COLOUR", "Colour light N, as in 1=1,0.8,0.6 (linear) or 1=2500K")
+@_by_number("radius", "N=DEGREES", "Draw light N as a disc of this radius")
 @_by_number("remove", "N", "Leave out light N")
 @click.option(
     "--add",
@@ -71,13 +83,14 @@ def _by_number(name: str, metavar: str, help_text: str) -> Callable[[Any], Any]:
 def command(
     map_file: MapFile, file: str | None, output: str, target: str, **edits: Sequence[str]
 ) -> None:
-    """Move, dim, colour, remove or add lights of MAP (.hdr, .exr, .png, .jpg, .tif)."""
+    """Move, dim, colour, resize, remove or add lights of MAP (.hdr, .exr, .png, .jpg, .tif)."""
     check_output(output, tuple(MAP_SUFFIXES), {"the map": map_file.path})
     if (file is not None) == any(edits.values()):
         raise EnvLightsError("give --lights, or what to change: --move, --gain, --remove, ...")
     given = None if file is None else Lights.load(file)
     parts = split(map_file.open())
     lights = apply_edits(parts.lights, edits) if given is None else given
+    _say_below(parts.lights, lights)
     env = parts.with_lights(lights)
     click.echo(str(lights))
     say_written(write_map(env, output, target))
@@ -114,6 +127,35 @@ def _row(option: str, number: int, removed: Lights, lights: Lights) -> int:
     if known[number - 1] not in now:
         raise EnvLightsError(f"{option} names light {number} twice")
     return now.index(known[number - 1])
+
+
+def _turn(lights: Lights, row: int, degrees: Sequence[float]) -> Lights:
+    """Lights with one of them moved by degrees of azimuth and elevation."""
+    azimuth, elevation = [lights.azimuth[row], lights.elevation[row]] + np.deg2rad(degrees)
+    if abs(elevation) > math.pi / 2:
+        raise EnvLightsError(
+            f"--turn: the elevation would be {math.degrees(elevation):.4g} degrees"
+        )
+    return lights.moved(row, azimuth=azimuth, elevation=elevation)
+
+
+def _colour(text: str) -> dict[str, Any]:
+    """Colour as RGB, or as a temperature that ends with K."""
+    if text.strip().upper().endswith("K"):
+        return {"kelvin": numbers("--tint", text.strip()[:-1], "2500")[0]}
+    return {"rgb": numbers("--tint", text, "1,0.8,0.6")}
+
+
+def _say_below(before: Lights, after: Lights) -> None:
+    """Print a note on lights that were moved below the horizon."""
+    known = dict(zip(before.origin or (), before.elevation, strict=False))
+    for origin, elevation in zip(after.origin or (), after.elevation, strict=False):
+        if origin in known and elevation < 0 <= known[origin]:
+            click.echo(
+                f"note: a light was moved below the horizon, from {np.rad2deg(known[origin]):.1f}"
+                f" to {np.rad2deg(elevation):.1f} degrees; --turn moves by degrees",
+                err=True,
+            )
 
 
 def _angles(text: str) -> dict[str, float]:
