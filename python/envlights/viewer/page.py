@@ -88,7 +88,9 @@ class View:
 
     def _script(self) -> str:
         """Module of the page, whose entry is ``render({model, el})``."""
-        return "".join(_compact(f"{name}.js") for name in ("scene", "view", *self._more()))
+        return "".join(
+            _compact(f"{name}.js") for name in ("scene", "view", "lights", *self._more())
+        )
 
     def _style(self) -> str:
         return _text("view.css") + (_text("truth.css") if "truth" in self.data else "")
@@ -232,6 +234,7 @@ def _data(world: EnvMap, rigs: dict[str, list[Rig]], title: str) -> dict[str, An
     return {
         "title": title,
         **picture,
+        **data.rig_file(next(iter(rigs.values()))[0]),
         "irradiance": {
             "floor": data.irradiance_table(world, picture["white"], over_floor=True),
             "whole": data.irradiance_table(world, picture["white"], over_floor=False),
