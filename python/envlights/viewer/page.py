@@ -127,8 +127,10 @@ def view(
 
     The page is one file for any browser with WebGL 2. It shows the map with its ground, and things
     that can be moved. Light that a disc or the ambient term sends past them is computed in closed
-    form, and one model adds all reflections between floor and things. Switches show single lights,
-    points in place of discs, harmonics, and the overlays of the paper.
+    form, and one model adds all reflections between floor and things. Switches show points in place
+    of discs, harmonics, and the overlays of the paper. Each light has a row (on, brightness,
+    colour) and a handle on the map. Buttons save the lights that are on: ``lights.json`` is a rig
+    for `Rig.load`, and ``map.hdr`` its ambient term and discs, at the size of the page's map.
 
     Parameters
     ----------
