@@ -236,6 +236,17 @@ def test_the_command_reads_lights_that_were_changed_by_hand(tmp_path):
     assert el.split(out, 1).lights.direction[0, 1] > 0.999
 
 
+def test_the_command_draws_the_lights_of_a_rig_as_discs(tmp_path):
+    source, out, file = (str(tmp_path / name) for name in ("map.exr", "new.exr", "rig.json"))
+    scene().save(source)
+    lights = el.Lights([[0, 1, 0], [0.6, 0.8, 0]], [[30, 20, 10], [5, 5, 5]], [0.1, 0.2])
+    el.Rig([0.1, 0.2, 0.3], lights).save(file)
+    result = CliRunner().invoke(main, ["relight", source, "--lights", file, "-o", out])
+    assert result.exit_code == 0, result.output
+    expected = el.split(el.EnvMap.open(source)).with_lights(lights)
+    np.testing.assert_allclose(el.EnvMap.open(out).radiance, expected.radiance, rtol=1e-3)
+
+
 @pytest.mark.parametrize(
     ("args", "words"),
     [

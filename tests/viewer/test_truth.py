@@ -12,7 +12,7 @@ from envlights._common.srgb import decode_srgb
 from envlights.scene.mitsuba.path_traced import Still
 from envlights.viewer import truth
 from tests.cli.test_cli import run as command
-from tests.viewer.browser import needs_browser, run
+from tests.viewer.browser import needs_browser, overlapping_texts, run
 
 HALL = el.synthetic.hall(64).radiance
 RIG = el.fit(HALL, lights=2, floor=True)
@@ -107,6 +107,15 @@ def test_the_split_shows_both_halves_until_something_changes(radiance, tmp_path)
     assert dim[2:4] == pytest.approx([sixth, sixth], abs=2)
     assert [each[4] for each in answer["result"]] == [True, True, True, False, True]
     assert again == first
+
+
+@needs_browser
+def test_captions_of_a_narrow_page_with_a_truth_do_not_overlap(radiance, tmp_path):
+    page = tmp_path / "page.html"
+    el.view(HALL, RIG, truth=True).save(page)
+    pairs, count = overlapping_texts(page, size=(420, 800))
+    assert pairs == []
+    assert count >= 30
 
 
 @needs_browser

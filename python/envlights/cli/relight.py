@@ -16,9 +16,11 @@ from envlights.cli.convert import layout_option, write_map
 from envlights.cli.map_input import MapCommand, MapFile, map_argument
 from envlights.cli.numbers import numbers
 from envlights.cli.outputs import check_output, say_written
+from envlights.detection.lights_file import load_lights
 from envlights.environment.files.image_output import MAP_SUFFIXES
 from envlights.kernels.angles import direction_at
 from envlights.rigs.lights import Lights
+from envlights.rigs.rig import Rig
 from envlights.splitting.split import split
 
 #: Options that change a numbered light: an example, and the change by the text behind the number.
@@ -76,7 +78,8 @@ def _by_number(name: str, metavar: str, help_text: str) -> Callable[[Any], Any]:
     "--lights",
     "file",
     metavar="FILE",
-    help="Lights to draw, which `envlights split MAP -o lights.json` wrote and you changed.",
+    help="Lights to draw: of `envlights split MAP -o lights.json`, changed by you, or of a rig, as"
+    " a page of `envlights view` saves it.",
 )
 @click.option("-o", "--output", required=True, help="File to write (.exr, .hdr).")
 @layout_option("the new map")
@@ -87,13 +90,19 @@ def command(
     check_output(output, tuple(MAP_SUFFIXES), {"the map": map_file.path})
     if (file is not None) == any(edits.values()):
         raise EnvLightsError("give --lights, or what to change: --move, --gain, --remove, ...")
-    given = None if file is None else Lights.load(file)
+    given = None if file is None else _lights_of(file)
     parts = split(map_file.open())
     lights = apply_edits(parts.lights, edits) if given is None else given
     _say_below(parts.lights, lights)
     env = parts.with_lights(lights)
     click.echo(str(lights))
     say_written(write_map(env, output, target))
+
+
+def _lights_of(file: str) -> Lights:
+    """Lights of a file, or those of a rig."""
+    given = load_lights(file)
+    return given.lights if isinstance(given, Rig) else given
 
 
 def apply_edits(removed: Lights, edits: Mapping[str, Sequence[str]]) -> Lights:

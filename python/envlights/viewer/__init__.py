@@ -7,6 +7,7 @@
 | light that ball and box hide, closed form   | `light.glsl`               |
 | picture                                     | `scene.glsl`, `scene.js`   |
 | controls                                    | `view.js`, `view.css`      |
+| lights: rows, handles, files                | `lights.js`                |
 | models of the user's                        | `model.py`                 |
 | - in files                                  | `model_file.py`            |
 | - as textures                               | `model_textures.py`, `model.js` |

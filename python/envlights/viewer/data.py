@@ -80,16 +80,18 @@ def rig_data(rig: Rig) -> dict[str, Any]:
     lights = rig.lights
     columns = (lights.direction, lights.irradiance, lights.angular_radius[:, None])
     return {
-        "ambient": _digits(ambient if len(ambient) == 1 else FACTORS[:, None] * ambient),
+        "ambient": (ambient if len(ambient) == 1 else FACTORS[:, None] * ambient).tolist(),
         "floor": rig.floor,
         "error": None if rig.error is None else float(f"{rig.error:.3g}"),
-        "lights": _digits(np.hstack(columns)),
+        "lights": np.hstack(columns).tolist(),
+        "origin": lights.origin,
     }
 
 
-def _digits(rows: NDArray[np.float64]) -> list[list[float]]:
-    """Rows of numbers, each with 5 digits."""
-    return [[float(f"{value:.5g}") for value in row] for row in rows]
+def rig_file(rig: Rig) -> dict[str, Any]:
+    """Content of the file of a rig of the page: all but what the page shows, and no report."""
+    empty = Rig(np.zeros(3), rig.lights[:0], notes=rig.notes)
+    return {"file": empty.to_dict(), "factors": FACTORS.tolist(), "luminance": LUMINANCE.tolist()}
 
 
 def picture(env: EnvMap) -> dict[str, Any]:

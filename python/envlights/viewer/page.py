@@ -88,7 +88,9 @@ class View:
 
     def _script(self) -> str:
         """Module of the page, whose entry is ``render({model, el})``."""
-        return "".join(_compact(f"{name}.js") for name in ("scene", "view", *self._more()))
+        return "".join(
+            _compact(f"{name}.js") for name in ("scene", "view", "lights", *self._more())
+        )
 
     def _style(self) -> str:
         return _text("view.css") + (_text("truth.css") if "truth" in self.data else "")
@@ -125,8 +127,10 @@ def view(
 
     The page is one file for any browser with WebGL 2. It shows the map with its ground, and things
     that can be moved. Light that a disc or the ambient term sends past them is computed in closed
-    form, and one model adds all reflections between floor and things. Switches show single lights,
-    points in place of discs, harmonics, and the overlays of the paper.
+    form, and one model adds all reflections between floor and things. Switches show points in place
+    of discs, harmonics, and the overlays of the paper. Each light has a row (on, brightness,
+    colour) and a handle on the map. Buttons save the lights that are on: ``lights.json`` is a rig
+    for `Rig.load`, and ``map.hdr`` its ambient term and discs, at the size of the page's map.
 
     Parameters
     ----------
@@ -232,6 +236,7 @@ def _data(world: EnvMap, rigs: dict[str, list[Rig]], title: str) -> dict[str, An
     return {
         "title": title,
         **picture,
+        **data.rig_file(next(iter(rigs.values()))[0]),
         "irradiance": {
             "floor": data.irradiance_table(world, picture["white"], over_floor=True),
             "whole": data.irradiance_table(world, picture["white"], over_floor=False),

@@ -42,11 +42,13 @@ export function view(s) {
 
 /** Lights and ambient term that a state shows. */
 export function rigOf(data, s) {
-  const rigs = data.rigs[`${s.ambient} ${s.shape}`], rig = rigs[Math.min(s.count, rigs.length) - 1];
-  return unpack(rig);
+  const rigs = data.rigs[`${s.ambient} ${s.shape}`];
+  return rigs[Math.min(s.count, rigs.length) - 1];
 }
 
-const unpack = (rig) => ({ ...rig, lights: rig.lights.map(([x, y, z, r, g, b, radius]) => ({ direction: [x, y, z], irradiance: [r, g, b], radius })) });
+const lightOf = ([x, y, z, r, g, b, radius]) => ({ direction: [x, y, z], irradiance: [r, g, b], radius });
+// A rig with its lights as they are now, and with the rows from which they started.
+const unpack = (rig) => ({ ...rig, rows: rig.lights, lights: rig.lights.map(lightOf) });
 
 /** Tangent of half the angle across the picture: `fov` is the angle of its shorter side. */
 export function spread(s, width, height) {
@@ -71,6 +73,7 @@ export class Scene {
     const image = await createImageBitmap(blob, { colorSpaceConversion: "none", premultiplyAlpha: "none" });
     this.texture(MAP, gl.LINEAR);
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.SRGB8_ALPHA8, gl.RGBA, gl.UNSIGNED_BYTE, image);
+    this.size = { width: image.width, height: image.height };
     image.close();
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
     for (const [unit, { size, halves }] of [[NORMALS, data.irradiance.floor], [WHOLE, data.irradiance.whole]]) {

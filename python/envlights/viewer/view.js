@@ -4,8 +4,8 @@ const SMEARED = "The map was photographed from one point. What stands near it is
 
 const WITHOUT_FLOOR = "Harmonics cannot be fitted over a floor: they hold the light of the ground as well, which stays where the things hide it.";
 
-// Milliseconds of the first look at a change, and of a step of a full frame; frames of a smooth picture.
-const FIRST = 60, STEP = 120;
+// Milliseconds of the first look at a change, and of a step of a full frame; size of the very first picture.
+const FIRST = 60, STEP = 120, QUARTER = 0.25;
 
 function node(tag, properties = {}, ...children) {
   const made = Object.assign(document.createElement(tag), properties);
@@ -15,7 +15,8 @@ function node(tag, properties = {}, ...children) {
 
 /** Build the picture and its controls in `el`; `model.get("data")` is what Python wrote. Resolves when it is drawn. */
 async function render({ model, el }) {
-  const data = model.get("data"), canvas = node("canvas", { tabIndex: 0 });
+  const given = model.get("data"), data = { ...given, rigs: Object.fromEntries(Object.entries(given.rigs).map(([name, rigs]) => [name, rigs.map(unpack)])) };
+  const canvas = node("canvas", { tabIndex: 0 });
   canvas.setAttribute("role", "img");
   const stage = node("div", { className: "stage" }, canvas), root = node("div", { className: "envlights" }, stage);
   el.append(root);
@@ -31,10 +32,10 @@ async function render({ model, el }) {
 
 class Page {
   constructor(parts) {
-    Object.assign(this, parts, { due: false, dragged: null, changed: true, pace: 1e-3, fingers: new Map() });
+    Object.assign(this, parts, { due: false, dragged: null, aimed: false, changed: true, opened: false, pace: 1e-3, fingers: new Map() });
     this.labels = ["under the map", "under the lights", "difference × 4"].map((text) => node("span", { textContent: text }));
     this.caption = node("div", { className: "probes" }, ...this.labels);
-    this.stage.append(this.caption, node("p", { className: "hint", textContent: "Drag to look around, drag a thing to move it" }));
+    this.stage.append(this.caption, node("p", { className: "refining", textContent: "refining" }), node("p", { className: "hint", textContent: "Drag to look around, drag a thing to move it" }));
     this.root.append(this.panel());
     this.pointers();
     this.keys();
@@ -51,17 +52,18 @@ class Page {
   }
 
   // A first look within the time of a frame; then full frames by rows, until the picture is smooth. `pace` is what
-  // the last step needed, in milliseconds for each pixel.
+  // the last step needed, in milliseconds for each pixel, unless it had to compile a program. The very first picture
+  // has overlays, whose program compiles in half the time of exact shadows.
   draw() {
-    const { canvas, scene, state } = this, ratio = Math.min(devicePixelRatio, 2), start = performance.now();
+    const { canvas, scene, state, opened } = this, moving = this.dragged ?? this.aimed, programs = scene.programs.size, ratio = Math.min(devicePixelRatio, 2), start = performance.now();
     const width = Math.max(Math.round(canvas.clientWidth * ratio), 1), height = Math.max(Math.round(canvas.clientHeight * ratio), 1);
     if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
     let drawn;
     if (this.changed) {
       this.changed = false;
       this.place(ratio);
-      const scale = Math.min(Math.sqrt(FIRST / (this.pace * width * height)), this.dragged ? 0.5 : 1), size = [width, height].map((x) => Math.max(Math.round(x * scale), 16));
-      scene.preview(state, size);
+      const scale = opened ? Math.min(Math.sqrt(FIRST / (this.pace * width * height)), moving ? 0.5 : 1) : QUARTER, size = [width, height].map((x) => Math.max(Math.round(x * scale), 16));
+      scene.preview(opened || state.shadows !== "exact" ? state : { ...state, shadows: "paper" }, size);
       drawn = size[0] * size[1];
     } else {
       const count = Math.min(Math.max(Math.round(STEP / (this.pace * width)), 8), height - scene.row);
@@ -70,8 +72,11 @@ class Page {
     }
     canvas.setAttribute("aria-label", this.text());
     scene.finished(start, (time) => {
-      this.pace = time / drawn;
-      this.due = this.changed || (!this.dragged && scene.frames < scene.most);
+      if (scene.programs.size === programs) this.pace = time / drawn;
+      this.changed ||= !opened;
+      this.opened = true;
+      canvas.ariaBusy = String(!moving && scene.frames === 0);
+      this.due = this.changed || (!moving && scene.frames < scene.most);
       if (this.due) requestAnimationFrame(() => this.draw());
     });
   }
@@ -104,18 +109,16 @@ class Page {
     const rigs = Object.keys(data.rigs), most = data.rigs[rigs[0]].length;
     const degrees = (x) => `${Math.round(x)}°`, metres = (x) => `${x.toFixed(1)} m`, plain = (x) => x.toFixed(2);
     const lights = [];
-    this.lamps = node("div", { className: "lamps" });
-    this.fitted = node("p", { className: "note" });
     this.caution = node("p", { className: "note", textContent: WITHOUT_FLOOR });
     if (most > 1) lights.push(this.slider("Number of lights", "count", 1, most, 1, String, () => { state.off = []; this.list(); }));
-    lights.push(this.lamps, this.fitted);
+    lights.push(...lightsPanel(this));
     if (rigs.some((name) => name.endsWith("points"))) lights.push(this.choice("Lights are", "shape", { discs: "discs", points: "points" }, () => this.list()));
     if (["constant", "harmonics"].every((each) => rigs.some((name) => name.startsWith(each)))) lights.push(this.choice("Ambient term", "ambient", { constant: "constant", harmonics: "harmonics" }, () => this.list()), this.caution);
     form.append(
       node("h1", { textContent: data.title }),
       this.group("Lights", ...lights),
       this.group("Shadows", this.choice("Shadows are", "shadows", { exact: "exact", paper: "overlays", none: "none" })),
-      this.group("Picture", this.slider("Exposure", "exposure", -4, 4, 0.1, (x) => `${x > 0 ? "+" : ""}${x.toFixed(1)} EV`), this.check("Probes", "probes", () => { this.caption.hidden = !state.probes; })),
+      this.group("Picture", this.slider("Exposure", "exposure", -4, 4, 0.1, this.stops), this.check("Probes", "probes", () => { this.caption.hidden = !state.probes; })),
       ...(data.model ? [modelPanel(this, degrees)] : []),
       ...(data.truth ? [truthPanel(this)] : []),
       this.group("Ball and box", this.slider("Albedo", "albedo", 0.05, 0.95, 0.01, plain), this.slider("Highlight", "shine", 0, 1, 0.01, plain),
@@ -142,6 +145,8 @@ class Page {
     return node("label", { className: "slider" }, node("span", { textContent: label }), output, input);
   }
 
+  stops(x) { return `${x > 0 ? "+" : ""}${x.toFixed(1)} EV`; }
+
   turn(label, thing, place, most, text) {
     const { state } = this, key = `${thing}Turn`;
     state[key] = state[thing][place];
@@ -165,23 +170,6 @@ class Page {
     const input = node("input", { type: "checkbox", checked: this.state[key] });
     input.addEventListener("input", () => { this.state[key] = input.checked; then(); this.redraw(); });
     return node("label", { className: "check" }, input, node("span", { textContent: label }));
-  }
-
-  // A switch for each light, in its colour.
-  list() {
-    const { state, data } = this, rig = rigOf(data, state);
-    this.lamps.replaceChildren(...rig.lights.map((light, k) => {
-      const input = node("input", { type: "checkbox", checked: !state.off.includes(k) });
-      input.addEventListener("input", () => { state.off = state.off.filter((j) => j !== k).concat(input.checked ? [] : [k]); this.redraw(); });
-      const radius = light.radius * 180 / Math.PI, text = radius > 0 ? `a disc of ${radius.toFixed(1)}° radius` : "a point";
-      input.setAttribute("aria-label", `Light ${k + 1}, ${text}`);
-      const label = node("label", { title: `Light ${k + 1}: ${text}` }, input, node("span", { textContent: k + 1 }));
-      label.style.setProperty("--lamp", colour(light.irradiance));
-      return label;
-    }));
-    this.caution.hidden = rig.floor;
-    const lights = `${rig.lights.length} light${rig.lights.length === 1 ? "" : "s"}`;
-    this.fitted.textContent = rig.error > 0 ? `${lights}: error of the irradiance ${(100 * rig.error).toPrecision(2)} %` : lights;
   }
 
   // Ray of a position of the pointer: eye and direction.
@@ -263,9 +251,8 @@ class Page {
 
   // Arrows turn the camera; with Shift they move the ball, with Alt the box, as the eye sees left and away.
   keys() {
-    const steps = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
     this.canvas.addEventListener("keydown", (event) => {
-      const step = steps[event.key], { right, forward } = view(this.state), flat = Math.hypot(forward[0], forward[2]);
+      const step = ARROWS[event.key], { right, forward } = view(this.state), flat = Math.hypot(forward[0], forward[2]);
       if (step && (event.shiftKey || event.altKey)) {
         const [dx, dz] = [0, 2].map((k) => 0.1 * (step[0] * right[k] + step[1] * forward[k] / flat));
         this.move(event.shiftKey ? "ball" : "box", dx, dz);
@@ -277,12 +264,6 @@ class Page {
       this.redraw();
     });
   }
-}
-
-// Colour of a light at full brightness.
-function colour(irradiance) {
-  const most = Math.max(...irradiance, 1e-30);
-  return `rgb(${irradiance.map((x) => Math.round(255 * (Math.max(x, 0) / most) ** (1 / 2.2))).join(" ")})`;
 }
 
 function hitBall(eye, direction, centre, radius) {
