@@ -5,9 +5,10 @@ Usage: python -m benchmarks [lights] [refitted] [probe] [detection] [transfer] [
        python -m benchmarks --against FOLDER [--out FOLDER]
 
 With `ENVLIGHTS_MAPS` set to a folder of maps, on those as well; `ENVLIGHTS_TRANSFER_DB` names a
-folder of pairs. Without names, all parts are measured. `--out docs/lab` writes the page
-`docs/lab/benchmarks.md` with its data and pictures; what other parts left there stays on the page. `--against` measures
-nothing: it compares what two runs wrote, puts that on the page, and fails if they do not agree.
+folder of pairs. Without names, all parts are measured. `--out docs/lab` writes the page, which is
+docs/lab/benchmarks.md, with its data and pictures; what other parts left there stays. `--against`
+measures nothing: it compares what two runs wrote, puts that on the page, and fails if they do not
+agree.
 """
 
 import argparse
