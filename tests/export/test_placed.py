@@ -118,18 +118,19 @@ def in_map(env):
 
 
 @pytest.mark.mitsuba
-@pytest.mark.parametrize("point", POINTS.values(), ids=POINTS)
-@pytest.mark.parametrize("kind", ["sunny", "downlights"])
-def test_mitsuba_renders_the_irradiance_of_a_point(kind, point, tmp_path):
+@pytest.mark.parametrize("where", POINTS)
+@pytest.mark.parametrize("kind", ["sunny", "downlights", "pendants", "hole", "furnished"])
+def test_mitsuba_renders_the_irradiance_of_a_point(kind, where, tmp_path):
     pytest.importorskip("mitsuba")
     from envlights.scene.mitsuba.renderer import mitsuba
     from tests.export.test_cards_mitsuba import irradiance_in, load
 
+    point = POINTS[where]
     path, wanted = save_room(tmp_path, ".xml", kind, point)
     with mitsuba() as mi:
         scene = load(path, mi)
         # The sun is in the map.
-        assert len(scene.shapes()) == {"sunny": 4, "downlights": 7}[kind]
+        assert len(scene.shapes()) == len([each for each in placed_in(kind) if each is not SUN])
         received = irradiance_in(scene, mi, point=point)
     # With 65536 directions the noise is 0.1 %.
     assert relative(received, wanted) < LIMIT

@@ -192,8 +192,8 @@ class PlacedLights(Result):
             Scenes for these programs, and files of the remainder (.exr, .hdr).
         at : array_like, shape (3,)
             Point in metres from the camera whose remainder is the map around the lights. Default:
-            the camera. Elsewhere, this map is wrong by the parallax of the walls: 2 to 3 % of the
-            irradiance at 0.5 m, 5 to 9 % at 2 m in five rooms.
+            the camera. Elsewhere, this map is wrong by the parallax of the walls: 1 to 3 % of the
+            irradiance at 0.5 m, 3 to 10 % at 2 m in five rooms.
         **options
             Further arguments of the writers that have them: ``up="z"`` of OpenUSD.
 
