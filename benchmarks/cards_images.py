@@ -61,7 +61,7 @@ def variants(env, parts):
     )
     # Lights without an outline are discs in every variant.
     distant = cards.distant.to_map(env.height).radiance
-    flat = cards.is_flat
+    flat = cards.has_outline
     drawn = {
         "discs": plain.remainder.radiance + plain.lights.to_map(env.height).radiance,
         "uniform": whole + distant + uniform[flat].to_map(env.width).radiance,

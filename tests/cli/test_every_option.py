@@ -177,9 +177,36 @@ def test_the_light_at_a_point_is_that_of_python(hall, tmp_path):
     words = ["--depth", depth, "--depth-reading", "inverse", "--scale", 0.5, "--json"]
     (first, *_) = json.loads(run("place", hall, *words).stdout)["lights"]
     assert first["position"] == pytest.approx(2 * placed[0].position, rel=1e-6)
-    refused = CliRunner().invoke(main, ["place", hall, *room, "-o", str(there)])
+    refused = CliRunner().invoke(main, ["place", hall, *room, "--point", "1,0,0"])
     assert refused.exit_code == 2
-    assert "give both" in refused.output
+    assert "give -o as well" in refused.output
+
+
+@pytest.mark.filterwarnings("ignore:.* in one colour")
+def test_lights_with_positions_are_those_of_python(hall, tmp_path):
+    placed = el.place(hall, room=(8, 4, 6))
+    for folder in ("one", "two"):
+        (tmp_path / folder).mkdir()
+    stage = {"up": "z", "metres_per_unit": 0.01}
+    placed.save(tmp_path / "one/room.usda", tmp_path / "one/rest.exr", **stage)
+    outputs = ["-o", tmp_path / "two/room.usda", "-o", tmp_path / "two/rest.exr"]
+    words = ["--room", "8,4,6", "--up", "z", "--metres-per-unit", "0.01"]
+    run("place", hall, *words, *outputs)
+    for path in (tmp_path / "one").iterdir():
+        assert path.read_bytes() == (tmp_path / "two" / path.name).read_bytes(), path.name
+    no_positions = ["place", hall, "--room", "8,4,6", "-o", str(tmp_path / "rig.json")]
+    refused = CliRunner().invoke(main, no_positions)
+    assert refused.exit_code == 2
+    assert "shows no lights with positions" in refused.output
+
+
+def test_the_map_beside_a_scene_of_positions_does_not_replace_the_input(hall, tmp_path):
+    own = tmp_path / "room.ambient.exr"
+    el.EnvMap.open(hall).save(own)
+    words = ["place", str(own), "--room", "8,4,6", "-o", str(tmp_path / "room.usda")]
+    refused = CliRunner().invoke(main, words)
+    assert refused.exit_code == 2
+    assert "it is the map; give another name" in refused.output
 
 
 def test_settings_reach_the_detection(hall, tmp_path):

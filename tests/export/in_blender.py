@@ -1,7 +1,8 @@
 """Exported scripts in Blender, run by `bpy` in a new process.
 
 ``in_blender.py irradiance NORMALS.npy SCRIPT.py ...`` writes SCRIPT.npy, irradiance on surfaces
-with these normals; ``rec2020`` writes it in a file of that working space.
+with these normals; ``rec2020`` writes it in a file of that working space, and ``near`` at a point,
+which is the first row of NORMALS.npy.
 ``in_blender.py balls CAMERA.npy SCRIPT.py`` writes an image, SCRIPT.exr;
 ``in_blender.py towards DIRECTIONS.npy SCRIPT.py`` writes one for each direction, SCRIPT.0.exr.
 """
@@ -36,8 +37,8 @@ def material(thing, shader, **inputs):
     thing.data.materials.append(made)
 
 
-def facets(normals):
-    """White triangles that touch the unit sphere: none shades another."""
+def facets(normals, radius=1.0):
+    """White triangles that touch a sphere: none shades another."""
     corners, triangles = [], []
     for normal in map(Vector, normals):
         side = normal.orthogonal().normalized()
@@ -47,19 +48,22 @@ def facets(normals):
     mesh = bpy.data.meshes.new("facets")
     mesh.from_pydata(corners, [], triangles)
     thing = bpy.data.objects.new("facets", mesh)
+    thing.scale = (radius, radius, radius)
     bpy.context.scene.collection.objects.link(thing)
     material(thing, "ShaderNodeBsdfDiffuse")
     return thing
 
 
-def irradiance(normals, script, working_space=None):
-    empty_scene(samples=512)
+def irradiance(normals, script, working_space=None, point=None):
+    empty_scene(samples=512 if point is None else 4096)
     if working_space:
         if not hasattr(bpy.data, "colorspace"):  # before Blender 5
             return np.zeros((0, 3))
         bpy.ops.wm.set_working_color_space(working_space=working_space)
-    thing = facets(normals)
+    thing = facets(normals, 1.0 if point is None else 5e-4)
     runpy.run_path(str(script))
+    for each in bpy.data.collections["envlights"].objects if point is not None else ():
+        each.location -= Vector(point)
     mesh = thing.data
     found = mesh.color_attributes.new("found", "FLOAT_COLOR", "CORNER")
     mesh.color_attributes.active_color = found
@@ -156,6 +160,9 @@ if __name__ == "__main__":
         elif task == "rec2020":
             there = irradiance(np.load(given), path, "Linear Rec.2020")
             np.save(path.with_suffix(".npy"), there)
+        elif task == "near":
+            point, *normals = np.load(given).tolist()
+            np.save(path.with_suffix(".npy"), irradiance(normals, path, point=point))
         elif task == "still_life":
             still_life({name: each.tolist() for name, each in np.load(given).items()}, path)
         elif task == "towards":

@@ -36,8 +36,8 @@ def at(points, places, triangles, directions):
     return np.array(found)
 
 
-def gltf_mesh(asset):
-    """Points, texture coordinates, triangles and texture of the only mesh."""
+def gltf_mesh(asset, mesh=0):
+    """Points, texture coordinates, triangles and texture of a mesh."""
     data = bytes_of(asset["buffers"][0]["uri"])
 
     def array(index, kind):
@@ -46,12 +46,12 @@ def gltf_mesh(asset):
         part = data[view["byteOffset"] : view["byteOffset"] + view["byteLength"]]
         return np.frombuffer(part, kind).reshape(accessor["count"], -1)
 
-    (primitive,) = asset["meshes"][0]["primitives"]
+    (primitive,) = asset["meshes"][mesh]["primitives"]
     points = array(primitive["attributes"]["POSITION"], "<f4").astype(float)
     places = array(primitive["attributes"]["TEXCOORD_0"], "<f4").astype(float)
     triangles = array(primitive["indices"], "<u2").reshape(-1, 3)
-    codes = np.asarray(Image.open(io.BytesIO(bytes_of(asset["images"][0]["uri"]))))
-    strength = asset["materials"][0]["extensions"]["KHR_materials_emissive_strength"]
+    codes = np.asarray(Image.open(io.BytesIO(bytes_of(asset["images"][mesh]["uri"]))))
+    strength = asset["materials"][mesh]["extensions"]["KHR_materials_emissive_strength"]
     return points, places, triangles, decode_srgb(codes / 255) * strength["emissiveStrength"]
 
 

@@ -34,9 +34,10 @@ def radiance_towards(scene, mi, directions):
     return np.array(found).reshape(-1, 3)
 
 
-def irradiance_in(scene, mi, samples=65536):
-    """Irradiance at the origin, from directions that Mitsuba picks on an even grid."""
+def irradiance_in(scene, mi, samples=65536, point=(0.0, 0.0, 0.0)):
+    """Irradiance at a point, from directions that Mitsuba picks on an even grid."""
     place = mi.SurfaceInteraction3f()
+    place.p = mi.Point3f(*point)
     grid = kernels.hammersley(samples)
     seen = [scene.sample_emitter_direction(place, mi.Point2f(*each), True) for each in grid]
     towards = np.array([list(sample.d) for sample, _ in seen])

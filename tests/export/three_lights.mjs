@@ -28,6 +28,13 @@ const map = scene.environment ?? null;
 console.log(JSON.stringify({
   kinds: lights.map((light) => (light.isLightProbe ? 'LightProbe' : light.type)), // older releases call it a Light
   directional: state.directional.map((light) => [light.direction.toArray(), rgb(light.color)]),
+  points: state.point.map((light) => [light.position.toArray(), rgb(light.color), light.distance, light.decay]),
+  areas: state.rectArea.map((light) => [
+    light.position.toArray(),
+    rgb(light.color),
+    light.halfWidth.toArray(),
+    light.halfHeight.toArray(),
+  ]),
   ambient: state.ambient,
   hemisphere: state.hemi.map((light) => [light.direction.toArray(), rgb(light.skyColor), rgb(light.groundColor)]),
   probe: state.probe.map((each) => each.toArray()),

@@ -382,9 +382,9 @@ def test_texts_cards_and_numbers_of_placed_lights():
     assert placed.in_short() == "2 planes, 2 spheres, and 512 patches"
     assert str(placed).splitlines()[1].split()[1] == "plane"
     assert placed.cards.is_placed
-    np.testing.assert_allclose(
-        placed.cards.matrix @ [0.5, 0.5, 1], [placed[0].position, placed[1].position]
-    )
+    assert placed.cards.shape == ("rectangle", "rectangle", "sphere", "sphere")
+    positions = [each.position for each in placed]
+    np.testing.assert_allclose(placed.cards.matrix @ [0.5, 0.5, 1], positions)
     numbers = placed.to_dict()["lights"]
     assert [each["kind"] for each in numbers] == ["plane", "plane", "sphere", "sphere"]
     sphere, ball = numbers[2], room("panel").lamps[2]

@@ -13,10 +13,10 @@ from envlights._native import EnvLightsError
 from envlights.cards import geometry
 from envlights.rigs.light_arrays import LARGEST_LIGHT, radii
 
-#: Shapes of a card. Points and others are facing squares around a light.
-SHAPES = ("rectangle", "tube", "disc", "point", "other")
-#: Shapes with an outline.
-FLAT = SHAPES[:3]
+#: Shapes of a card. Spheres, points and others are facing squares around a light.
+SHAPES = ("rectangle", "tube", "disc", "point", "other", "sphere")
+#: Shapes with an outline, and those whose outline is an ellipse.
+OUTLINED, ROUND = ("rectangle", "tube", "disc", "sphere"), ("disc", "sphere")
 
 
 def matrices(values: ArrayLike) -> NDArray[np.float64]:
@@ -68,7 +68,7 @@ def uniform_radiance(
 ) -> NDArray[np.float64]:
     """Uniform radiance of cards with this irradiance, (n, 3)."""
     vectors = [
-        geometry.vector_irradiance(geometry.outline(each, name == "disc"))
+        geometry.vector_irradiance(geometry.outline(each, name in ROUND))
         for each, name in zip(matrix, shape, strict=True)
     ]
     towards = geometry.unit(geometry.centres(matrix))

@@ -17,7 +17,7 @@ class Card(Result):
     """Single card, the type of ``cards[0]``; the fields are rows of `Cards`."""
 
     shape: str
-    """One of "rectangle", "tube", "disc", "point", "other"."""
+    """One of "rectangle", "tube", "disc", "point", "other", "sphere"."""
 
     matrix: NDArray[np.float64]
     """Columns U, V, O, (3, 3)."""

@@ -20,7 +20,8 @@ from envlights._common.words import quantity
 from envlights._native import EnvLightsError
 from envlights.cards import geometry
 from envlights.cards.arrays import (
-    FLAT,
+    OUTLINED,
+    ROUND,
     SHAPES,
     all_textures,
     angular_radii,
@@ -56,9 +57,10 @@ class Cards(Result):
     Parameters
     ----------
     shape : sequence of str, length n
-        "rectangle", "tube" (longer than 6 times its width), "disc", "point" or "other". A disc is
-        the ellipse inscribed in the parallelogram. Points and others are lights without a known
-        outline; their card is a facing square around the light.
+        "rectangle", "tube" (longer than 6 times its width), "disc", "point", "other" or "sphere". A
+        disc is the ellipse inscribed in the parallelogram. Points and others are lights without a
+        known outline; their card is a facing square around the light, as is that of a sphere, whose
+        silhouette from the origin is the inscribed disc.
     matrix : array_like, shape (n, 3, 3)
         Columns U, V, O, in the frame of `EnvMap`. Cards of a map have their centre at distance 1.
     irradiance : array_like, shape (n, 3)
@@ -241,19 +243,19 @@ class Cards(Result):
         return self.at(FAR * amount("radius", radius, most=_FARTHEST / FAR))
 
     @property
-    def is_flat(self) -> NDArray[np.bool_]:
-        """Rectangles, tubes and discs: lights that are written as planes in space, (n,)."""
-        return np.array([shape in FLAT for shape in self.shape], bool)
+    def has_outline(self) -> NDArray[np.bool_]:
+        """Rectangles, tubes, discs and spheres: lights that are written with a position, (n,)."""
+        return np.array([shape in OUTLINED for shape in self.shape], bool)
 
     @property
-    def flat_shapes(self) -> tuple[str, ...]:
-        """Shapes of the cards that are written as planes, in their order."""
-        return tuple(shape for shape in self.shape if shape in FLAT)
+    def outlined_shapes(self) -> tuple[str, ...]:
+        """Shapes of the cards that are written with a position, in their order."""
+        return tuple(shape for shape in self.shape if shape in OUTLINED)
 
     @property
     def distant(self) -> Lights:
         """Lights without a known outline, as discs at infinity."""
-        return self[~self.is_flat].lights
+        return self[~self.has_outline].lights
 
     def facing(self, row: int, normal: ArrayLike) -> Cards:
         """Turn one card into a plane with this normal.
@@ -325,10 +327,10 @@ class Cards(Result):
         lights = self.distant
         arrays = lights.direction, lights.irradiance, lights.angular_radius
         out = rig_irradiance(normals, np.zeros(3), *arrays)
-        for card in self[self.is_flat]:
+        for card in self[self.has_outline]:
             one = np.ones((1, 1, 3), np.float32)
             texture = one if card.shape in uniform else card.texture
-            is_disc = card.shape == "disc"
+            is_disc = card.shape in ROUND
             directions, flux = geometry.sources(card.matrix, texture, 64, is_disc=is_disc)
             seen = card.direction @ directions.T @ flux
             flux *= card.irradiance / np.where(seen > 0, seen, 1)
@@ -357,7 +359,7 @@ class Cards(Result):
             width,
             False,
             self.matrix,
-            [shape == "disc" for shape in self.shape],
+            [shape in ROUND for shape in self.shape],
             self.irradiance,
             sizes,
             np.concatenate([np.zeros((0, 3), np.float32), *texels]),

@@ -84,7 +84,8 @@ def vector_irradiance(outline: NDArray[np.float64]) -> NDArray[np.float64]:
 def square_towards(direction: NDArray[np.float64], radius: float) -> NDArray[np.float64]:
     """Matrix of the facing square around a disc; its rows go down the map.
 
-    At the zenith and the nadir, they go as in the middle column of the map.
+    At the zenith and the nadir, they go as in the middle column of the map. Radii above 1.4 rad are
+    those of 1.4 rad, because the square of a half sphere is infinite.
     """
     up = np.array([0.0, 1.0, 0.0])
     right = np.cross(direction, up)
@@ -92,7 +93,7 @@ def square_towards(direction: NDArray[np.float64], radius: float) -> NDArray[np.
         right = np.array([-1.0, 0.0, 0.0])
     right = unit(right)
     down = np.cross(direction, right)
-    half = np.tan(radius)
+    half = np.tan(min(radius, 1.4))
     return np.stack([2 * half * right, 2 * half * down, direction - half * (right + down)], axis=1)
 
 
@@ -116,6 +117,14 @@ def tilt(matrix: NDArray[np.float64], normal: NDArray[np.float64]) -> NDArray[np
     parts = [first, second, centre - (first + second) / 2]
     matrix_in_plane: NDArray[np.float64] = np.stack(parts, axis=1)
     return matrix_in_plane
+
+
+def nearest_rectangle(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Matrix of the rectangle nearest to a parallelogram, with the same centre and area."""
+    lengths = np.linalg.norm(matrix[:, :2], axis=0)
+    left, values, right = np.linalg.svd(matrix[:, :2] / lengths, full_matrices=False)
+    sides = left @ right * lengths * np.sqrt(values.prod())
+    return np.column_stack([sides, matrix @ [0.5, 0.5, 1] - sides.sum(axis=1) / 2])
 
 
 def sources(

@@ -32,7 +32,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "photograph": ("room.jpg --fov 60",),
     "place": (
         "room.exr --depth depth.exr --point 1,0.2,-0.5 -o there.exr -o rig.usda",
-        "room.exr --room 6,3,5",
+        "room.exr --room 6,3,5 -o room.usda --up z",
     ),
     "relight": (
         "hall.exr --turn 1=0,-20 --tint 1=2500K -o new.exr",

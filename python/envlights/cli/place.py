@@ -1,9 +1,10 @@
-"""`envlights place`: the light at a point of a room."""
+"""`envlights place`: the lights of a room where they hang, or the light at a point."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -12,13 +13,17 @@ from envlights.cli.map_input import MapCommand, MapFile, map_argument
 from envlights.cli.numbers import numbers
 from envlights.cli.outputs import (
     check_outputs,
+    check_source,
     json_option,
     output_option,
     print_losses,
     print_result,
     say_written,
+    stage_of,
+    stage_options,
 )
 from envlights.environment.files.image_output import MAP_SUFFIXES
+from envlights.export.links import paths_of, plan
 from envlights.export.targets import SUFFIXES
 from envlights.placing.place import place
 from envlights.placing.placed_lights import PlacedLights
@@ -41,9 +46,16 @@ _POINT = "1,0.2,-0.5"
     "--camera-position", metavar="X,Y,Z", help="Camera in the room; the middle by default."
 )
 @click.option(
-    "--point", metavar="X,Y,Z", help="Point for -o, in metres from the camera, in the axes of MAP."
+    "--point",
+    metavar="X,Y,Z",
+    help="Point for -o, in metres from the camera, in the axes of MAP. Default: lights with"
+    " positions.",
 )
-@output_option("Map (.exr, .hdr) or rig (as of `fit`) at the point. Can be repeated.")
+@output_option(
+    "Lights with positions in metres (.usda, .py, .xml, .pbrt, .gltf, .three.json), or their"
+    " remainder (.exr). With --point, the map or a rig (as of `fit`) there. Can be repeated."
+)
+@stage_options
 @json_option("lights")
 def command(
     map_file: MapFile,
@@ -54,13 +66,14 @@ def command(
     camera_position: str | None,
     point: str | None,
     outputs: Sequence[str],
+    stage: dict[str, Any],
     as_json: bool,
 ) -> None:
-    """Give the lights of MAP positions in a room, and write the light at a point."""
+    """Give the lights of MAP positions in a room, and write them, or the light at a point."""
     inputs = {"the map": map_file.path} | ({"the depth": depth} if depth else {})
-    check_outputs(outputs, (*SUFFIXES, *MAP_SUFFIXES), inputs)
-    if bool(outputs) != (point is not None):
-        raise EnvLightsError("-o writes the light at a --point; give both, or none of them")
+    check_outputs(outputs, (*SUFFIXES, *MAP_SUFFIXES), inputs, stage)
+    if point and not outputs:
+        raise EnvLightsError("--point is a point for files; give -o as well")
     where = None if point is None else numbers("--point", point, _POINT)
     placed = place(
         map_file.open(),
@@ -72,13 +85,21 @@ def command(
         if camera_position is None
         else numbers("--camera-position", camera_position, "3,1.6,2.5"),
     )
+    written = outputs
     if where is not None:
-        _write(placed, where, outputs)
+        _write(placed, where, outputs, stage)
+    elif outputs:
+        for path in paths_of(plan(placed.remainder, outputs, placed.cards)):
+            check_source(str(path), inputs)
+        with print_losses():
+            written = list(map(str, placed.save(*outputs, **stage)))
     print_result(placed, as_json)
-    say_written(outputs)
+    say_written(written)
 
 
-def _write(placed: PlacedLights, point: list[float], outputs: Sequence[str]) -> None:
+def _write(
+    placed: PlacedLights, point: list[float], outputs: Sequence[str], stage: dict[str, Any]
+) -> None:
     """Write maps and rigs at a point."""
     for output in outputs:
         is_map = Path(output).suffix.lower() in MAP_SUFFIXES
@@ -86,4 +107,4 @@ def _write(placed: PlacedLights, point: list[float], outputs: Sequence[str]) -> 
         for note in set(light.notes).difference(placed.notes):
             click.echo(f"note: {note}", err=True)
         with print_losses():
-            light.save(output)
+            light.save(output, **stage_of(output, stage))

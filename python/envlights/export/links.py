@@ -158,7 +158,7 @@ def _crops(file: LinkedFile, lights: Any) -> tuple[Path, ...]:
     """Textures of the cards among lights."""
     if file.target is None or file.target.crop is None:
         return ()
-    names = file.target.crop.names(f"{file.path.stem}.", getattr(lights, "flat_shapes", ()))
+    names = file.target.crop.names(f"{file.path.stem}.", getattr(lights, "outlined_shapes", ()))
     return tuple(file.path.with_name(name) for name in names if name)
 
 

@@ -22,6 +22,8 @@ VERTICES = 64
 class Panel(NamedTuple):
     """Planar light: the points O + a U + b V, or the ellipse inscribed in this parallelogram.
 
+    Or a sphere, in whose facing square the inscribed disc is its silhouette from the origin.
+
     Seen from the origin, U goes to the right and V down, in the frame of envlights.
     """
 
@@ -31,8 +33,8 @@ class Panel(NamedTuple):
     matrix: NDArray[np.float64]
     """Columns U, V, O, (3, 3)."""
 
-    is_ellipse: bool
-    """True for a disc."""
+    shape: str
+    """"rectangle", "tube", "disc" or "sphere"."""
 
     irradiance: NDArray[np.float64]
     """Irradiance of a surface that faces its centre at the origin, (3,)."""
@@ -58,6 +60,20 @@ class Panel(NamedTuple):
         return self.radiance + mean
 
     @property
+    def radius(self) -> float:
+        """Radius of a sphere."""
+        u, v, start = self.matrix.T
+        half, distance = np.linalg.norm([u / 2, start + (u + v) / 2], axis=1)
+        return float(half * distance / np.hypot(half, distance))
+
+    @property
+    def intensity(self) -> NDArray[np.float64]:
+        """Radiant intensity of a sphere, (3,)."""
+        u, v, start = self.matrix.T
+        intensity: NDArray[np.float64] = self.irradiance * ((start + (u + v) / 2) ** 2).sum()
+        return intensity
+
+    @property
     def is_rectangle(self) -> bool:
         """True if the sides U and V are perpendicular."""
         u, v, _ = self.matrix.T
@@ -81,7 +97,7 @@ class Panel(NamedTuple):
 
         They go counter-clockwise as seen from the origin: top left, bottom left, and so on.
         """
-        if self.is_ellipse:
+        if self.shape == "disc":
             angle = 2 * np.pi * np.arange(VERTICES) / VERTICES
             places = 0.5 + 0.5 * np.stack([np.cos(angle), -np.sin(angle)], axis=1)
         else:
@@ -93,8 +109,7 @@ class Panel(NamedTuple):
 def crop_names(panels: tuple[Panel, ...], prefix: str, target: str) -> list[str]:
     """Name of the texture of each panel in the files of a target; empty if it has none."""
     crop = target_named(target).crop
-    shapes = ("disc" if each.is_ellipse else "" for each in panels)
-    return [] if crop is None else crop.names(prefix, shapes)
+    return [] if crop is None else crop.names(prefix, (each.shape for each in panels))
 
 
 def distant_and_panels(
@@ -110,10 +125,10 @@ def distant_and_panels(
     factor : float
         Factor of all radiance, for the units of a target.
     """
-    if not hasattr(rig, "is_flat"):
+    if not hasattr(rig, "has_outline"):
         return getattr(rig, "lights", rig).discs(), ()
-    flat = rig[rig.is_flat]
-    cards = flat if flat.is_placed else flat.far()
+    shown = rig[rig.has_outline]
+    cards = shown if shown.is_placed else shown.far()
     panels = (_panel(j, card, environment, factor) for j, card in enumerate(cards))
     return rig.distant, tuple(panels)
 
@@ -127,7 +142,7 @@ def _panel(j: int, card: Any, environment: EnvMap | None, factor: float) -> Pane
     return Panel(
         f"card_{j}",
         card.matrix,
-        card.shape == "disc",
+        card.shape,
         factor * card.irradiance,
         factor * card.radiance,
         np.float32(factor) * texture,

@@ -42,10 +42,11 @@ class Crops(NamedTuple):
     def names(self, prefix: str, shapes: Iterable[str]) -> list[str]:
         """Names for cards of these shapes: ``scene.card_0.usd.exr`` beside ``scene.usda``.
 
-        A card without a texture has an empty name.
+        A card without a texture has an empty name; no sphere has one.
         """
+        uniform = ("sphere",) if self.has_discs else ("disc", "sphere")
         return [
-            f"{prefix}card_{j}{self.end}" if self.has_discs or shape != "disc" else ""
+            "" if shape in uniform else f"{prefix}card_{j}{self.end}"
             for j, shape in enumerate(shapes)
         ]
 

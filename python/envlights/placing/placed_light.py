@@ -120,7 +120,13 @@ class PlacedLight(Result):
         return vector / length, self.radiance * length, radius
 
     def around(self, point: Reals) -> Reals:
-        """Matrix relative to a point."""
+        """Matrix relative to a point, which the square of a sphere faces; that of a sun stays."""
+        if self.kind == "sun":
+            return self.matrix
+        if self.kind == "sphere":
+            direction, _, radius = self.seen_from(point)
+            distance = float(np.linalg.norm(self.position - point))
+            return geometry.square_towards(direction, radius) * distance
         return self.matrix - np.outer(point, [0, 0, 1])
 
     def quarters(self) -> list[PlacedLight]:

@@ -146,6 +146,8 @@ def on_plane(cards: Cards, row: int, plane: Reals, residual: float) -> PlacedLig
     corners = geometry.corners(matrix[None])[0] @ plane
     if (corners > 0.2 * corners.max()).all():
         matrix = geometry.tilt(matrix, geometry.unit(plane))
+        if not _is_ellipse(cards, row):  # all programs have rectangles, few have sheared ones
+            matrix = geometry.nearest_rectangle(matrix)
     metres = 1 / max(direction @ plane, 1e-12)
     length = np.linalg.norm(matrix @ [0.5, 0.5, 1])
     return _light("plane", cards, row, matrix * (metres / length), residual)
@@ -153,8 +155,7 @@ def on_plane(cards: Cards, row: int, plane: Reals, residual: float) -> PlacedLig
 
 def sphere(cards: Cards, row: int, metres: float, spread: float) -> PlacedLight:
     """Light as a sphere at this distance."""
-    radius = min(float(cards.angular_radius[row]), 1.4)
-    square = geometry.square_towards(cards.direction[row], radius)
+    square = geometry.square_towards(cards.direction[row], float(cards.angular_radius[row]))
     return _light("sphere", cards, row, square * metres, spread)
 
 

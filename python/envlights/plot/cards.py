@@ -12,6 +12,7 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from envlights.cards import geometry
+from envlights.cards.arrays import ROUND
 from envlights.cards.card import Card
 from envlights.cards.card_split import CardSplit
 from envlights.cards.cards import Cards
@@ -34,6 +35,7 @@ _COLOURS = {
     "disc": "#f0e442",
     "point": "white",
     "other": "#e69f00",
+    "sphere": "#f0e442",
 }
 #: Points along each side of an outline.
 _STEPS = 32
@@ -207,7 +209,7 @@ def _white(textures: Sequence[NDArray[np.float32]]) -> float:
 
 def _outline(card: Card) -> NDArray[np.float64]:
     """Azimuth and elevation around a card, with gaps at the seam."""
-    if card.shape == "disc":
+    if card.shape in ROUND:
         directions = geometry.outline(card.matrix, is_ellipse=True)
     else:
         ends = geometry.points(card.matrix[None], geometry.CORNERS)[0]

@@ -1,4 +1,4 @@
-"""Cards in Blender: area lights with a texture, and emissive planes if oblique or round."""
+"""Cards in Blender: area lights with a texture, emissive planes if oblique or round, and points."""
 
 from __future__ import annotations
 
@@ -16,6 +16,9 @@ RECTANGLES = [
 # Planes: vertices, texture coordinates, texture.
 PLANES = [
 @PLANES@]
+# Spheres: position, radius, radiant intensity.
+SPHERES = [
+@SPHERES@]
 
 
 def add_cards(collection):
@@ -46,6 +49,15 @@ def add_cards(collection):
         light = bpy.data.objects.new(f"envlights_{name}", lamp)
         light.matrix_world = Matrix(matrix)
         light.visible_camera = True
+        collection.objects.link(light)
+    for name, centre, radius, rgb in SPHERES:
+        intensity = in_working_space(rgb)
+        lamp = bpy.data.lights.new(f"envlights_{name}", "POINT")
+        lamp.color = [value / (max(intensity) or 1) for value in intensity]
+        lamp.energy = 4 * math.pi * max(intensity)  # W
+        lamp.shadow_soft_size, lamp.use_soft_falloff = radius, False
+        light = bpy.data.objects.new(f"envlights_{name}", lamp)
+        light.location = centre
         collection.objects.link(light)
     for name, points, places, texture in PLANES:
         mesh = bpy.data.meshes.new(f"envlights_{name}")
@@ -101,13 +113,15 @@ def code(panels: tuple[Panel, ...], prefix: str) -> str:
         check_link(name, "Blender", "\\")
     pairs = list(zip(panels, names, strict=True))
     rectangles = [_rectangle(*pair) for pair in pairs if _is_lamp(pair[0])]
-    planes = [_plane(*pair) for pair in pairs if not _is_lamp(pair[0])]
-    return fill_template(_CODE, rectangles="".join(rectangles), planes="".join(planes))
+    planes = [_plane(*pair) for pair in pairs if pair[1] and not _is_lamp(pair[0])]
+    spheres = [_sphere(panel) for panel in panels if panel.shape == "sphere"]
+    lists = {"rectangles": rectangles, "planes": planes, "spheres": spheres}
+    return fill_template(_CODE, **{name: "".join(rows) for name, rows in lists.items()})
 
 
 def _is_lamp(panel: Panel) -> bool:
     """True for a rectangle; an area light of Blender is not sheared."""
-    return panel.is_rectangle and not panel.is_ellipse
+    return panel.is_rectangle and panel.shape in ("rectangle", "tube")
 
 
 def _rectangle(panel: Panel, name: str) -> str:
@@ -117,6 +131,12 @@ def _rectangle(panel: Panel, name: str) -> str:
     matrix = np.eye(4)
     matrix[:3] = np.stack([-u / width, -v / height, -facing, centre], axis=1)
     row = panel.name, matrix.tolist(), width, height, panel.radiance.tolist(), name
+    return f"    ({', '.join(map(ascii, row))}),\n"
+
+
+def _sphere(panel: Panel) -> str:
+    *_, centre = panel.axes("blender")
+    row = panel.name, centre.tolist(), panel.radius, panel.intensity.tolist()
     return f"    ({', '.join(map(ascii, row))}),\n"
 
 

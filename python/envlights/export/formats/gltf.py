@@ -1,4 +1,4 @@
-"""glTF 2.0: directional lights of KHR_lights_punctual."""
+"""glTF 2.0: directional lights and points of KHR_lights_punctual."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from envlights.environment.reading import AnyMap
 from envlights.export.files import AnyPath, check_link, json_text
 from envlights.export.formats import gltf_cards
+from envlights.export.panels import Panel
 from envlights.export.scene import Exportable, Scene, scene_of
 from envlights.export.targets import AXES
 from envlights.export.textures import Beside, save_beside
@@ -85,7 +86,8 @@ def save_gltf(
 
 
 def _asset(written: Scene, names: Beside) -> dict[str, Any]:
-    lights, panels = written.lights, written.panels
+    lights, flat = written.lights, tuple(each for each in written.panels if each.shape != "sphere")
+    spheres = [each for each in written.panels if each.shape == "sphere"]
     towards = AXES["gltf"].to_target(lights.direction)
     scene: dict[str, Any] = {"name": "envlights"}
     extras = {"units": written.statement}
@@ -93,22 +95,20 @@ def _asset(written: Scene, names: Beside) -> dict[str, Any]:
     asset: dict[str, Any] = {"asset": about, "scene": 0}
     asset["scenes"] = [scene]
     # An empty list is not valid.
-    if len(lights):
-        scene["nodes"] = list(range(len(lights)))
+    rows = zip(lights.irradiance, lights.angular_radius, strict=True)
+    found = [_light(j, *row) for j, row in enumerate(rows)] + [_point(each) for each in spheres]
+    if found:
+        turns = [{"rotation": rotation_between(SHINES, -each).tolist()} for each in towards]
+        places = [{"translation": each.axes("gltf")[3].tolist()} for each in spheres]
+        scene["nodes"] = list(range(len(found)))
         asset["nodes"] = [
-            {
-                "name": f"light_{j}",
-                "rotation": rotation_between(SHINES, -direction).tolist(),
-                "extensions": {_EXTENSION: {"light": j}},
-            }
-            for j, direction in enumerate(towards)
+            {"name": light["name"], **place, "extensions": {_EXTENSION: {"light": j}}}
+            for j, (light, place) in enumerate(zip(found, turns + places, strict=True))
         ]
-        rows = zip(lights.irradiance, lights.angular_radius, strict=True)
-        found = [_light(j, *row) for j, row in enumerate(rows)]
         asset["extensions"] = {_EXTENSION: {"lights": found}}
         asset["extensionsUsed"] = [_EXTENSION]
-    if panels:
-        gltf_cards.add(asset, panels)
+    if flat:
+        gltf_cards.add(asset, flat)
     if written.has_map:
         check_link(names.map, "a reader of JSON")
         scene["extras"] = {"environment": names.map, "note": _MAP_NOTE}
@@ -119,15 +119,20 @@ def _asset(written: Scene, names: Beside) -> dict[str, Any]:
 
 
 def _light(j: int, irradiance: NDArray[np.float64], radius: float) -> dict[str, Any]:
-    """A light with a colour between 0 and 1, as glTF requires."""
-    most = float(irradiance.max())
-    return {
-        "name": f"light_{j}",
-        "type": "directional",
-        "color": (irradiance / (most or 1.0)).tolist(),
-        "intensity": most,
-        "extras": {"angular_radius": float(radius)},
-    }
+    size = {"extras": {"angular_radius": float(radius)}}
+    return {"name": f"light_{j}", "type": "directional", **_strength(irradiance), **size}
+
+
+def _point(panel: Panel) -> dict[str, Any]:
+    """A point of the intensity of a sphere."""
+    size = {"extras": {"radius": panel.radius}}
+    return {"name": panel.name, "type": "point", **_strength(panel.intensity), **size}
+
+
+def _strength(values: NDArray[np.float64]) -> dict[str, Any]:
+    """Colour between 0 and 1, as glTF requires, and intensity."""
+    most = float(values.max())
+    return {"color": (values / (most or 1.0)).tolist(), "intensity": most}
 
 
 def rotation_between(start: NDArray[np.float64], end: NDArray[np.float64]) -> NDArray[np.float64]:

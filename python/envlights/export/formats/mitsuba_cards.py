@@ -1,4 +1,4 @@
-"""Cards in Mitsuba: rectangles with a bitmap, and disks of one radiance, that emit to one side."""
+"""Cards in Mitsuba: rectangles with a bitmap, disks that emit to one side, and spheres."""
 
 from __future__ import annotations
 
@@ -38,10 +38,11 @@ def elements(
 
 
 def to_world(panel: Panel) -> NDArray[np.float64]:
-    """Matrix of a rectangle or disk of Mitsuba, whose x and y go from -1 to 1."""
+    """Matrix of a rectangle, disk or sphere of Mitsuba, whose x and y go from -1 to 1."""
     u, v, facing, centre = panel.axes("mitsuba")
     matrix = np.eye(4)
-    matrix[:3] = np.stack([u / 2, -v / 2, facing, centre], axis=1)
+    sides = panel.radius * np.eye(3) if panel.shape == "sphere" else [u / 2, -v / 2, facing]
+    matrix[:3] = np.stack([*sides, centre], axis=1)
     return matrix
 
 
@@ -51,11 +52,11 @@ def texture_of(panel: Panel) -> NDArray[np.float32]:
 
 
 def _kind(panel: Panel) -> str:
-    return "disk" if panel.is_ellipse else "rectangle"
+    return {"disc": "disk", "sphere": "sphere"}.get(panel.shape, "rectangle")
 
 
 def _radiance(panel: Panel, mi: Any) -> dict[str, Any]:
-    if panel.is_ellipse:
+    if _kind(panel) != "rectangle":
         return {"type": "rgb", "value": panel.opaque_radiance.tolist()}
     bitmap = mi.Bitmap(texture_of(panel))
     return {"type": "bitmap", "bitmap": bitmap, "wrap_mode": "clamp", "raw": True}
@@ -69,7 +70,7 @@ def _element(root: ElementTree.Element, panel: Panel, name: str) -> ElementTree.
     surface = ElementTree.SubElement(shape, "bsdf", type="diffuse")
     ElementTree.SubElement(surface, "rgb", name="reflectance", value="0")
     emitter = ElementTree.SubElement(shape, "emitter", type="area")
-    if panel.is_ellipse:
+    if _kind(panel) != "rectangle":
         value = " ".join(map(repr, panel.opaque_radiance.tolist()))
         ElementTree.SubElement(emitter, "rgb", name="radiance", value=value)
     else:

@@ -111,9 +111,9 @@ def _sources(scene: Scene, names: Beside) -> str:
 
 def _card(panel: Panel, name: str) -> str:
     """A black surface that shines to the side of its normal."""
-    if panel.is_ellipse:
+    if panel.shape in ("disc", "sphere"):
         light = f'"rgb L" {_numbers(panel.opaque_radiance)}'
-        return _MATTER.format(light=light, shape=_disk(panel))
+        return _MATTER.format(light=light, shape=_round(panel))
     return _MATTER.format(light=f'"string filename" {_string(name)}', shape=_patch(panel))
 
 
@@ -131,9 +131,12 @@ def _patch(panel: Panel) -> str:
     return f'Shape "bilinearmesh" "point3 P" {points} "point2 uv" [{uv}]'
 
 
-def _disk(panel: Panel) -> str:
-    """A disk of the same area, because pbrt measures disks without the scale of a transform."""
+def _round(panel: Panel) -> str:
+    """A sphere, or a disk of the same area, because pbrt measures disks without their scale."""
     u, _, facing, centre = panel.axes("pbrt")
+    if panel.shape == "sphere":
+        translate = _numbers(centre).strip("[]")
+        return f'Translate {translate} Shape "sphere" "float radius" {panel.radius:.9g}'
     x = u / np.linalg.norm(u)
     columns = [x, np.cross(facing, x), facing, centre]
     rows = [[*column, place] for column, place in zip(columns, (0, 0, 0, 1), strict=True)]

@@ -1,4 +1,4 @@
-"""Cards in three.js: area lights of one radiance, and textured planes that show them."""
+"""Cards in three.js: area lights of one radiance, planes that show them, and points for spheres."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ _SIDE = np.sqrt(np.pi) / 2
 
 def tables(panels: tuple[Panel, ...]) -> dict[str, Any]:
     """Images, textures, materials and geometries of the planes."""
+    panels = tuple(panel for panel in panels if panel.shape != "sphere")
     images = [image_of(f"{panel.name}.image", panel.opaque_texture) for panel in panels]
     textures = [
         texture_of(f"{panel.name}.texture", panel.name, image, **_CLAMPED)
@@ -41,8 +42,24 @@ def tables(panels: tuple[Panel, ...]) -> dict[str, Any]:
 
 
 def things(panels: tuple[Panel, ...]) -> list[dict[str, Any]]:
-    """A light and a plane for each panel."""
-    return [thing for panel in panels for thing in (_light(panel), _plane(panel))]
+    """A light and a plane for each panel, and a point for each sphere."""
+    flat = [panel for panel in panels if panel.shape != "sphere"]
+    spheres = [_point(panel) for panel in panels if panel.shape == "sphere"]
+    return [*(thing for panel in flat for thing in (_light(panel), _plane(panel))), *spheres]
+
+
+def _point(panel: Panel) -> dict[str, Any]:
+    """A point of the intensity of a sphere, without a limit of its reach."""
+    *_, centre = panel.axes("three")
+    return thing_of(
+        "PointLight",
+        panel.name,
+        matrix=[1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, *centre.tolist(), 1],
+        userData={"radius": panel.radius},
+        distance=0,
+        decay=2,
+        **colour_of(panel.intensity),
+    )
 
 
 def _light(panel: Panel) -> dict[str, Any]:
@@ -53,7 +70,7 @@ def _light(panel: Panel) -> dict[str, Any]:
     y = np.cross(-facing, x)
     height = abs(y @ v)
     columns = [(*x, 0), (*y, 0), (*-facing, 0), (*centre, 1)]
-    side = _SIDE if panel.is_ellipse else 1.0
+    side = _SIDE if panel.shape == "disc" else 1.0
     return thing_of(
         "RectAreaLight",
         panel.name,

@@ -1,4 +1,4 @@
-"""Cards in OpenUSD: rectangle lights with a texture, disk lights, and mesh lights if oblique."""
+"""Cards in OpenUSD: rectangle lights with a texture, disk, sphere, and mesh lights if oblique."""
 
 from __future__ import annotations
 
@@ -53,7 +53,9 @@ def prims(panels: tuple[Panel, ...], prefix: str) -> list[str]:
 
 
 def _light(panel: Panel, file: str) -> list[str]:
-    if panel.is_ellipse:
+    if panel.shape == "sphere":
+        return [_sphere(panel)]
+    if panel.shape == "disc":
         return [_disk(panel)]
     return [_rectangle(panel, file)] if panel.is_rectangle else _mesh(panel, file)
 
@@ -74,6 +76,16 @@ def _disk(panel: Panel) -> str:
     width, height = panel.size.tolist()
     light = ["float inputs:radius = 0.5", *colour(panel.radiance)]
     return prim("DiskLight", panel.name, [*light, *_transform(panel, scale=(width, height))])
+
+
+def _sphere(panel: Panel) -> str:
+    *_, centre = panel.axes("usd")
+    light = [f"float inputs:radius = {panel.radius!r}", *colour(panel.radiance)]
+    place = [
+        f"double3 xformOp:translate = {tuple(centre.tolist())!r}",
+        'uniform token[] xformOpOrder = ["xformOp:translate"]',
+    ]
+    return prim("SphereLight", panel.name, [*light, *place])
 
 
 def _transform(panel: Panel, scale: tuple[float, float]) -> list[str]:
