@@ -71,8 +71,7 @@ def pictures(mujoco, folder, more="", colour="1 1 1 1"):
 
 def worst_code(mujoco, folder, irradiance):
     """Largest difference in codes from `irradiance(normals)`, of a white ball from two sides."""
-    more = "".join(camera(f"side{k}", *side[:2]) for k, side in enumerate(SIDES))
-    shown, scale = pictures(mujoco, folder, more)
+    shown, scale = pictures(mujoco, folder, sides())
     off = []
     for image, side in zip(shown, SIDES, strict=True):
         normals, is_ball = normals_of(side)
@@ -98,27 +97,39 @@ def test_the_ball_shows_the_irradiance_of_the_rig(mujoco, name, tmp_path):
     assert worst_code(mujoco, tmp_path, rig.probe) < WORST
 
 
-@pytest.mark.parametrize("name", ["none", "constant"])
-def test_mujoco_warp_shows_the_same_ball(name, tmp_path):
+def sides():
+    """Cameras that together see the whole ball."""
+    return "".join(camera(f"side{k}", *side[:2]) for k, side in enumerate(SIDES))
+
+
+def pictures_of_warp(folder):
+    """Pictures of the ball from both sides by MuJoCo Warp, and the scale of the file."""
     mujoco, warp, mjw = map(pytest.importorskip, ("mujoco", "warp", "mujoco_warp"))
-    rig = rigs(POINTS)[name]
-    el.export.save_mujoco(rig, tmp_path / "rig.mujoco.xml")
-    more = "".join(camera(f"side{k}", *side[:2]) for k, side in enumerate(SIDES))
-    text = MODEL.format(file="rig.mujoco.xml", more=more, colour="1 1 1 1")
-    (tmp_path / "model.xml").write_text(text)
-    model = mujoco.MjModel.from_xml_path(str(tmp_path / "model.xml"))
+    (folder / "model.xml").write_text(
+        MODEL.format(file="rig.mujoco.xml", more=sides(), colour="1 1 1 1")
+    )
+    model = mujoco.MjModel.from_xml_path(str(folder / "model.xml"))
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     there, state = mjw.put_model(model), mjw.put_data(model, data)
     context = mjw.create_render_context(model, cam_res=(SIDE, SIDE), render_rgb=True)
     mjw.refit_bvh(there, state, context)
     mjw.render(there, state, context)
-    for k, side in enumerate(SIDES):
-        shown = warp.zeros((1, SIDE, SIDE), dtype=warp.vec3f)
-        mjw.get_rgb(context, k, shown)
+    shown = [warp.zeros((1, SIDE, SIDE), dtype=warp.vec3f) for _ in SIDES]
+    for k, image in enumerate(shown):
+        mjw.get_rgb(context, k, image)
+    scale = float(model.numeric("envlights_scale").data[0])
+    return [255 * image.numpy()[0] for image in shown], scale
+
+
+@pytest.mark.parametrize("name", ["none", "constant"])
+def test_mujoco_warp_shows_the_same_ball(name, tmp_path):
+    rig = rigs(POINTS)[name]
+    el.export.save_mujoco(rig, tmp_path / "rig.mujoco.xml")
+    shown, scale = pictures_of_warp(tmp_path)
+    for image, side in zip(shown, SIDES, strict=True):
         normals, is_ball = normals_of(side)
-        wanted = model.numeric("envlights_scale").data[0] * rig.probe(normals)
-        assert 255 * np.abs(shown.numpy()[0][is_ball] - wanted).max() < WORST
+        assert np.abs(image[is_ball] - 255 * scale * rig.probe(normals)).max() < WORST
 
 
 def test_other_ambient_terms_and_further_lights_give_their_mean(mujoco, tmp_path):
