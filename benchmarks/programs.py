@@ -27,6 +27,8 @@ sys.path[:0] = [str(_ROOT), str(_ROOT / "python")]
 
 #: Newest version that a registry has.
 NEWEST = "newest"
+#: Readers that run in a process of their own, whose Python need not have our package.
+OTHERS = {name: f"ENVLIGHTS_{name.upper()}_PYTHON" for name in ("blender", "sapien", "genesis")}
 #: Percent from which a difference must have a name.
 NAMED = 1
 TITLES = ("program", "version", "directions", "irradiance", "harmonics", "a size", "a card")
@@ -51,8 +53,10 @@ PROGRAMS = (
     Program("MuJoCo Warp", "mujoco", "mujoco", (NEWEST,), "warp", needs=("mujoco-warp",)),
     Program("three.js", "three", "three", ("three-150", "three-160", "three-180", "three"), "node"),
     Program("three.js, GLTFLoader", "gltf", "three", ("three",), "node"),
-    Program("Blender, Cycles", "blender", "bpy", ("4.2.0", "5.0.1"), "bpy"),
-    Program("Blender, Cycles", "blender", "bpy", (NEWEST,), "bpy", "python3.13"),
+    Program("Blender, Cycles", "blender", "bpy", ("4.2.0", "5.0.1"), "blender"),
+    Program("Blender, Cycles", "blender", "bpy", (NEWEST,), "blender", "python3.13"),
+    Program("SAPIEN", "sapien", "sapien", (NEWEST,), "sapien"),
+    Program("Genesis", "genesis", "genesis-world", (NEWEST,), "genesis", needs=("torch",)),
     Program("Radiance", "radiance", "pyradiance"),
 )
 
@@ -119,8 +123,8 @@ def measure(program, wanted, python):
     """Cells of a row, measured in a process of its own."""
     changes = {"MUJOCO_GL": "egl", "MPLBACKEND": "Agg"}
     runner = python
-    if program.reader == "bpy":  # its Python need not have our package
-        changes["ENVLIGHTS_BLENDER_PYTHON"], runner = str(python), sys.executable
+    if program.reader in OTHERS:
+        changes[OTHERS[program.reader]], runner = str(python), sys.executable
     command = [runner, __file__, "--measure", program.target, program.reader, wanted]
     out = call([*command, program.package], env=os.environ | changes)
     return json.loads(out.rpartition("FIGURES ")[2])
@@ -148,14 +152,12 @@ def figures(name, reader, wanted, package):
 
 def version_of(reader, wanted, package):
     """Version that was measured."""
-    from tests.export import test_blender
-
     if reader == "node":
         path = _ROOT / "tests/export/node_modules" / wanted / "package.json"
         return json.loads(path.read_text())["version"]
-    if reader == "bpy":
-        code = "from importlib.metadata import version; print(version('bpy'))"
-        return call([test_blender.BLENDER, "-c", code]).strip()
+    if reader in OTHERS:
+        code = f"from importlib.metadata import version; print(version({package!r}))"
+        return call([os.environ[OTHERS[reader]], "-c", code]).strip()
     return version(package)
 
 
@@ -217,6 +219,8 @@ def irradiance_of(part, thing, name, reader, wanted):
         el.export.save(thing, path)
         if reader in ("mujoco", "warp"):
             return of_balls(there, reader)
+        if reader in ("sapien", "genesis"):
+            return of_simulator(there, reader)
         return of_file(path, part, target_named(name), wanted)
 
 
@@ -265,6 +269,30 @@ def of_balls(folder, reader):
     )
     normals, balls = zip(*map(normals_of, SIDES), strict=True)
     seen = [image[ball] / (255 * scale) for image, ball in zip(images, balls, strict=True)]
+    return np.concatenate(normals), np.concatenate(seen)
+
+
+def of_simulator(folder, name):
+    """Normals and irradiance: of two pictures by SAPIEN, of the lights that Genesis has read."""
+    import runpy
+
+    import numpy as np
+    from tests.export import test_simulators
+    from tests.export.balls import SIDES, normals_of
+    from tests.helpers import NORMALS
+
+    scale = runpy.run_path(str(folder / f"rig.{name}.py"))["SCALE"]
+    if name == "genesis":  # its surfaces have a gloss
+        *lamps, (_, ambient) = test_simulators.images("lights", folder, name)
+        there = test_simulators.AXES[name].to_target(NORMALS)
+        lit = [np.maximum(there @ to, 0)[:, None] * rgb / np.pi for to, rgb in lamps]
+        return NORMALS, (sum(lit) + ambient) / scale
+    normals, seen = [], []
+    for image, side in zip(test_simulators.images(name, folder, name), SIDES, strict=True):
+        there, ball = normals_of(side)
+        is_inner = there @ side[2] > test_simulators.INNER
+        normals.append(there[is_inner])
+        seen.append((image[ball][is_inner] / 255) ** 2.2 / scale)
     return np.concatenate(normals), np.concatenate(seen)
 
 

@@ -8,12 +8,13 @@ import pytest
 
 import envlights as el
 from envlights.export import AXES
-from envlights.export.formats.mujoco import _LIGHTS as LAMPS
+from envlights.export.targets import target_named
 from tests.export.balls import SIDE, SIDES, SQUARE, normals_of
 from tests.export.rigs import AXES as ON_AXES
 from tests.export.rigs import DISCS, POINTS, environment, relative, rigs
 from tests.helpers import NORMALS
 
+LAMPS = target_named("mujoco").shows.lights
 #: One lamp in each direction of a dodecahedron's vertices, more than OpenGL has.
 MANY = el.Lights(el.kernels.icosphere(20)[0], np.linspace(3, 0.2, 60).reshape(20, 3))
 #: Codes of 255 that a pixel may be off: four passes are rounded to whole codes and added.
@@ -138,12 +139,12 @@ def test_other_ambient_terms_and_further_lights_give_their_mean(mujoco, tmp_path
         assert worst_code(mujoco, tmp_path, as_lamps(rig)) < WORST
 
 
-def as_lamps(rig):
+def as_lamps(rig, most=LAMPS):
     """Irradiance of the brightest lights as points, and the mean of all else; no floor."""
     normals, areas = el.kernels.icosphere(5120)
     points = el.Lights(rig.lights.direction, rig.lights.irradiance)
-    lamps = el.Rig([0, 0, 0], points[:LAMPS], 0.0)
-    rest = el.Rig(rig.ambient, points[LAMPS:], 0.0).probe(normals)
+    lamps = el.Rig([0, 0, 0], points[:most], 0.0)
+    rest = el.Rig(rig.ambient, points[most:], 0.0).probe(normals)
     mean = areas @ rest / areas.sum()
     return lambda those: lamps.probe(those) + mean
 
