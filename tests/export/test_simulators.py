@@ -191,4 +191,5 @@ def test_the_ball_of_genesis_shows_its_shader_under_the_lights_of_the_rig(name, 
         lamps = zip(rig.lights.direction, rig.lights.irradiance, strict=True)
         lit = sum(ggx(normals, side[2], towards)[:, None] * colour for towards, colour in lamps)
         off = np.abs(linear(image[is_ball]) - 255 * np.pi * scale * (lit + rig.ambient))
-        assert off[normals @ side[2] > INNER].max() < WORST
+        # Its pixels are encoded and cut to 8 bits: a code of white is 2.2 linear ones.
+        assert off[normals @ side[2] > INNER].max() < 2.2
