@@ -172,7 +172,7 @@ def exports_of(target):
     arguments = {"rig": RIGS}
     if target.shows.environment:
         arguments["environment"] = st.one_of(st.none(), IMAGE)
-    if target.name == "mujoco":
+    if target.name in ("mujoco", "sapien", "genesis"):
         arguments["scale"] = st.one_of(st.none(), SMALL)
     file = {"path": st.just(f"no-folder/rig{target.suffixes[0]}")}
     for name, more in ((target.name, {}), (f"save_{target.name}", file)):

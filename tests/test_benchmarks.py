@@ -315,3 +315,15 @@ def test_memory_agrees_to_a_fiftieth(curves, again, agrees):
 def test_the_peak_memory_of_a_copy_is_that_of_the_copy(curves):
     megabytes = curves["scale"].peak("array.copy()", 2 * 1024**2)
     assert megabytes == pytest.approx(24, rel=0.05)
+
+
+def test_the_table_of_programs_names_what_a_program_does_not_show(curves):
+    del curves  # it opens the folder
+    programs = importlib.import_module("programs")
+    wide = el.Rig([0, 0, 0], el.Lights([[0.48, 0.8, 0.36]], [[3, 2, 1]], [0.5]), 0.0)
+    assert "points" not in programs.cell("a size", wide, "csv", "file", "")
+    off, _, named = programs.cell("a size", wide, "unity", "file", "").partition(": ")
+    assert float(off.split()[0]) > programs.NAMED
+    loss, _, rest = named.partition(", ")
+    assert loss == "lights as points"
+    assert float(rest.split()[0]) < 1e-3

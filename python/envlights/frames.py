@@ -162,6 +162,8 @@ FRAMES: dict[str, Axes] = {
     "radiance": Axes(_CYCLE, _CYCLE),
     "pbrt": Axes(_PBRT, _PBRT, _MIRRORED_X),
     "mujoco": Axes(_CYCLE),
+    "sapien": Axes(_CYCLE),
+    "genesis": Axes(_CYCLE),
     "ros": Axes(_CYCLE, camera=_CYCLE),
 }
 

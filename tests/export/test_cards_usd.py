@@ -6,6 +6,7 @@ import pytest
 import envlights as el
 from envlights.cards import geometry
 from tests.export import cards
+from tests.export.rigs import relative
 
 pytest.importorskip("pxr", reason="needs usd-core")
 
@@ -91,6 +92,16 @@ def test_a_mesh_light_shows_the_map_that_it_hides(tmp_path):
     np.testing.assert_allclose(colours(picture, cards.QUARTERS), wanted, rtol=1e-6)
 
 
+def rectangle_of(prim):
+    """A rectangle light as a card; by the schema its texture begins at (+x, +y)."""
+    light, place = UsdLux.RectLight(prim), np.array(to_world(prim))[:, :3]
+    across, down = -light.GetWidthAttr().Get() * place[0], -light.GetHeightAttr().Get() * place[1]
+    matrix = np.stack([across, down, place[3] - across / 2 - down / 2], axis=1)
+    scale = light.GetIntensityAttr().Get() * np.array(light.GetColorAttr().Get())
+    picture = el.io.read_image(light.GetTextureFileAttr().Get().resolvedPath).pixels
+    return el.Cards(["rectangle"], [matrix], [[1, 1, 1]], [scale * picture])
+
+
 def irradiance_of_scene(folder, normals):
     """Irradiance of the lights and the dome of a stage, by points on each light."""
     stage = Usd.Stage.Open(str(folder / "scene.usda"))
@@ -111,6 +122,8 @@ def irradiance_of_scene(folder, normals):
             angle = area * abs(facing)[:, None] / distance**3
             radiance = light.GetIntensityAttr().Get() * np.array(light.GetColorAttr().Get())
             out += np.maximum(normals @ (points / distance).T, 0) @ (angle * radiance)
+        elif kind == "RectLight":
+            out += cards.irradiance(rectangle_of(prim), normals)
         else:
             assert kind == "Xform"
     return out
@@ -134,6 +147,13 @@ def test_a_warning_states_the_error_of_a_stage_with_cards(tmp_path):
     stated = float(str(warned[0].message).split()[-2]) / 100
     error = np.sqrt(weights @ (shown - truth) ** 2 / (weights @ truth**2)).mean()
     assert stated == pytest.approx(error, rel=0.1)
+
+
+def test_a_window_lights_as_one_at_infinity(tmp_path):
+    stage_of(cards.WINDOW, tmp_path)
+    normals = el.kernels.icosphere(320)[0]
+    seen = irradiance_of_scene(tmp_path, normals)
+    assert relative(seen, cards.irradiance(cards.WINDOW, normals)) < 1e-4
 
 
 @pytest.mark.parametrize("name", cards.ALL)

@@ -8,12 +8,13 @@ import pytest
 
 import envlights as el
 from envlights.export import AXES
-from envlights.export.formats.mujoco import _LIGHTS as LAMPS
+from envlights.export.targets import target_named
 from tests.export.balls import SIDE, SIDES, SQUARE, normals_of
 from tests.export.rigs import AXES as ON_AXES
 from tests.export.rigs import DISCS, POINTS, environment, relative, rigs
 from tests.helpers import NORMALS
 
+LAMPS = target_named("mujoco").shows.lights
 #: One lamp in each direction of a dodecahedron's vertices, more than OpenGL has.
 MANY = el.Lights(el.kernels.icosphere(20)[0], np.linspace(3, 0.2, 60).reshape(20, 3))
 #: Codes of 255 that a pixel may be off: four passes are rounded to whole codes and added.
@@ -71,8 +72,7 @@ def pictures(mujoco, folder, more="", colour="1 1 1 1"):
 
 def worst_code(mujoco, folder, irradiance):
     """Largest difference in codes from `irradiance(normals)`, of a white ball from two sides."""
-    more = "".join(camera(f"side{k}", *side[:2]) for k, side in enumerate(SIDES))
-    shown, scale = pictures(mujoco, folder, more)
+    shown, scale = pictures(mujoco, folder, sides())
     off = []
     for image, side in zip(shown, SIDES, strict=True):
         normals, is_ball = normals_of(side)
@@ -98,27 +98,39 @@ def test_the_ball_shows_the_irradiance_of_the_rig(mujoco, name, tmp_path):
     assert worst_code(mujoco, tmp_path, rig.probe) < WORST
 
 
-@pytest.mark.parametrize("name", ["none", "constant"])
-def test_mujoco_warp_shows_the_same_ball(name, tmp_path):
+def sides():
+    """Cameras that together see the whole ball."""
+    return "".join(camera(f"side{k}", *side[:2]) for k, side in enumerate(SIDES))
+
+
+def pictures_of_warp(folder):
+    """Pictures of the ball from both sides by MuJoCo Warp, and the scale of the file."""
     mujoco, warp, mjw = map(pytest.importorskip, ("mujoco", "warp", "mujoco_warp"))
-    rig = rigs(POINTS)[name]
-    el.export.save_mujoco(rig, tmp_path / "rig.mujoco.xml")
-    more = "".join(camera(f"side{k}", *side[:2]) for k, side in enumerate(SIDES))
-    text = MODEL.format(file="rig.mujoco.xml", more=more, colour="1 1 1 1")
-    (tmp_path / "model.xml").write_text(text)
-    model = mujoco.MjModel.from_xml_path(str(tmp_path / "model.xml"))
+    (folder / "model.xml").write_text(
+        MODEL.format(file="rig.mujoco.xml", more=sides(), colour="1 1 1 1")
+    )
+    model = mujoco.MjModel.from_xml_path(str(folder / "model.xml"))
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     there, state = mjw.put_model(model), mjw.put_data(model, data)
     context = mjw.create_render_context(model, cam_res=(SIDE, SIDE), render_rgb=True)
     mjw.refit_bvh(there, state, context)
     mjw.render(there, state, context)
-    for k, side in enumerate(SIDES):
-        shown = warp.zeros((1, SIDE, SIDE), dtype=warp.vec3f)
-        mjw.get_rgb(context, k, shown)
+    shown = [warp.zeros((1, SIDE, SIDE), dtype=warp.vec3f) for _ in SIDES]
+    for k, image in enumerate(shown):
+        mjw.get_rgb(context, k, image)
+    scale = float(model.numeric("envlights_scale").data[0])
+    return [255 * image.numpy()[0] for image in shown], scale
+
+
+@pytest.mark.parametrize("name", ["none", "constant"])
+def test_mujoco_warp_shows_the_same_ball(name, tmp_path):
+    rig = rigs(POINTS)[name]
+    el.export.save_mujoco(rig, tmp_path / "rig.mujoco.xml")
+    shown, scale = pictures_of_warp(tmp_path)
+    for image, side in zip(shown, SIDES, strict=True):
         normals, is_ball = normals_of(side)
-        wanted = model.numeric("envlights_scale").data[0] * rig.probe(normals)
-        assert 255 * np.abs(shown.numpy()[0][is_ball] - wanted).max() < WORST
+        assert np.abs(image[is_ball] - 255 * scale * rig.probe(normals)).max() < WORST
 
 
 def test_other_ambient_terms_and_further_lights_give_their_mean(mujoco, tmp_path):
@@ -127,12 +139,12 @@ def test_other_ambient_terms_and_further_lights_give_their_mean(mujoco, tmp_path
         assert worst_code(mujoco, tmp_path, as_lamps(rig)) < WORST
 
 
-def as_lamps(rig):
+def as_lamps(rig, most=LAMPS):
     """Irradiance of the brightest lights as points, and the mean of all else; no floor."""
     normals, areas = el.kernels.icosphere(5120)
     points = el.Lights(rig.lights.direction, rig.lights.irradiance)
-    lamps = el.Rig([0, 0, 0], points[:LAMPS], 0.0)
-    rest = el.Rig(rig.ambient, points[LAMPS:], 0.0).probe(normals)
+    lamps = el.Rig([0, 0, 0], points[:most], 0.0)
+    rest = el.Rig(rig.ambient, points[most:], 0.0).probe(normals)
     mean = areas @ rest / areas.sum()
     return lambda those: lamps.probe(those) + mean
 

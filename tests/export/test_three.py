@@ -5,8 +5,8 @@ import pytest
 
 import envlights as el
 from envlights.export import AXES, three
-from tests.export import node
-from tests.export.rigs import DISCS, POINTS, relative_error, rigs
+from tests.export import cards, node
+from tests.export.rigs import DISCS, POINTS, relative, relative_error, rigs
 from tests.helpers import NORMALS
 
 RIGS = rigs(POINTS)
@@ -26,7 +26,16 @@ def irradiance(found, normals):
     for direction, sky, ground in found["hemisphere"]:
         weight = (0.5 * (normals @ direction) + 0.5)[:, None]
         total += weight * sky + (1 - weight) * ground
+    for middle, across, down, colour in found["rectangles"]:
+        total += _rectangle(*map(np.array, (middle, across, down, colour)), normals)
     return total + _probe(normals) @ found["probe"]
+
+
+def _rectangle(middle, across, down, colour, normals):
+    """Irradiance of a rectangle of one radiance, from its centre and its half sides."""
+    matrix = np.stack([2 * across, 2 * down, middle - across - down], axis=1)
+    texture = np.broadcast_to(colour, (8, 8, 3))
+    return cards.irradiance(el.Cards(["rectangle"], [matrix], [[1, 1, 1]], [texture]), normals)
 
 
 def _probe(normals):
@@ -59,6 +68,19 @@ def test_the_irradiance_that_three_js_reads_is_that_of_the_rig(name, release, tm
     assert found["kinds"] == ["DirectionalLight"] * len(rig.lights) + KINDS[name]
     there = irradiance(found, AXES["three"].to_target(NORMALS))
     assert relative_error(there, rig) < 1e-6
+
+
+@node.needs("three")
+def test_a_window_lights_as_one_at_infinity(tmp_path):
+    """In one colour: the lights of three.js have no textures."""
+    window = cards.WINDOW
+    with pytest.warns(UserWarning, match="in one colour"):
+        el.export.save(window, tmp_path / "a.three.json")
+    there = irradiance_of_file(tmp_path / "a.three.json")
+    matrix, texture = window.matrix[0], window.texture(0)
+    even = cards.card("rectangle", matrix, np.broadcast_to(texture.mean((0, 1)), (8, 8, 3)))
+    assert relative(there, cards.irradiance(even, NORMALS)) < 0.01
+    assert relative(there, window.probe(NORMALS, uniform=["rectangle"])) < 0.01
 
 
 @node.needs("three")

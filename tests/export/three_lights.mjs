@@ -19,7 +19,7 @@ const scene = json.asset
 const lights = [];
 scene.updateMatrixWorld(true);
 scene.traverse((thing) => thing.isLight && lights.push(thing));
-const { state, setup, setupView } = new WebGLLights({ has: () => true });
+const { state, setup, setupView } = new WebGLLights({ has: () => true }, { isWebGL2: true });
 setup(lights);
 setupView(lights, new PerspectiveCamera()); // looks along -z from the origin: view space is the world
 
@@ -37,6 +37,8 @@ console.log(JSON.stringify({
   ]),
   ambient: state.ambient,
   hemisphere: state.hemi.map((light) => [light.direction.toArray(), rgb(light.skyColor), rgb(light.groundColor)]),
+  // Views are the world: centre, half sides and radiance of each rectangle.
+  rectangles: state.rectArea.map((light) => [light.position.toArray(), light.halfWidth.toArray(), light.halfHeight.toArray(), rgb(light.color)]),
   probe: state.probe.map((each) => each.toArray()),
   map: map && {
     mapping: map.mapping,

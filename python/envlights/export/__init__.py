@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from envlights.export.formats.mujoco import mujoco, save_mujoco
     from envlights.export.formats.pbrt import pbrt, save_pbrt
     from envlights.export.formats.radiance import radiance, save_radiance
+    from envlights.export.formats.simulators import genesis, sapien, save_genesis, save_sapien
     from envlights.export.formats.three import save_three, three
     from envlights.export.formats.usd import save_usd, usd
 
@@ -56,6 +57,7 @@ __all__ = [
     "blender",
     "csv",
     "engine",
+    "genesis",
     "gltf",
     "godot",
     "mitsuba",
@@ -63,16 +65,19 @@ __all__ = [
     "pbrt",
     "radiance",
     "read_csv",
+    "sapien",
     "save",
     "save_blender",
     "save_csv",
     "save_engine",
+    "save_genesis",
     "save_gltf",
     "save_godot",
     "save_mitsuba",
     "save_mujoco",
     "save_pbrt",
     "save_radiance",
+    "save_sapien",
     "save_three",
     "save_unity",
     "save_unreal",

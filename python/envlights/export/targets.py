@@ -28,6 +28,12 @@ CASTERS = 3
 _SI, _RADIANCE = 683.0, 179.0
 #: Units of our own files.
 _OURS = TargetUnits("`scale` in the file")
+#: Units of programs that clip their pixels.
+_WITHOUT_UNITS = TargetUnits(
+    "its lights have no units", "lux, times its scale", "cd/m2, times its scale"
+)
+#: Points and a constant.
+_POINTS = Capabilities(sizes="none", harmonics="none", floor=False)
 
 
 class Crops(NamedTuple):
@@ -235,19 +241,41 @@ TARGETS = (
         "mujoco",
         "MuJoCo",
         (".mujoco.xml",),
-        TargetUnits(
-            "MuJoCo's lights have no units", "lux, times its scale", "cd/m2, times its scale"
-        ),
-        Capabilities(
-            sizes="none",
-            harmonics="none",
-            floor=False,
+        _WITHOUT_UNITS,
+        _POINTS._replace(
             lights=7,  # OpenGL has eight, and the headlight is one of them
             casters=CASTERS,
             remark="of a map, the mean alone; for the classic renderer",
             source="MuJoCo 3.12, src/render/classic/render_gl3.c: eight lights of OpenGL",
         ),
         versions="3.2.0, 3.2.7, 3.3.0, 4.0.0 (classic renderer), Warp 4.0.0",
+    ),
+    Target(
+        "sapien",
+        "SAPIEN and ManiSkill, a script",
+        (".sapien.py",),
+        _WITHOUT_UNITS,
+        _POINTS._replace(
+            lights=3,  # the others are dropped
+            casters=1,
+            remark="of a map, the mean alone; for the rasteriser",
+            source="SAPIEN 3.0, vulkan_shader/default/deferred.frag: NUM_DIRECTIONAL_LIGHTS",
+        ),
+        file="simulators",
+        versions="3.0.3 (Vulkan)",
+    ),
+    Target(
+        "genesis",
+        "Genesis, a script",
+        (".genesis.py",),
+        _WITHOUT_UNITS,
+        _POINTS._replace(
+            lights=4,  # more are refused
+            remark="of a map, the mean alone; for the rasteriser, whose surfaces have a gloss",
+            source="Genesis 1.4, ext/pyrender: constants.py, shaders/mesh.frag",
+        ),
+        file="simulators",
+        versions="1.4.5 (EGL)",
     ),
     Target(
         "godot",

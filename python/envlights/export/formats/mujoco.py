@@ -18,12 +18,10 @@ from envlights._common.words import fill_template
 from envlights.environment.reading import AnyMap
 from envlights.export.files import AnyPath, save_scene
 from envlights.export.formats.xml_text import comment, document
-from envlights.export.scene import Discs, Exportable, at_most, mean_radiance, scene_of
+from envlights.export.scene import Discs, Exportable, Scene, at_most, mean_radiance, scene_of
 from envlights.export.targets import AXES, CASTERS, target_named
 from envlights.kernels.sampling import icosphere
 
-#: Lights beside the headlight; MuJoCo ignores any others.
-_LIGHTS = target_named("mujoco").shows.lights
 #: Metres from the origin to each lamp, where its shadow map begins. MuJoCo draws shadow maps to 50
 #: times the extent of the model, so shadows need an extent of 0.2 to 10 metres.
 _DISTANCE = 10.0
@@ -91,20 +89,20 @@ def mujoco(
     >>> lamp.get("dir"), lamp.get("diffuse")
     ('-1.0 0.0 0.0', '1.0 0.5 0.25')
     """
-    scene = scene_of(rig, environment, target="mujoco")
-    mean = mean_radiance(scene)
-    scene = at_most(scene._replace(ambient=mean, environment=None), _LIGHTS)
-    lights, ambient = scene.lights, np.pi * scene.constant
-    factor = _largest_scale(lights, ambient) if scale is None else amount("scale", scale)
+    scene, factor = with_exposure("mujoco", rig, environment, scale)
     root = ElementTree.Element("mujoco", model="envlights")
     root.append(comment(fill_template(_COMMENT, units=scene.statement)))
     custom = ElementTree.SubElement(root, "custom")
     ElementTree.SubElement(custom, "numeric", name="envlights_scale", data=repr(factor))
     # Its other parts would light what the camera sees from the camera.
-    colours = {"ambient": _numbers(factor * ambient), "diffuse": "0 0 0", "specular": "0 0 0"}
+    colours = {
+        "ambient": _numbers(factor * np.pi * scene.constant),
+        "diffuse": "0 0 0",
+        "specular": "0 0 0",
+    }
     ElementTree.SubElement(ElementTree.SubElement(root, "visual"), "headlight", colours)
     world = ElementTree.SubElement(root, "worldbody")
-    for j, attributes in enumerate(_lamps(lights, factor)):
+    for j, attributes in enumerate(_lamps(scene.lights, factor)):
         ElementTree.SubElement(world, "light", {"name": f"envlights_{j}", **attributes})
     return document(root)
 
@@ -114,6 +112,18 @@ def save_mujoco(
 ) -> None:
     """Write `mujoco` at `path`."""
     save_scene(path, mujoco(rig, environment, scale=scale))
+
+
+def with_exposure(
+    target: str, rig: Exportable, environment: AnyMap | None, scale: float | None
+) -> tuple[Scene, float]:
+    """Brightest lights and a constant, for a target without maps, and the scale of its pixels."""
+    scene = scene_of(rig, environment, target=target)
+    constant = scene._replace(ambient=mean_radiance(scene), environment=None)
+    scene = at_most(constant, target_named(target).shows.lights)
+    if scale is not None:
+        return scene, amount("scale", scale)
+    return scene, _largest_scale(scene.lights, np.pi * scene.constant)
 
 
 def _lamps(lights: Discs, factor: float) -> list[dict[str, str]]:
