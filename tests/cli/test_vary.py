@@ -1,6 +1,7 @@
 """`envlights vary`: numbered files, and a table of what was changed."""
 
 import json
+import re
 
 import pytest
 from click.testing import CliRunner
@@ -8,6 +9,7 @@ from click.testing import CliRunner
 import envlights as el
 from envlights.cli import main
 from tests.export.rigs import POINTS, rigs
+from tests.helpers import NORMALS
 
 
 def run(*arguments):
@@ -64,3 +66,19 @@ def test_a_rig_is_not_overwritten(folder):
     result = run(folder / "rig.0001.json", "-o", folder / "rig.json")
     assert result.exit_code == 2
     assert "rig.0001.json: it is rig 1; give another name" in result.stderr
+
+
+@pytest.mark.parametrize("suffix", ["mujoco.xml", "sapien.py", "genesis.py"])
+def test_exposed_files_have_one_scale(suffix, folder):
+    """Exposed each for itself, they would all be equally bright."""
+    options = "-n", 4, "--exposure", "-2,2", "--azimuth", 0, "--jitter", 0, "--temperature", 6504
+    result = run(folder / "constant.json", *options, "-o", folder / f"rig.{suffix}")
+    assert result.exit_code == 0, result.output
+    rig = el.Rig.load(folder / "constant.json")
+    variations = list(el.vary(rig, 4, exposure=(-2, 2), azimuth=0, jitter=0, temperature=6504))
+    texts = [(folder / f"rig.000{number}.{suffix}").read_text() for number in range(4)]
+    pattern = r'envlights_scale" data="([^"]+)|SCALE = (\S+)'
+    scales = {"".join(re.search(pattern, text).groups("")) for text in texts}
+    (scale,) = map(float, scales)
+    brightest = max(each.rig.probe(NORMALS).max() for each in variations)
+    assert scale * brightest == pytest.approx(1, abs=0.03)

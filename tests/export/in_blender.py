@@ -126,9 +126,10 @@ def towards(directions, script):
     """Render one image for each direction from the origin."""
     scene = empty_scene(samples=4)
     scene.cycles.pixel_filter_type, scene.cycles.filter_width = "BOX", 1
-    runpy.run_path(str(script))
+    # Before the script, which must let the camera see as far as the cards.
     eye = bpy.data.objects.new("eye", bpy.data.cameras.new("eye"))
-    eye.data.type, eye.data.ortho_scale, eye.data.clip_end = "ORTHO", 1e-3, 1e5
+    eye.data.type, eye.data.ortho_scale = "ORTHO", 1e-3
+    runpy.run_path(str(script))
     eye.rotation_mode = "QUATERNION"
     for j, there in enumerate(directions):
         eye.rotation_quaternion = Vector(there).to_track_quat("-Z", "Y")

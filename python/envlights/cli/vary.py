@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,10 +19,11 @@ from envlights.cli.outputs import (
     stage_options,
 )
 from envlights.export.files import save_scene
+from envlights.export.formats.mujoco import with_exposure
 from envlights.export.saving import check_options, save
-from envlights.export.targets import SUFFIXES, target_of
+from envlights.export.targets import SUFFIXES, Target, target_of
 from envlights.rigs.rig import Rig
-from envlights.rigs.vary import vary
+from envlights.rigs.vary import Variation, vary
 
 
 class _Span(click.ParamType[Any]):
@@ -84,7 +85,8 @@ def command(
     """Vary each RIG, a file of `fit` (.json), at random, for training."""
     check_output(output, SUFFIXES, {})
     check_options((target_of(output),), stage)
-    variations = vary(map(Rig.load, paths), count, **ranges)
+    variations = list(vary(map(Rig.load, paths), count, **ranges))
+    options = {**stage_of(output, stage), **_one_exposure(target_of(output), variations)}
     suffix = max((each for each in SUFFIXES if output.lower().endswith(each)), key=len)
     stem = output[: -len(suffix)]
     table, digits = f"{stem}.jsonl", max(4, len(str(count - 1)))
@@ -96,7 +98,15 @@ def command(
     with print_losses():
         for each in variations:
             file = files[each.number]
-            save(each.rig, file, **stage_of(file, stage))
+            save(each.rig, file, **options)
             rows.append({"file": Path(file).name, **each.changes()})
     save_scene(table, json_lines(rows))
     say_written([f"{stem}.*{suffix}", table])
+
+
+def _one_exposure(target: Target, variations: Iterable[Variation]) -> dict[str, float]:
+    """Scale of the pixels at which none is clipped, for a program whose files have one each."""
+    if "scale" not in target.options:
+        return {}
+    scales = [with_exposure(target.name, each.rig, None, None)[1] for each in variations]
+    return {"scale": min(scales, default=1.0)}

@@ -67,6 +67,16 @@ def add_cards(collection):
             layer.data[loop.index].uv = places[loop.vertex_index]
         mesh.materials.append(glowing(name, texture))
         collection.objects.link(bpy.data.objects.new(f"envlights_{name}", mesh))
+    show_to_cameras()
+
+
+def show_to_cameras():
+    """Let cameras see as far as the cards; a new one ends at 100 m."""
+    places = [Matrix(matrix).translation for _, matrix, *_ in RECTANGLES]
+    places += [Vector(point) for _, points, *_ in PLANES for point in points]
+    reach = 2 * max((place.length for place in places), default=0)
+    for camera in bpy.data.cameras:
+        camera.clip_end = max(camera.clip_end, reach)
 
 
 def glowing(name, texture):
