@@ -400,3 +400,12 @@ def test_a_black_guess_has_no_brightness():
         assert "brightness: the guess is black\n" in str(c)
         assert any(el.Note(note).code == "black" for note in c.notes)
         assert "e+02" not in str(c)
+
+
+def test_a_floor_of_one_side_is_noted():
+    hall = el.EnvMap(el.synthetic.hall(64).radiance)
+    above, around = (el.fit(hall, 2, floor=floor) for floor in (True, False))
+    words = "fitted over a floor"
+    assert any(words in note for note in el.compare(hall, above).notes)
+    assert not any(words in note for note in el.compare(hall, around).notes)
+    assert not any(words in note for note in el.compare(above, above).notes)

@@ -33,6 +33,7 @@ from envlights.comparison.spheres import products_of, sphere_errors
 from envlights.comparison.wording import (
     brightness,
     note_of_black,
+    notes_of_floors,
     notes_of_lights,
     notes_of_maps,
     notes_of_protocol,
@@ -251,7 +252,8 @@ def _of_one_size(
     rows = min([*heights, *([rules.rows] if rules.rows else [])] or [DEFAULT_ROWS])
     pair = Pair(lighting_of(truth, rows), lighting_of(guess, rows))
     named = {"truth": truth, "guess": guess}
-    return pair, [*notes_of_maps(named), *notes_of_size(named, rows), *notes_of_units(named)]
+    notes = [*notes_of_maps(named), *notes_of_size(named, rows), *notes_of_units(named)]
+    return pair, [*notes, *notes_of_floors(named)]
 
 
 def _tone(pair: Pair, rules: Protocol) -> tuple[Pair, list[float]]:

@@ -51,6 +51,17 @@ def notes_of_units(sides: Mapping[str, EnvMap | Rig | Lights]) -> list[str]:
     return [f"{texts}: only angles and scale-invariant errors have a meaning"]
 
 
+def notes_of_floors(sides: Mapping[str, EnvMap | Rig | Lights]) -> list[str]:
+    """Note on one rig over a floor, whose error on a map is `Rig.measured`."""
+    floors = [name for name, what in sides.items() if getattr(what, "floor", False)]
+    if len(floors) != 1:
+        return []
+    return [
+        f"the {floors[0]} was fitted over a floor and the other side has none: light from below"
+        " counts as an error here; `rig.measured(env)` has the error above the floor"
+    ]
+
+
 def notes_of_protocol(rules: Protocol, factors: list[float]) -> list[str]:
     """Notes on tone, sides, means and materials."""
     notes = [*_note_of_tone(rules, factors)]
