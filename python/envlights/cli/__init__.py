@@ -31,11 +31,11 @@ _COMMANDS = {
     "export": "Write a rig or lights for other programs.",
     "fit": "Fit an ambient term and a few lights to a map.",
     "follow": "Fit a rig to each map of a sequence.",
-    "mcp": "Serve tools for agents on the files of some folders.",
+    "mcp": "Run an MCP server that gives agents access to chosen folders.",
     "merge": "Merge exposures into one map.",
     "photograph": "Find the lights of a photograph.",
-    "place": "Find the light at a point of a room, by depth.",
-    "relight": "Move, dim, colour, remove or add lights of a map.",
+    "place": "Compute the light at any point of a room, from a depth map or its size.",
+    "relight": "Move, dim, colour, resize, remove or add lights of a map.",
     "repair": "Estimate the clipped light of a picture.",
     "show": "Write one page on a map: its lights, errors and notes.",
     "split": "Remove the lights from a map.",
@@ -61,7 +61,7 @@ class _Main(click.Group):
     """Group of all subcommands, which prints a refusal as one sentence.
 
     "-" is the standard input or output, whose format --format names: envlights fit - -o - --format
-    json < map.hdr. Exit codes: 0 for success, 1 if a file or the work failed, 2 for a wrong use.
+    json < map.hdr. Exit codes: 0 for success, 1 for a failure, 2 for wrong arguments.
     """
 
     def list_commands(self, _: click.Context) -> list[str]:
@@ -131,7 +131,7 @@ def _printable_usage() -> Iterator[None]:
 def main() -> None:
     """Turn an environment map into a handful of lights.
 
-    Exit codes: 0 for success, 1 if a file or the work failed, 2 for a wrong use. Completion of
+    Exit codes: 0 for success, 1 for a failure, 2 for wrong arguments. Completion of
     names and options in bash: eval "$(_ENVLIGHTS_COMPLETE=bash_source envlights)"; also zsh_source
     and fish_source.
     """

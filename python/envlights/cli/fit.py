@@ -82,12 +82,12 @@ from envlights.sun.choice import AnySun
     "targets",
     multiple=True,
     metavar="NAME",
-    help="Program that will show the lights; default: that of each -o. Can be repeated.",
+    help="Program that will show the lights; default: the program of each output. Can be repeated.",
 )
 @click.option(
     "--one-rig",
     is_flag=True,
-    help="Fit one rig for all programs of -o, in place of one for each.",
+    help="Fit one rig for all output files instead of one for each program.",
 )
 @start_options
 @sun_options

@@ -34,7 +34,7 @@ def shape_options(function: Callable[..., None]) -> Callable[..., None]:
         "--objective",
         type=click.Choice(OBJECTIVES),
         default=default_of(fit, "objective"),
-        help="Error that lights with a size minimise: with shadows, without (probe), or both.",
+        help="Error to minimise with sized lights: shadows, probe (no shadows), or a mean of both.",
         show_default=True,
     )
     of_floor = click.option(

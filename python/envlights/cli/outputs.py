@@ -84,7 +84,7 @@ def strict_option() -> Callable[[Any], Any]:
     return click.option(
         "--strict",
         is_flag=True,
-        help="Write no file whose program shows the lights with a larger error than printed.",
+        help="Write no file if its program would show a larger error than the printed one.",
     )
 
 

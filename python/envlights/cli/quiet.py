@@ -25,7 +25,7 @@ def with_quiet(command: click.Command) -> None:
             return work(*arguments, **options)
 
     command.callback = callback
-    text = "Print nothing but a refusal."
+    text = "Print only errors."
     command.params.append(click.Option(["-q", f"--{_NAME}"], is_flag=True, help=text))
 
 

@@ -140,7 +140,7 @@ def _row(option: str, number: int, removed: Lights, lights: Lights) -> int:
 
 def _turn(lights: Lights, row: int, degrees: Sequence[float]) -> Lights:
     """Lights with one of them moved by degrees of azimuth and elevation."""
-    azimuth, elevation = np.deg2rad(degrees) + (lights.azimuth[row], lights.elevation[row])
+    azimuth, elevation = np.add([lights.azimuth[row], lights.elevation[row]], np.deg2rad(degrees))
     if abs(elevation) > math.pi / 2:
         raise EnvLightsError(
             f"--turn: the elevation would be {math.degrees(elevation):.4g} degrees"
