@@ -196,7 +196,7 @@ TARGETS = (
         ),
         ".ambient.mitsuba.exr",  # rows as Mitsuba reads them
         Crops(".mitsuba.exr"),
-        versions="3.9",
+        versions="3.5.2, 3.9.1",
     ),
     Target(
         "blender",
@@ -211,7 +211,7 @@ TARGETS = (
         ),
         PANORAMA,
         Crops(".blender.exr", has_discs=True),
-        versions="4.2.0, 5.0.1 (bpy, Cycles)",
+        versions="4.2.0, 5.0.1, 5.3.0 (bpy, Cycles)",
     ),
     Target(
         "radiance",
