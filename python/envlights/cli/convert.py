@@ -26,7 +26,7 @@ from envlights.environment.pixels import PROJECTION
 
 
 def layout_option(what: str) -> Callable[[Any], Any]:
-    """Option ``--to``; its value is for `write_map`."""
+    """Option ``--to``; pass its value to `write_map`."""
     return click.option(
         "--to",
         "target",
@@ -151,7 +151,7 @@ def write_map(
     saving: Mapping[str, Any] = MappingProxyType({}),
     width: int | None = None,
 ) -> list[str]:
-    """Write a map in a layout of `EnvMap.to`; return the names of the files.
+    """Write a map in a layout of `EnvMap.to`; return the file names.
 
     `saving` holds options of `EnvMap.save`.
     """
