@@ -9,7 +9,7 @@ from envlights._native import EnvLightsError
 
 
 def _on_one_line(refusal: EnvLightsError) -> str:
-    """Message in which names from files and paths cannot forge lines or control a terminal."""
+    """Message in which names from files cannot forge lines or control a terminal."""
     return printable(super(EnvLightsError, refusal).__str__())
 
 

@@ -51,7 +51,7 @@ def former_arguments(**names: str) -> Callable[[_Function], _Function]:
 
 
 def former_settings(**names: str) -> Callable[[_Function], _Function]:
-    """Function that accepts the fields of its `settings` as keywords, and former keywords."""
+    """Decorator that accepts fields of `settings`, and old names of renamed keywords."""
 
     def decorate(function: _Function) -> _Function:
         default = inspect.signature(function).parameters["settings"].default

@@ -140,7 +140,7 @@ class Note(str):
     __slots__ = ()
 
     def __new__(cls, text: str = "") -> Note:
-        """Make `text` printable: a note of a file neither forges lines nor controls a terminal."""
+        """Make `text` printable, so that it cannot forge lines or control a terminal."""
         return super().__new__(cls, printable(text))
 
     @property

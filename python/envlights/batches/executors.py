@@ -1,4 +1,4 @@
-"""Executors of a batch: our own pools, or anything with `submit`, whose results have `result`."""
+"""Executors for batches: own pools, or objects whose `submit` returns something with `result`."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ class _Inline(Executor):
 
 
 def jobs_of(executor: Any, jobs: int | None) -> int:
-    """Maps at once: `jobs`, the workers of the executor if it says so, or the cores here."""
+    """Number of concurrent maps: `jobs`, the workers of the executor, or the local cores."""
     workers = getattr(executor, "_max_workers", None) or getattr(executor, "num_workers", None)
     known = jobs or workers or _cores(executor)
     return known if isinstance(known, int) and known > 0 else _native.threads(None)

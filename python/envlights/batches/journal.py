@@ -160,7 +160,7 @@ class Journal:
     def finished_hash(
         self, source: str, name: str, method: tuple[str, str, str | None]
     ) -> str | None:
-        """SHA-256 of a map whose row and file are there for the same method, or None."""
+        """SHA-256 of a map whose row and file exist for the same method; otherwise None."""
         entry = self.entries.get(source)
         if entry is None or entry.method != method or entry.name != name:
             return None
@@ -199,7 +199,7 @@ class Journal:
             yield self._file.read(entry.length)
 
     def finish(self) -> bytes:
-        """Write the last row of each source alone, sorted by name; the rows if in memory."""
+        """Compact the file to the last row per source, sorted by name; return rows in memory."""
         if self._folder is None:
             return b"".join(self.lines())
         write_atomically(self._folder / JOURNAL, self._write_lines)

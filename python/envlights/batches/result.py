@@ -67,7 +67,7 @@ class Batch(Result):
         return batch
 
     def rows(self) -> Iterator[dict[str, Any]]:
-        """Row of each map of the call: a dict of plain values, with a list of its `lights`."""
+        """Row of each map in this call, as a dictionary with a list of `lights`."""
         return (row for row in self._rows() if self._is_of_call(row))
 
     def _rows(self) -> Iterator[dict[str, Any]]:

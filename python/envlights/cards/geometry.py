@@ -122,7 +122,7 @@ def tilt(matrix: NDArray[np.float64], normal: NDArray[np.float64]) -> NDArray[np
 def sources(
     matrix: NDArray[np.float64], texture: NDArray[np.float32], parts: int, *, is_disc: bool
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Unit directions and RGB fluxes, (k, 3) each, of at least `parts` by `parts` parts."""
+    """Unit directions and RGB fluxes, (k, 3) each, of `parts` x `parts` or more parts."""
     rows, columns = texture.shape[:2]
     tall, wide = -(-parts // rows), -(-parts // columns)
     b = (np.arange(rows * tall) + 0.5)[:, None] / (rows * tall)

@@ -118,7 +118,7 @@ class _Main(click.Group):
 
 @contextlib.contextmanager
 def _printable_usage() -> Iterator[None]:
-    """Make refusals of click printable: an argument may be the name of a stranger's file."""
+    """Make usage errors printable, because an argument may be a stranger's file name."""
     try:
         yield
     except click.ClickException as refusal:

@@ -130,7 +130,7 @@ def command(
 
 
 def _in_folder(folder: str, paths: Sequence[str]) -> list[str]:
-    """Files in a folder with the names of the maps, as .exr if maps have no such suffix."""
+    """Output paths in a folder, named after the maps; .exr for unsupported suffixes."""
     given = (Path(folder, Path(path).name) for path in paths)
     files = [
         str(file if file.suffix.lower() in MAP_SUFFIXES else file.with_suffix(".exr"))

@@ -118,7 +118,7 @@ def check_outputs(
     inputs: Mapping[str, str],
     stage: Iterable[str] = (),
 ) -> None:
-    """Refuse outputs as `check_output` does, and a `stage` if none is a file for OpenUSD."""
+    """Check outputs; raises an error for `stage` options without an OpenUSD file."""
     for output in outputs:
         check_output(output, suffixes, inputs)
     check_options(map(target_of, filter(_is_scene, outputs)), stage)

@@ -35,7 +35,7 @@ class ImageErrors(Result):
     """RMSE relative to the root mean square of the truth; None if the truth is black."""
 
     si_relative: float | None
-    """Scale-invariant RMSE over the root mean square of the truth; None if the truth is black."""
+    """Scale-invariant RMSE relative to the RMS of the truth; None if the truth is black."""
 
     scale: float
     """Factor that minimises the RMSE of the guess."""
@@ -107,7 +107,7 @@ class Products(NamedTuple):
 def errors_of_products(
     products: Products, angle: tuple[float | None, float], *, channels: str
 ) -> ImageErrors:
-    """Errors from inner products, and from an angle in degrees with its black fraction."""
+    """Errors from inner products, and an angle in degrees with its fraction of black pixels."""
     factor = 3.0 if channels == "sum" else 1.0
     square, best, scale = products.squares()
     is_lit = products.truth > 0

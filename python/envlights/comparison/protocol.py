@@ -114,13 +114,13 @@ class Protocol:
     """Number of rows to which larger maps are reduced; None for the rows of the smaller map."""
 
     camera: Camera | None = None
-    """Camera of images; None: exact means over all sides, where metals have no brighter rim."""
+    """Camera for images; None for exact means over all views, without brighter rims."""
 
     materials: Mapping[str, Material] = field(default_factory=lambda: _WHITE)
     """Material of each sphere."""
 
     channels: str = "mean"
-    """"mean": mean over pixels and channels. "sum": mean over pixels of the sum over channels."""
+    """"mean" averages over pixels and channels; "sum" averages the sum of channels."""
 
     black: str = "left out"
     """Angle for pixels that are black in the truth or the guess: "left out", or "perfect" (0)."""

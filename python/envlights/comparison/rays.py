@@ -112,7 +112,7 @@ def of_camera(camera: Camera, *, is_mirror: bool) -> Rays:
 
 @lru_cache(maxsize=4)
 def lookup(camera: Camera, height: int) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
-    """Indices of four pixels of a map around each direction of a mirror, (4, n), and weights."""
+    """Indices, (4, n), of map pixels around each mirror direction, and bilinear weights."""
     width = 2 * height
     mirrored = of_camera(camera, is_mirror=True).mirrored()
     mirrored /= np.linalg.norm(mirrored, axis=1, keepdims=True)

@@ -117,7 +117,7 @@ def _mirror_images(truth: Lighting, guess: Lighting, material: Material, camera:
 
 
 def _over_percentile(image: NDArray[np.float64], coverage: float) -> NDArray[np.float64]:
-    """Image over the 99.9 % percentile of its whole picture, black but for the ball."""
+    """Image divided by the 99.9 % percentile of the picture, which is black off the ball."""
     level = 1 - 0.001 / coverage
     most = float(np.quantile(image, level)) if level > 0 else 0.0
     return image / most if most > 0 else image

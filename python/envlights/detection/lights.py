@@ -266,7 +266,7 @@ class DetectedLights(Lights):
 
     @property
     def fraction(self) -> NDArray[np.float64]:
-        """Fraction of the flux of the whole map in each light: `flux_fraction`, (n,)."""
+        """Fraction of the map's flux in each light, an alias of `flux_fraction`, (n,)."""
         return self.flux_fraction
 
     def rotated(self, matrix: ArrayLike) -> Self:

@@ -32,7 +32,7 @@ class Members(Result):
         return f"{len(self.pixel)} pixels or samples"
 
     def of(self, kept: NDArray[np.intp], lights: int) -> Members:
-        """Members of the `kept` lights, in this order, out of `lights` lights."""
+        """Members of the `kept` lights, renumbered; `lights` is the original number."""
         place = np.full(lights, -1)
         place[kept] = np.arange(len(kept))
         light = place[self.light]

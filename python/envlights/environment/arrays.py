@@ -72,7 +72,7 @@ _VALUES, _MEDIAN = 32, 4
 
 
 def _codes_of_floats(samples: NDArray[Any], notes: list[str]) -> NDArray[Any]:
-    """Codes from 0 to 255, or divided by 255, in floats as uint8; other samples as they are."""
+    """Samples as uint8 if floats hold 8-bit codes, scaled to 255 or 1; others unchanged."""
     if samples.dtype.kind != "f" or not samples.size:
         return samples
     # For nearly every map a few pixels rule this out; only the others are read completely.

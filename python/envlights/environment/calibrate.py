@@ -41,7 +41,7 @@ class Readings(NamedTuple):
     ev100: float | None
 
     def check(self) -> None:
-        """Refuse readings of several kinds, and arguments of another kind."""
+        """Raise an error for several kinds of readings, or arguments of another kind."""
         kinds = [name for name in ("lux", "nits", "ev100") if getattr(self, name) is not None]
         if len(kinds) > 1:
             raise EnvLightsError(

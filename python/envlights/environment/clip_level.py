@@ -25,7 +25,7 @@ class CodeHistogram:
         self.sums = np.zeros(256)
 
     def add(self, codes: NDArray[Any], top: int = 0) -> None:
-        """Add rows of uint8 or uint16 codes, (rows, width, channels), from the row `top` on."""
+        """Add uint8 or uint16 codes, (rows, width, channels); `top` is the first row's index."""
         weights = np.ascontiguousarray(self._weights[top : top + len(codes)])
         if codes.dtype.itemsize == 1:
             self.sums += _native.code_histogram_8(codes.astype(np.uint8, copy=False), weights)

@@ -12,7 +12,7 @@ from envlights.kernels.sphere import pixel_solid_angles
 
 
 def checked_coverage(coverage: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float32] | None:
-    """Coverage of each pixel as an array from 0 to 1, or a refusal; None if all is seen."""
+    """Coverage from 0 to 1, (height, width); None if complete. Raises an error if invalid."""
     try:
         fraction = np.array(coverage, dtype=np.float32)
     except (TypeError, ValueError):

@@ -43,7 +43,7 @@ def check_reading(reading: Reading | None) -> None:
 
 
 def _steps(reading: Reading | None, opener: Callable[..., Any]) -> list[dict[str, Any]]:
-    """Arguments of the opener and of each method of `as_envmap`, or a refusal of others."""
+    """Arguments of the opener and of each method; raises an error for unknown options."""
     if reading is None:
         return [{}, *({} for _ in _STEPS)]
     if not isinstance(reading, Mapping):

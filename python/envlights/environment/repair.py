@@ -196,7 +196,7 @@ class _Light:
 
 
 def _true_factors(factor: float) -> tuple[float, float]:
-    """Interval that holds the true factor of two in three maps, for a `factor` of 1 or more."""
+    """Interval of the true factor in two of three maps, for a `factor` of 1 or more."""
     low, high = _TWO_THIRDS
     return max(1.0, low * factor), high * factor
 

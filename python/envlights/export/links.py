@@ -83,7 +83,7 @@ class LinkedParts:
     remainder: EnvMap
 
     def save(self, *paths: AnyPath, **options: Any) -> tuple[Path, ...]:
-        """Write the lights with the rest around them, for one program or several.
+        """Write the lights and the remaining map, for one or several programs.
 
         A scene loads the rest by a relative name. Blender, OpenUSD, Unity and Unreal name the file
         of the rest among `paths`, or one that is written beside the first scene,

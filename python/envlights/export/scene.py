@@ -45,7 +45,7 @@ class Discs(Protocol):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Remarks on estimates."""
+        """Notes on estimates."""
 
     def __len__(self) -> int: ...
 

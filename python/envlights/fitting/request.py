@@ -267,7 +267,7 @@ def _fixed(fixed: ArrayLike | Lights | None) -> NDArray[np.float64]:
 
 
 def _most_lights(lights: int | None, has_goal: bool, fixed: int, placed: int) -> int:
-    """Limit on the number of lights; `placed` lights have a direction, and `fixed` do not move."""
+    """Limit on the number of lights; `placed` have directions, `fixed` do not move."""
     if lights is not None:
         if count("lights", lights) < fixed:
             raise EnvLightsError(f"lights must be at least the {fixed} fixed ones; got {lights}")

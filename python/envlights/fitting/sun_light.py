@@ -161,7 +161,7 @@ def _energies(
     sun: Lights,
     shadow: bool,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Squared irradiance of each channel over all normals: of the sky, and of sky and sun."""
+    """Squared irradiance by channel over all normals: of the sky, and of sky and sun."""
     (strength,) = sun.irradiance
     alone = (flux * (_kernel(between, shadow) @ flux)).sum(axis=0)
     both = 2 * strength * (_kernel(to_sun, shadow)[:, 0] @ flux)

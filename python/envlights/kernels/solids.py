@@ -72,7 +72,7 @@ class _FlatFaces:
         return min(vertex[1] for vertex in self.vertices)
 
     def planes(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Outward unit normal of each face, (faces, 3), and its distance from the origin."""
+        """Unit normal of each face, (faces, 3), and distance of its plane from the origin."""
         vertices = np.array(self.vertices)
         centre = vertices.mean(axis=0)
         loops = [vertices[list(face)] for face in self.faces]
@@ -84,7 +84,7 @@ class _FlatFaces:
         return normals, np.einsum("fi,fi->f", normals, middles)
 
     def normals_at(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Outward normals of the faces on which each point lies, (n, faces, 3), NaN elsewhere."""
+        """Outward normals of the faces that contain each point, (n, faces, 3), otherwise NaN."""
         normals, distances = self.planes()
         size = float(np.ptp(np.array(self.vertices), axis=0).max())
         heights = points @ normals.T - distances

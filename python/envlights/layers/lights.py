@@ -105,7 +105,7 @@ def unit(xp: Any, vectors: Array) -> Array:
 
 
 def nine_coefficients(lights: Lights) -> Array:
-    """Ambient term as coefficients of nine harmonics, (..., 9, 3), or of the first, (..., 1, 3)."""
+    """Ambient term as nine harmonics, (..., 9, 3), or only the first, (..., 1, 3)."""
     if lights.ambient.ndim == lights.direction.ndim:
         return lights.ambient
     return lights.ambient[..., None, :] * (4 * np.pi) ** 0.5

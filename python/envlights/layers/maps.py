@@ -49,7 +49,7 @@ def to_map(lights: Lights, height: int) -> Array:
 
 
 class Gaussians(NamedTuple):
-    """Lobes of radiance ``amplitude * exp(sharpness * (cosine - 1))``, in the order of kaolin."""
+    """Gaussians ``amplitude * exp(sharpness * (cosine - 1))``, with the fields of kaolin."""
 
     amplitude: Array
     """Radiance along the axis, linear RGB, (..., n, 3)."""

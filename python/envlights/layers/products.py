@@ -81,7 +81,7 @@ def _nine_to_orders(degree: int) -> NDArray[np.float64]:
 
 
 def mean_distances(xp: Any, one: Array, spread: Array, other: Array, other_spread: Array) -> Array:
-    """Mean distance of each pair of discs, (..., n, m), from unit vectors and A of both sets."""
+    """Mean distance of each pair of discs, (..., n, m), from unit vectors and extents."""
     away = one[..., :, None, :] - other[..., None, :, :]
     h = xp.sum(away * away, axis=-1) / 4
     a, b = spread[..., :, None], other_spread[..., None, :]

@@ -86,7 +86,7 @@ class Settings:
     The article gives no number; the default is 1.5 times the distance between samples."""
 
     suppression_px: float = 10.0
-    """Photographs: the same distance, in a picture of 1024 pixels."""
+    """Photographs: distance below which a brighter sample suppresses, for 1024 pixels."""
 
     tolerance: float = 0.15
     """Largest luminance difference in the line check; see `kernels.merge_along_lines`."""
@@ -135,7 +135,7 @@ class Settings:
         return SAMPLINGS[self.sampling](int(self.samples_per_pixel * size))
 
     def reach(self, side: int) -> int:
-        """Pixels from a sample to the border of its window, in an image with this longer side."""
+        """Pixels from a sample to the edge of its window; `side` is the longer image side."""
         if self.window_px is not None:
             return int(self.window_px * side / REFERENCE_PX) // 2
         per_pixel = self.samples_per_pixel

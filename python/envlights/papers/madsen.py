@@ -341,7 +341,7 @@ def _turns(step: _Reals, x: _Reals) -> _Reals:
 
 
 def _step_fraction(problem: _Problem, x: _Reals, step: _Reals, error: float) -> float:
-    """Fraction of `step` that rotates no light too far and does not raise the error, or 0."""
+    """Fraction of `step` that limits rotations and does not raise the error, or 0."""
     farthest = float(_turns(step, x).max(initial=_LARGEST_TURN))
     fraction = _LARGEST_TURN / farthest
     for _ in range(_HALVINGS):

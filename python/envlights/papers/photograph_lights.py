@@ -88,7 +88,7 @@ class PhotographSamples(Result):
         return cls(first, pixel, maximum, survivor, light)
 
     def of(self, kept: NDArray[np.intp], lights: int) -> PhotographSamples:
-        """Samples of the `kept` lights, in this order, out of `lights` lights."""
+        """Samples of the `kept` lights, renumbered; `lights` is the original number."""
         place = np.full(lights, -1)
         place[kept] = np.arange(len(kept))
         light = place[self.light]

@@ -91,7 +91,7 @@ def _draw_line(
 
 
 def mark_percents(axes: Axes) -> None:
-    """Mark a logarithmic axis of percents at 1, 2 and 5 times powers of ten, in plain digits."""
+    """Put percent ticks at 1, 2 and 5 times powers of ten, in plain digits."""
     axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
     axes.yaxis.set_major_formatter("{x:g}")
     axes.yaxis.set_minor_formatter(NullFormatter())

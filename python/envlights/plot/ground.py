@@ -75,7 +75,7 @@ def draw_map(axes: Axes, env: EnvMap) -> str:
 
 
 def draw_luminance(axes: Axes, env: EnvMap) -> str:
-    """Draw luminance in stops relative to the white of `draw_map`; return a sentence on it."""
+    """Draw luminance in stops relative to white in `draw_map`; return a sentence on it."""
     radiance = working(env)
     white, _ = thumbnails.white_of(radiance)
     # Black is below every stop.

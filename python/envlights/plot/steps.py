@@ -46,7 +46,7 @@ def draw_links(
     colour: str,
     widest: float = np.inf,
 ) -> None:
-    """Draw lines between places, except those `widest` or wider, which cross the seam of a map."""
+    """Draw lines between positions, except lines of width `widest` or more across the seam."""
     is_near = np.abs(start[:, 0] - end[:, 0]) < widest
     links = np.stack([start, end], axis=1)[is_near]
     axes.add_collection(LineCollection(list(links), colors=colour, lw=0.7))

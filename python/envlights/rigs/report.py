@@ -180,7 +180,7 @@ class FitReport(Result):
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> FitReport:
-        """Report that `to_dict` wrote; fields that an older version did not write get defaults."""
+        """Report from the dictionary of `to_dict`; fields missing in old versions get defaults."""
         ambients = {
             name: (one["lights"], one["error"]) for name, one in data.get("ambients", {}).items()
         }

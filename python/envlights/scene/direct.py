@@ -168,7 +168,7 @@ def _exact(lights: Lights, stage: Stage) -> NDArray[np.float64]:
 
 
 def as_rig(lights: AnyLights) -> Rig:
-    """The rig itself, or a rig of lights without an ambient term, or a refusal."""
+    """The given rig, or a rig of lights only; raises an error for other values."""
     if isinstance(lights, Rig):
         return lights
     if not isinstance(lights, Lights | DetectedLights):

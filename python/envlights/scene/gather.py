@@ -144,7 +144,7 @@ class _Tracer:
     progress: bool | None
 
     def trace(self, surface: Surface, rays: int) -> tuple[NDArray[np.uint16], NDArray[np.int64]]:
-        """Rays from each covered texel that hit each direct texel, and that hit backs."""
+        """Rays from each covered texel that hit each direct texel, and back faces."""
         origins, normals = surface.lifted()
         square = kernels.hammersley(rays)
         shifts = np.random.default_rng(0).random((len(origins), 2))

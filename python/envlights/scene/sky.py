@@ -61,7 +61,7 @@ def sky_transfer(surface: Surface, blocked: Blocked, directions: int) -> NDArray
 def are_blocked(
     blocked: Blocked, origins: NDArray[np.float64], directions: NDArray[np.float64]
 ) -> NDArray[np.bool_]:
-    """Result of a ray tracer as bool, also from 0 and 1, or a refusal."""
+    """Result of a ray tracer as bool; accepts 0 and 1, and raises an error for others."""
     answer = np.asarray(blocked(origins, directions))
     is_flag = answer.dtype == np.bool_
     if answer.dtype.kind in "iu":

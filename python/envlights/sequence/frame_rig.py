@@ -50,7 +50,7 @@ class FrameRig(Rig):
             )
 
     def light(self, identity: int) -> Lights:
-        """Light with an identity, as one row; no row if the frame has no such light."""
+        """Light with this identity, as `Lights` of length 1, or 0 if absent."""
         rows = [row for row, each in enumerate(self.ids) if each == identity]
         return self.lights[rows]
 

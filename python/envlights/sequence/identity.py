@@ -38,7 +38,7 @@ class _Light:
 
     @property
     def next_direction(self) -> NDArray[np.float64]:
-        """Direction in the next frame at the same velocity; the last one if it vanished."""
+        """Direction in the next frame at constant velocity; the last one if it vanished."""
         return self.direction if self.absent else turn(self.direction, self.velocity)
 
     def move(

@@ -111,7 +111,7 @@ def _track(
     factor: float,
     frames: int,
 ) -> LightTrack:
-    """Curve of a light; where it is absent, it is black and as in the nearest frame."""
+    """Curve of a light; frames without it are black, with values of the nearest frame."""
     irradiance = rows[:, 3:6]
     most = irradiance.max(axis=1)
     intensity = np.zeros(frames)
@@ -122,7 +122,7 @@ def _track(
 
 
 def _nearest(present: NDArray[np.intp], count: int) -> NDArray[np.intp]:
-    """Number of the nearest frame in `present` for each frame, the earlier one of two."""
+    """Index of the nearest frame in `present` for each frame; the earlier one if equal."""
     frames = np.arange(count)
     after = np.minimum(np.searchsorted(present, frames), len(present) - 1)
     before = np.maximum(after - 1, 0)

@@ -57,7 +57,7 @@ def sun_of_float_map(env: EnvMap) -> Sun:
 
 
 def _is_compact(env: EnvMap, lights: DetectedLights) -> bool:
-    """True if the first light is small, up, and bright beside the sky and the other lights."""
+    """True if the first light is small, above the horizon, and much brighter than the rest."""
     if not len(lights) or lights.direction[0, 1] <= 0:
         return False
     if lights.angular_radius[0] > np.radians(_WIDEST):

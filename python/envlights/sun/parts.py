@@ -36,7 +36,7 @@ class Part(NamedTuple):
 
 
 def best_part(image: SkyImage) -> Part | None:
-    """Part with the largest depth, higher ones first; None if there is none but strips."""
+    """Region with the largest depth, preferring higher ones; None without a candidate."""
     depth = image.depth
     rows, columns = np.nonzero(depth > 0)
     if not len(rows):

@@ -64,7 +64,7 @@ class Sun(Result):
     """Radius of the disc in radians, by default that of the sun and the moon."""
 
     plateau_radius: float = 0.0
-    """Radius in radians of a disc with the solid angle of the clipped part; 0 without one."""
+    """Radius in radians of a disc as large as the clipped region; 0 if there is none."""
 
     evidence: tuple[str, ...] = ()
     """Sources of the direction: "depth", "symmetry", "sky", "given" or "map"."""

@@ -49,7 +49,7 @@ class SkyFit(NamedTuple):
     is_film: bool
     """True if a film curve was applied to the luminance."""
     relative: float
-    """Cost of the residuals over the deviation of the sky: small if the fit explains the sky."""
+    """Residual cost relative to the deviation of the sky: small for a good fit."""
 
     def luminance(self, directions: Array) -> Array:
         """Fitted luminance relative to the clip level, at unit vectors, (n, 3)."""

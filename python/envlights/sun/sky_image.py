@@ -92,7 +92,7 @@ class SkyImage:
 
     @cached_property
     def depth(self) -> Image:
-        """Degrees from each cell of the core to the nearest cell outside, small gaps filled."""
+        """Degrees from each core cell to the nearest cell outside, with small gaps filled."""
         image = np.repeat(self.core[..., None].astype(np.float32), 3, axis=2)
         width = self.core.shape[1]
         return np.degrees(_native.clipped_depth(image, False, 1.0, width, 2 * np.pi / width))

@@ -1,4 +1,4 @@
-"""A single small clipped spot in smooth sky: the disc itself, in a picture without glare."""
+"""Search for a single small clipped spot in smooth sky: the sun in a picture without glare."""
 
 from __future__ import annotations
 

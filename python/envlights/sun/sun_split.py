@@ -31,7 +31,7 @@ class _SunSplitFields(NamedTuple):
     """Fields of a `SunSplit`."""
 
     lights: Lights
-    """The sun as a disc; no light if there is none. `notes` say how sure it is."""
+    """Sun as a disc; empty if there is none. `notes` state the sources of its values."""
 
     remainder: EnvMap
     """Map with sky in place of the clipped region around the sun."""

@@ -267,7 +267,7 @@ class TransferModel(Predictor):
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> TransferModel:
-        """Read a model that `save` wrote, or refuse a file of another kind or version."""
+        """Read a model that `save` wrote; raises an error for another kind or version of file."""
         return npz_file.load(path, _KIND, _from_file)
 
 
@@ -297,7 +297,7 @@ def _around(
 
 
 def _noting_black(notes: tuple[str, ...], lit: NDArray[np.bool_]) -> tuple[str, ...]:
-    """Notes with one on black texels, instead of that of an earlier model."""
+    """Notes, with the note on black texels replaced by the current one."""
     notes = tuple(note for note in notes if not note.endswith(_BLACK))
     black = np.count_nonzero(~lit)
     return (*notes, f"{black} of {lit.size} {_BLACK}") if black else notes

@@ -40,7 +40,7 @@ def visible(colours: NDArray[Any], alpha: NDArray[Any]) -> NDArray[Any]:
 def seen_of_alpha(
     linear: NDArray[np.float32], alpha: NDArray[Any], header: Header
 ) -> NDArray[np.float32] | None:
-    """Coverage of each pixel, or None if complete. Multiplies `linear` by the coverage in place."""
+    """Coverage of each pixel, None if complete; multiplies straight colours `linear` in place."""
     fraction = _share(alpha)
     if header.alpha == "premultiplied" and header.dtype.kind == "f":
         is_seen = (fraction > 0) | (linear != 0).any(axis=-1)

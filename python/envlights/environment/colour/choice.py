@@ -165,7 +165,7 @@ def _space_of_cicp(cicp: tuple[int, int, int, int], header: Header) -> Space:
 
 
 def _space_of_embedded(data: bytes, default: Space) -> Space:
-    """Space of the profile in a file, or the default if the profile is of a kind without use."""
+    """Colour space of the embedded profile, or the default for an unusable kind of profile."""
     try:
         return _space_of_profile(data)
     except icc.UnusedProfileError as reason:

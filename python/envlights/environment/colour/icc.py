@@ -179,7 +179,7 @@ def _parametric(body: bytes) -> Curve:
 
 
 def _formula(kind: int, values: list[float]) -> Curve:
-    """Curve of the types 1 to 4: a power above a limit, a line below it (ICC.1, table 70)."""
+    """Parametric curve of type 1 to 4: a power, or a line below a limit (ICC.1, table 70)."""
     exponent, a, b, c, limit, e, f = values + [0.0] * (7 - len(values))
     if kind <= 2:
         if a <= 0:

@@ -63,7 +63,7 @@ class Linear:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Remark on the share of the pixels so far that lay outside Rec.709, if there are any."""
+        """Note on the fraction of pixels so far outside Rec.709; empty if there are none."""
         if not self._outside:
             return ()
         fraction = f"{100 * self._outside / self._pixels:.2g} %"
@@ -72,7 +72,7 @@ class Linear:
     def _decode(
         self, samples: NDArray[Any], out: NDArray[np.float32] | None
     ) -> NDArray[np.float32]:
-        """Linear values in the primaries of the file, in `out` if it is given and they are new."""
+        """Linear values in the primaries of the file, in `out` if given and newly computed."""
         if samples.dtype.kind == "u":
             return self._look_up(samples, self._table, out)
         curve = self._conversion.curve

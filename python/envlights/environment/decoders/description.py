@@ -53,7 +53,7 @@ _VIEWS = {
 
 
 def note_of_view(description: str) -> tuple[str, ...]:
-    """Note on the view that a Radiance header states; an indented line is that of an older file."""
+    """Note on the view in a Radiance header; indented lines of older files do not count."""
     found = re.findall(r"^VIEW= *(?:.* )?-vt([a-z])", description, re.MULTILINE)
     if not found or found[-1] not in _VIEWS:
         return ()

@@ -1,4 +1,4 @@
-"""Sources of a file: path, bytes, file object, standard input or address; kind by first bytes."""
+"""Sources of a file: path, bytes, file object, standard input, address; kind by first bytes."""
 
 from __future__ import annotations
 

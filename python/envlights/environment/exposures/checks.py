@@ -91,7 +91,7 @@ def _is_believed(place: int, change: float, pairs: list[Comparison]) -> bool:
 
 
 def _simplest(known: list[Agreement], estimated: list[Agreement]) -> Agreement:
-    """Known response unless an estimated one is much better; all times before one wrong."""
+    """Known response unless an estimate is much better; prefers results without a wrong time."""
     fits = [each for each in estimated if each.residual < _FITS]
     choices = [each for each in fits if each.wrong is None] or fits or estimated
     best = min(known, key=lambda each: each.residual)
@@ -131,7 +131,7 @@ def _score(
 
 
 def _residual(response: Response, pairs: list[Comparison], log_times: NDArray[np.float64]) -> float:
-    """Mean over the pairs of a quantile of the residuals; pairs of few pixels count less."""
+    """Weighted mean over pairs of a quantile of the residuals; small pairs count less."""
     scores, weights = [], []
     for pair in pairs:
         residual, weight = _without_drift(pair, *residuals(response, pair, log_times))

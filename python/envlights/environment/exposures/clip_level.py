@@ -28,7 +28,7 @@ _BLURRED = 8
 
 
 def whites(pictures: list[Picture]) -> list[float]:
-    """Largest sample of each picture, shortest first; infinity for linear ones without a limit."""
+    """Clip level per picture, shortest exposure first; infinity if linear and unlimited."""
     if pictures[0].is_linear:
         return [_linear_white(picture.samples) for picture in pictures]
     counts = [histogram(picture.samples) for picture in pictures]
@@ -91,7 +91,7 @@ def spike(counts: NDArray[np.int64]) -> int | None:
 
 
 def _is_exceeded(shorter: Picture, longer: Picture, code: int) -> bool:
-    """True if the shorter exposure predicts more than white where the longer one is at a spike."""
+    """True if the shorter exposure predicts more than the spike of the longer one."""
     at_spike = longer.samples >= (code - _SAME - 0.5) / 255
     if not at_spike.any():
         return False

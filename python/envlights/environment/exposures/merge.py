@@ -172,7 +172,7 @@ def _contradictions(
     radiance: NDArray[np.float64],
     weight: NDArray[np.float64],
 ) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
-    """Pixels in which exposures contradict the best one, and the radiance of the best one."""
+    """Mask of pixels that contradict the best exposure, and the radiance of the best one."""
     clips = np.array([each.clip for each in exposures])[:, None, None, None]
     near = np.stack([each.near[rows] for each in exposures])[..., None]
     is_good = (linear > _LEAST_COMPARED) & (linear < _MOST_COMPARED * clips) & ~near

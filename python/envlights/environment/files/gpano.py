@@ -131,7 +131,7 @@ def _complete(known: dict[str, float | None], width: int, height: int) -> None:
 
 
 def _is_resized(width: int, height: int, crop_width: float, crop_height: float) -> bool:
-    """True if both sides have the same ratio to the crop, up to one pixel."""
+    """True if both sides differ from the crop by the same ratio, up to one pixel."""
     if min(crop_width, crop_height) < 1:
         return False
     expected = crop_height * width / crop_width

@@ -67,7 +67,7 @@ class Image:
 
 @dataclass(frozen=True)
 class OpenImage:
-    """An open file, all decisions about it taken; its pixels are read by rows or as a whole."""
+    """Open file with channels, colour and placement chosen; read by rows or as a whole."""
 
     name: str
     """Printable name of the file."""

@@ -150,7 +150,7 @@ def _read(text: str) -> Mapping[str, Any]:
 
 
 def _in_pixels_of(layout: Layout, stated: Any, size: tuple[int, int]) -> Layout:
-    """Layout in pixels of a picture that was resized in proportion, or a refusal."""
+    """Layout for a picture that was resized in proportion; raises an error otherwise."""
     (rows, columns), (height, width) = stated, size
     if not rows > 0 or not columns > 0 or rows * width != columns * height:
         raise EnvLightsError(

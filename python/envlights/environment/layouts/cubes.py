@@ -164,7 +164,7 @@ def _stack(faces: NDArray[Any], layout: PictureLayout) -> NDArray[Any]:
 
 
 def _order(evidence: Evidence, hints: Hints, layout: Layout, recognised_by: str) -> _Order:
-    """Order by argument, by metadata or names unless the seams decide on another, or by seams."""
+    """Order by argument, by metadata or names unless seams contradict, or by seams."""
     if layout.faces is not None:
         return _order_of_argument(layout.faces, hints.order, evidence)
     stated, by = _stated_order(hints)

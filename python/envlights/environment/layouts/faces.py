@@ -106,7 +106,7 @@ def crosses_of(height: int, width: int) -> tuple[str, ...]:
 
 
 def check_square(sizes: dict[str, tuple[int, int]]) -> None:
-    """Refuse faces that are no squares of one size; the keys name them in the sentence."""
+    """Raise an error unless all faces are squares of one size; keys name the faces."""
     for name, (height, width) in sizes.items():
         if height != width:
             raise EnvLightsError(

@@ -70,7 +70,7 @@ class PictureLayout(NamedTuple):
     """Angle between the axis and the edge of an azimuthal picture, in radians."""
 
     circle: tuple[float, float, float] | None = None
-    """Centre x, centre y and radius of an azimuthal picture, in pixels; None for the largest."""
+    """Centre x, centre y and radius of the circle in pixels; None for the largest circle."""
 
     axes: Axes = FRONT
     """Unit vectors forward, right and up of the picture, in the frame of maps."""

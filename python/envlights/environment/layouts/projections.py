@@ -1,4 +1,4 @@
-"""Layouts that a user can name: a class method of `Layout` and a row of `PROJECTIONS` for each."""
+"""Layouts for users: a class method of `Layout` and a row of `PROJECTIONS` per projection."""
 
 from __future__ import annotations
 

@@ -159,7 +159,7 @@ def _arrange(
 
 
 def samples_of(samples: NDArray[Any]) -> NDArray[Any]:
-    """Samples as (height, width, channels) or (6, n, n, channels), or a refusal of other shapes."""
+    """Samples as (height, width, channels) or (6, n, n, channels), after a check."""
     shape = samples.shape
     if samples.ndim == 3 and shape[0] == 6 and shape[1] == shape[2] > 4:
         return samples[..., None]
@@ -275,7 +275,7 @@ def one_eye(
 
 
 def _is_above(picture: NDArray[Any], hints: Hints) -> bool:
-    """True for eyes one above the other, from the metadata or the shape, or a refusal."""
+    """True if the eyes are one above the other; raises an error if that is unknown."""
     if hints.stereo in _MODES:
         return _MODES[hints.stereo]
     height, width = picture.shape[:2]

@@ -49,7 +49,7 @@ class Evidence(NamedTuple):
     """Order that fits; empty if the seams are inconclusive."""
 
     scores: dict[str, float]
-    """Step of log luminance across the edges, divided by the mean step inside, by order."""
+    """Score of each order: step of log luminance at edges relative to the step inside."""
 
     def fits(self, order: str) -> bool:
         """True if the edges fit in this order."""

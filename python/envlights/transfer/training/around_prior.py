@@ -82,7 +82,7 @@ class _Remainder(NamedTuple):
 def check_prior(
     prior: object, size: tuple[int, int], pairs: Pairs, virtual: ArrayLike | None
 ) -> NDArray[np.float64]:
-    """Rows of the virtual lights, (n, 3, h * w), or a refusal of what does not fit the pairs."""
+    """Direct images of the virtual lights, (n, 3, h * w), after checks against the pairs."""
     if not isinstance(prior, TransferPrior):
         raise EnvLightsError(
             f"prior must be a TransferPrior; got an object of the type {type(prior).__name__}"
@@ -178,7 +178,7 @@ def _beyond(
     outs: NDArray[np.float64],
     energy: NDArray[np.float64],
 ) -> NDArray[np.float64] | float:
-    """Relative part of each pair beyond a basis without it; of virtual lights without pairs."""
+    """Relative error of each pair in a basis without it, or of the virtual lights alone."""
     if rest.weight < 1:
         return _truncation(every, len(first.values))
     # Project each pair onto a basis without it; the virtual lights stay in the basis.
@@ -219,7 +219,7 @@ def _remainder(
 
 
 def _coefficients(products: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Coefficients in all directions of images, from their inner products, (k, 3, n)."""
+    """Coefficients of images along their principal directions, (k, 3, n), from the Gram matrix."""
     energy = float(np.trace(products))
     return directions(products, np.dtype(np.float64), energy).coefficients
 
@@ -272,7 +272,7 @@ def _directions(
 def _in_basis(
     prior: TransferPrior, columns: NDArray[np.floating], lit: NDArray[np.bool_]
 ) -> NDArray[np.float64]:
-    """Prior in the coordinates of the basis, (3, direct texels, rank)."""
+    """Matrix of the prior from direct texels to the basis, (3, direct texels, rank)."""
     pixels, rank = prior.visible.size, columns.shape[1]
     received = np.zeros((3, pixels, rank))
     basis = np.zeros((lit.size, rank), np.float32)
@@ -354,7 +354,7 @@ class Mixtures:
         return np.result_type(self.images.dtype, np.float32)
 
     def __getitem__(self, key: tuple[slice, slice]) -> NDArray[Any]:
-        """Some rows of all mixtures; `key`: all mixtures, and the slice of rows."""
+        """Rows of all mixtures as an array; `key`: a full slice, and the slice of rows."""
         where = key[1]
         part = self.images[:, where]
         flat = part.reshape(len(part), -1, 3)

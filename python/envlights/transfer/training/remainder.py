@@ -73,7 +73,7 @@ class Fold:
     """Regression on the pairs outside the fold."""
 
     products: NDArray[np.float64]
-    """Inner products of direct images of the part with eigenvectors of the others, (3, n, k)."""
+    """Inner products of direct images in the fold with the eigenvectors, (3, n, k)."""
 
     turned: NDArray[np.float64]
     """Remainder of the other pairs in these eigenvectors, (3, k, rank)."""

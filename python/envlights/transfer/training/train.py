@@ -76,7 +76,7 @@ def train(pairs: Pairs, size: BasisSize, centred: bool, progress: bool | None) -
 def nonnegative_priors(
     columns: NDArray[Any], lit: NDArray[np.bool_], learnt: PairSummary
 ) -> tuple[PriorMean, PriorMean]:
-    """Non-negative operators as prior means: for all pairs, and coarser for the folds."""
+    """Non-negative operators as prior means: fine for all pairs, coarse for the folds."""
     fine, coarse = (
         partial(operator, blocks=blocks(columns, lit, learnt.coefficients, most))
         for most in (_BLOCKS, _FOLD_BLOCKS)
@@ -192,7 +192,7 @@ def distinct(learnt: PairSummary) -> Distinct:
 
 
 def _first(learnt: PairSummary) -> NDArray[np.intp]:
-    """For each pair the first that it is a copy of, which may be itself, (k,)."""
+    """Index of the first pair that equals each pair, (k,); its own index if it is the first."""
     count = len(learnt.energy)
     direct = learnt.direct.reshape(count, -1)
     first = np.arange(count)

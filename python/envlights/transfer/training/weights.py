@@ -51,7 +51,7 @@ class WeightedRegression:
         return self.norms * self.solver.left_out(ridge, coefficients / self.norms)
 
     def shares(self, ridge: float, direct: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Factor of each image in the fit at new direct images (n, 3, texels), (3, n, k)."""
+        """Weight of each training image in predictions for `direct` (n, 3, texels), (3, n, k)."""
         solver = self.solver
         rows = (self.weights * direct).swapaxes(0, 1)
         turned = product(product(rows, solver.features.swapaxes(1, 2)), solver.vectors)
