@@ -13,7 +13,7 @@ use crate::kernels::fit::light_disc::on_tangents;
 use crate::kernels::fit::picture::Patch;
 use crate::kernels::lanes::{LANES, Lanes, Number};
 
-/// Patches in SIMD blocks: each lane holds a direction, A and RGB flux; unused lanes of the last block are black.
+/// Patches in SIMD blocks: a lane holds a direction, A and RGB flux; unused lanes at the end are black.
 #[derive(Clone, Debug)]
 pub struct Patches {
     blocks: Vec<[[f64; LANES]; 7]>,
