@@ -1,4 +1,4 @@
-"""Frames of other programs by name: their axes, and the way of their cameras, against ours.
+"""Coordinate frames of other programs: their axes and camera matrices, relative to ours.
 
 Ours is right-handed with +y up; the centre of a map looks along +z, its left quarter along +x.
 """
@@ -21,30 +21,30 @@ __all__ = ["FRAMES", "Axes", "rotation"]
 Matrix = tuple[tuple[int, int, int], ...]
 
 _OURS: Matrix = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
-#: Cameras of OpenGL: +x to the right, +y up, the view along -z.
+#: Cameras of OpenGL: +x right, +y up, view along -z.
 _OPENGL: Matrix = ((-1, 0, 0), (0, 1, 0), (0, 0, -1))
-#: Cameras of OpenCV: +x to the right, +y down, the view along +z.
+#: Cameras of OpenCV: +x right, +y down, view along +z.
 _OPENCV: Matrix = ((-1, 0, 0), (0, -1, 0), (0, 0, 1))
-#: Our x, y, z become y, z, x: +y becomes +z, and the centre of the map +x.
+#: Cyclic axes: our x, y, z become y, z, x; +y becomes +z, and the centre of the map +x.
 _CYCLE: Matrix = ((0, 0, 1), (1, 0, 0), (0, 1, 0))
 #: Quarter turn about +x of `UsdLuxDomeLight::OrientToStageUpAxis`, and of programs that reference a
 #: stage of +y up.
 _UPRIGHT: Matrix = ((1, 0, 0), (0, 0, -1), (0, 1, 0))
-#: Axes of an equirectangular map in three.js: its centre along +x, its left quarter along -z.
+#: Axes of an equirectangular map in three.js: centre along +x, left quarter along -z.
 _THREE: Matrix = ((0, 0, 1), (0, 1, 0), (-1, 0, 0))
 #: Axes of a map in pbrt's `imgtool makeequiarea`: +z up, the centre along -x, the left quarter
 #: along +y. The matrix mirrors, because pbrt's frame is left-handed.
 _PBRT: Matrix = ((0, 0, -1), (1, 0, 0), (0, 1, 0))
-#: Unity: +x to the right; our +x is on the left of the map.
+#: Unity: +x right, while our +x is on the left of the map.
 _MIRRORED_X: Matrix = ((-1, 0, 0), (0, 1, 0), (0, 0, 1))
 #: Unity's Skybox/Panoramic: u = 0.5 - atan2(z, x) / 2 pi, so the centre looks along +x.
 _PANORAMIC: Matrix = ((0, 0, 1), (0, 1, 0), (1, 0, 0))
-#: Unreal: x forward, y to the right, z up.
+#: Unreal: x forward, y right, z up.
 _UNREAL: Matrix = ((0, 0, 1), (-1, 0, 0), (0, 1, 0))
 
 
 class Axes(NamedTuple):
-    """Frame of a program: its axes, and those of its cameras.
+    """Frame of a program: its axes, and the axes of its cameras.
 
     Examples
     --------
@@ -56,19 +56,19 @@ class Axes(NamedTuple):
     """
 
     matrix: Matrix
-    """Rows: each axis of the target in our frame. Columns: our +x, +y, +z in the target."""
+    """Rows: axes of the target in our frame. Columns: our +x, +y, +z in the target."""
 
     map: Matrix | None = None
-    """Directions of an unrotated equirectangular image in the target, or None without such maps.
+    """Directions of an unrotated equirectangular image in the target; None if it has no such maps.
 
     Column 2 is the direction of the centre of the image, column 0 that of its left quarter. If this
     is `matrix`, our maps need no rotation."""
 
     camera: Matrix = _OPENGL
-    """Axes of a camera, by which it sees the centre of a map straight ahead."""
+    """Axes of a camera that looks at the centre of an unrotated map."""
 
     is_extrinsic: bool = False
-    """True if a camera's matrix leads from the world to the camera, False if the other way."""
+    """True if a camera matrix maps world to camera, False if it maps camera to world."""
 
     @property
     def handedness(self) -> int:
@@ -82,34 +82,34 @@ class Axes(NamedTuple):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Name of each of our axes in the target."""
+        """Name of each of our axes in the target frame."""
         return tuple(map(_axis_name, zip(*self.matrix, strict=True)))
 
     def to_target(self, direction: ArrayLike) -> NDArray[np.float64]:
-        """Directions, (n, 3), in the target's frame."""
+        """Directions, (n, 3), converted to the target frame."""
         turned: NDArray[np.float64] = np.asarray(direction, np.float64) @ np.transpose(self.matrix)
-        return turned + 0.0  # no minus zero
+        return turned + 0.0  # avoid -0.0
 
     def from_target(self, direction: ArrayLike) -> NDArray[np.float64]:
-        """Directions of the target, (n, 3), in our frame."""
+        """Directions of the target, (n, 3), converted to our frame."""
         turned: NDArray[np.float64] = np.asarray(direction, np.float64) @ np.asarray(self.matrix)
         return turned + 0.0
 
     def turn_of_map(self) -> NDArray[np.float64]:
-        """Rotation in the target's frame that aligns the target's map with our lights."""
+        """Rotation in the target frame that aligns the target's map with our lights."""
         turn: NDArray[np.float64] = np.asarray(self.matrix, np.float64) @ np.transpose(
             self.map or self.matrix
         )
         return turn
 
     def rotation(self, matrix: ArrayLike) -> NDArray[np.float64]:
-        """Rotation in our frame for `matrix`, (3, 3), a rotation in the target's frame."""
+        """Rotation in our frame equal to `matrix`, (3, 3), in the target frame."""
         own = np.asarray(self.matrix)
         turn: NDArray[np.float64] = own.T @ checked_rotation(matrix) @ own
         return turn
 
     def view(self, camera: ArrayLike) -> NDArray[np.float64]:
-        """Rotation in our frame that puts what a camera looks at into the centre of a map.
+        """Rotation in our frame that moves the view direction of a camera to the centre of a map.
 
         Parameters
         ----------
@@ -169,7 +169,7 @@ FRAMES: dict[str, Axes] = {
 
 
 def frame_named(name: object) -> Axes:
-    """Frame of `FRAMES`, or a refusal that lists them."""
+    """Frame by name; raises an error that lists the known names."""
     check_choice("frame", name, tuple(FRAMES))
     return FRAMES[str(name)]
 
@@ -214,7 +214,7 @@ def rotation(yaw: float = 0.0, pitch: float = 0.0, roll: float = 0.0) -> NDArray
 def turn_of(
     matrix: ArrayLike | None, frame: str | None, camera: ArrayLike | None
 ) -> NDArray[np.float64]:
-    """Rotation in our frame by one of two matrices; see `EnvMap.rotated`."""
+    """Rotation in our frame, from a rotation matrix or from a camera matrix."""
     axes = frame_named("envlights" if frame is None else frame)
     if matrix is not None and camera is None:
         return axes.rotation(matrix)
@@ -230,7 +230,7 @@ def turn_upright(up: ArrayLike) -> NDArray[np.float64]:
     """Smallest rotation that takes the direction `up`, of any length above 0, to +y."""
     x, y, z = unit_vector("up", up)
     if y < -1 + 1e-12:
-        return np.diag([-1.0, -1.0, 1.0])  # the centre of the map stays
+        return np.diag([-1.0, -1.0, 1.0])  # keep the centre of the map
     # Rodrigues' formula for the axis (-z, 0, x), whose length is the sine.
     axis = np.array([[0, -x, 0], [x, 0, z], [0, -z, 0]])
     turn: NDArray[np.float64] = np.eye(3) + axis + axis @ axis / (1 + y)

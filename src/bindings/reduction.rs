@@ -118,7 +118,7 @@ impl PyRowReducer {
         Ok(Self { reducer, floor })
     }
 
-    /// Pixels along a cell; all additions but the last are a multiple of this number of rows.
+    /// Cell size in pixels; each `add` except the last must pass a multiple of this many rows.
     #[getter]
     fn block(&self) -> usize {
         each!(&self.reducer, reducer => reducer.block())
@@ -165,7 +165,7 @@ fn add<T: Sample + numpy::Element>(
     rows: PyReadonlyArray3<'_, T>,
 ) -> PyResult<()> {
     let samples = rows.as_slice()?;
-    // The integrals may be computed again after an interruption, so they are added afterwards.
+    // Add the integrals only when complete, because an interrupted call computes them again.
     let integrals = interruptible(py, || reducer.integrals(samples))?;
     reducer.add(integrals, samples);
     Ok(())

@@ -1,1 +1,1 @@
-"""Ground of the package: checks, results, text and files, without a step of any method."""
+"""Shared helpers: checks, result classes, text and files, without any method of the package."""

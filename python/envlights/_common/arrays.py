@@ -14,13 +14,13 @@ def freeze(array: NDArray[Any]) -> NDArray[Any]:
 
 
 def seal(array: NDArray[Any]) -> NDArray[Any]:
-    """Make `array` read-only and return it; for arrays without other owners."""
+    """Make `array` read-only and return it; only for arrays that no caller holds."""
     array.flags.writeable = False
     return array
 
 
 def convert(array: NDArray[Any], dtype: Any, copy: bool | None) -> NDArray[Any]:
-    """Result of ``__array__`` for an object that holds `array`."""
+    """Return value of ``__array__`` for an object that stores `array`."""
     if copy:
         return np.array(array, dtype)
     if copy is False and dtype is not None and np.dtype(dtype) != array.dtype:

@@ -13,19 +13,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-#: Numbers in a block; an operation on them takes milliseconds.
+#: Number of elements in a block; an operation on a block takes milliseconds.
 _NUMBERS = 2**18
 
 
 def blocks(shape: tuple[int, ...]) -> Iterator[slice]:
-    """Slices of rows that divide an array of this shape into blocks."""
+    """Row slices that divide an array of this shape into blocks."""
     rows = max(_NUMBERS // max(math.prod(shape[1:]), 1), 1)
     for first in range(0, shape[0], rows):
         yield slice(first, min(first + rows, shape[0]))
 
 
 def in_blocks(shape: tuple[int, ...], value: Callable[[slice], NDArray[Any]]) -> NDArray[Any]:
-    """Array of this shape whose blocks are the results of `value` for slices of rows."""
+    """Array of this shape, filled block by block with `value(rows)` for each row slice."""
     out: NDArray[Any] | None = None
     for rows in blocks(shape):
         part = value(rows)

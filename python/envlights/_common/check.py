@@ -1,4 +1,4 @@
-"""Checks of the arguments of public functions, before a kernel reads them."""
+"""Checks for arguments of public functions, before a kernel reads them."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ _Function = TypeVar("_Function", bound=Callable[..., Any])
 LARGEST_COUNT = 2**32 - 1
 
 
-#: Tolerance for the products of the rows of a rotation.
+#: Tolerance for the products of the rows of a rotation matrix.
 _ROTATION_TOLERANCE = 1e-6
 
-#: Longest tuple or list that a refusal shows; of a longer one it shows the type.
+#: Longest tuple or list that an error message shows; for longer ones it shows the type.
 _FEW = 4
 
 
 def describe(value: object) -> str:
-    """Text for `value` in a refusal: numbers, text in quotes, short lists, or only the type."""
+    """Text for `value` in an error message: number, quoted text, short list, or only the type."""
     if isinstance(value, str | os.PathLike):
         return f"'{value}'"
     if value is None or isinstance(value, numbers.Number):
@@ -46,7 +46,7 @@ def describe(value: object) -> str:
 
 
 def for_kernels(array: ArrayLike, dtype: type[Any]) -> NDArray[Any]:
-    """`array` in C order with aligned numbers, as compiled code needs it."""
+    """`array` in C order with aligned elements, as the kernels require."""
     given = np.asanyarray(array)
     is_ready = given.dtype == dtype and given.flags.c_contiguous and given.flags.aligned
     if is_ready or given.ndim == 0:
@@ -59,7 +59,7 @@ def _laid_out(array: NDArray[Any], dtype: type[Any]) -> NDArray[Any]:
 
 
 def reals(name: str, values: ArrayLike, ndim: int | None) -> NDArray[np.float64]:
-    """`values` as a C-contiguous float64 array of `ndim` axes, or of any number for None."""
+    """C-contiguous float64 array of `values` with `ndim` axes; None allows any number of axes."""
     try:
         array = np.asarray(values)
     except ValueError as error:
@@ -72,21 +72,21 @@ def reals(name: str, values: ArrayLike, ndim: int | None) -> NDArray[np.float64]
 
 
 def is_vector(values: ArrayLike) -> bool:
-    """True if `values` have one axis; False for rows of several lengths, which `reals` refuses."""
+    """True if `values` have a single axis; False for ragged lists, which `reals` rejects."""
     with contextlib.suppress(ValueError):
         return np.ndim(values) == 1
     return False
 
 
 def one_or_more(name: str, values: ArrayLike) -> tuple[NDArray[np.float64], bool]:
-    """Rows of vectors, (n, 3), and True if `values` are a single vector, which becomes a row."""
+    """Vectors as rows, (n, 3), and True if `values` are a single vector."""
     is_one = is_vector(values) and np.size(values) > 0
     array = reals(name, values, 1 if is_one else 2)
     return (array[None], True) if is_one else (array, False)
 
 
 def count(name: str, value: object, least: int = 0, most: int = LARGEST_COUNT) -> int:
-    """`value` as an int from `least` to `most`, or a refusal that names it."""
+    """`value` as an int from `least` to `most`; raises an error that names the argument."""
     is_whole = isinstance(value, numbers.Integral) and not isinstance(value, bool)
     if not is_whole or int(value) < least:  # type: ignore[call-overload]
         raise EnvLightsError(
@@ -98,17 +98,17 @@ def count(name: str, value: object, least: int = 0, most: int = LARGEST_COUNT) -
 
 
 def counts(name: str, values: object) -> list[int]:
-    """`values` as a list of ints of at least 0, or a refusal that names them."""
+    """`values` as a list of non-negative ints; raises an error that names the argument."""
     if isinstance(values, str | bytes) or not isinstance(values, Iterable):
         raise EnvLightsError(f"{name} must be a sequence of whole numbers; got {describe(values)}")
     return [count(name, value) for value in values]
 
 
 def amount(name: str, value: object, least: float = 0.0, most: float = math.inf) -> float:
-    """`value` as a finite float from `least` to `most`, or a refusal that names it."""
+    """`value` as a finite float from `least` to `most`; raises an error that names the argument."""
     number = math.nan
     if isinstance(value, numbers.Real) and not isinstance(value, bool):
-        with contextlib.suppress(OverflowError):  # an int beyond every float
+        with contextlib.suppress(OverflowError):  # an int too large for a float
             number = float(value)
     if not (least <= number <= most and math.isfinite(number)):
         limits = f"from {least:g} to {most:g}" if math.isfinite(most) else f"{least:g} or more"
@@ -127,7 +127,7 @@ def first_not_finite(image: NDArray[Any]) -> tuple[int, int, Any] | None:
 
 
 def colour(name: str, values: ArrayLike) -> list[float]:
-    """Red, green and blue of a surface, none negative, or a refusal that names them."""
+    """Non-negative RGB of a surface; raises an error that names the argument."""
     channels = reals(name, values, 1)
     if channels.shape != (3,):
         raise EnvLightsError(f"{name} must be three numbers; got the shape {channels.shape}")
@@ -135,27 +135,27 @@ def colour(name: str, values: ArrayLike) -> list[float]:
 
 
 def check_choice(name: str, value: object, choices: tuple[str, ...]) -> None:
-    """Refuse a `value` that is none of the `choices`."""
+    """Raise an error if `value` is not one of the `choices`."""
     if not isinstance(value, str) or value not in choices:
         wanted = " or ".join(map(describe, choices))
         raise EnvLightsError(f"{name} must be {wanted}; got {describe(value)}")
 
 
 def flag(name: str, value: object) -> bool:
-    """`value` as a bool, or a refusal that names it."""
+    """`value` as a bool; raises an error that names the argument."""
     if not isinstance(value, bool | np.bool_):
         raise EnvLightsError(f"{name} must be True or False; got {describe(value)}")
     return bool(value)
 
 
 def check_progress(value: object) -> None:
-    """Refuse a `progress` that is neither a flag nor None."""
+    """Raise an error if `progress` is neither a bool nor None."""
     if value is not None:
         flag("progress", value)
 
 
 def texts(name: str, values: object) -> list[str]:
-    """`values`, one text or several, as a list, or a refusal that names them."""
+    """`values`, one or several texts, as a list; raises an error that names the argument."""
     each = [values] if isinstance(values, str) or not isinstance(values, Iterable) else [*values]
     for text in each:
         if not isinstance(text, str):
@@ -164,7 +164,7 @@ def texts(name: str, values: object) -> list[str]:
 
 
 def float_image(name: str, values: ArrayLike, ndim: int) -> NDArray[np.float32]:
-    """`values` as a C-contiguous float32 array of `ndim` axes, or a refusal that names it."""
+    """C-contiguous float32 array of `values` with `ndim` axes; the error names the argument."""
     is_ready = isinstance(values, np.ndarray) and values.dtype == np.float32
     array = values if is_ready else reals(name, values, ndim)
     if np.ndim(array) != ndim:
@@ -173,7 +173,7 @@ def float_image(name: str, values: ArrayLike, ndim: int) -> NDArray[np.float32]:
 
 
 def whole_pixels(values: ArrayLike) -> NDArray[np.int64]:
-    """`values` as rows and columns, or a refusal."""
+    """Integer rows and columns of pixels; raises an error for other values."""
     try:
         array = np.asarray(values)
     except ValueError as error:
@@ -187,7 +187,7 @@ def whole_pixels(values: ArrayLike) -> NDArray[np.int64]:
 
 
 def whole_numbers(name: str, values: ArrayLike) -> NDArray[np.int64]:
-    """`values` as a C-contiguous int64 array of one axis, or a refusal that names it."""
+    """C-contiguous int64 array of `values` with one axis; the error names the argument."""
     try:
         array = np.asarray(values)
     except ValueError as error:
@@ -201,7 +201,7 @@ def whole_numbers(name: str, values: ArrayLike) -> NDArray[np.int64]:
 
 
 def rotation(matrix: ArrayLike, name: str = "matrix") -> NDArray[np.float64]:
-    """`matrix` as a rotation, (3, 3), or a refusal."""
+    """`matrix` as a rotation, (3, 3); raises an error unless orthonormal with determinant 1."""
     if isinstance(matrix, numbers.Real) or is_vector(matrix):
         raise EnvLightsError(
             f"{name} must be a rotation of the shape (3, 3), not angles; got {describe(matrix)}"
@@ -217,7 +217,7 @@ def rotation(matrix: ArrayLike, name: str = "matrix") -> NDArray[np.float64]:
 
 
 def unit_vector(name: str, values: ArrayLike) -> NDArray[np.float64]:
-    """Unit vector along three numbers, (3,), or a refusal."""
+    """Normalised vector of three numbers, (3,); raises an error if that is impossible."""
     vector = reals(name, values, 1)
     length = np.linalg.norm(vector)
     if vector.shape != (3,) or not 0 < length < np.inf:
@@ -228,12 +228,12 @@ def unit_vector(name: str, values: ArrayLike) -> NDArray[np.float64]:
     return unit
 
 
-#: Kinds of parameters without a name of their own.
+#: Kinds of parameters that cannot be passed by name.
 _MANY = (inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD)
 
 
 def named_arguments(*others: Callable[..., Any]) -> Callable[[_Function], _Function]:
-    """Function whose refusal of an unknown keyword names it and the argument that is meant.
+    """Decorator whose errors for unknown keywords name the most similar argument.
 
     It also has the options of `others`.
     """

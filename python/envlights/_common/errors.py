@@ -1,4 +1,4 @@
-"""Classes of refusals of files, for callers who treat them differently."""
+"""Exception classes for files, for callers that handle them differently."""
 
 from __future__ import annotations
 
@@ -9,20 +9,20 @@ from envlights._native import EnvLightsError
 
 
 def _on_one_line(refusal: EnvLightsError) -> str:
-    """Message in which names from files and paths cannot forge lines or control a terminal."""
+    """Message in which names from files cannot forge lines or control a terminal."""
     return printable(super(EnvLightsError, refusal).__str__())
 
 
-# Compiled code defines the class, and raises it too.
+# The class is defined in Rust, which raises it too.
 EnvLightsError.__str__ = _on_one_line  # type: ignore[method-assign, assignment]
 
 
 class FileError(EnvLightsError):
-    """Refusal of a file that cannot be read or written; the command line ends with exit code 1."""
+    """Error for a file that cannot be read or written; the command line exits with code 1."""
 
 
 class MissingFileError(FileError, FileNotFoundError):
-    """Refusal of a file that does not exist."""
+    """Error for a file that does not exist."""
 
     def __init__(self, *args: object) -> None:
         super().__init__(*args)
@@ -30,11 +30,11 @@ class MissingFileError(FileError, FileNotFoundError):
 
 
 class DamagedFileError(FileError):
-    """Refusal of a file whose content contradicts its format."""
+    """Error for a file whose content contradicts its format."""
 
 
 def unreadable(path: object, error: OSError) -> FileError:
-    """Refusal of a file that the system does not open."""
+    """Error for a file that the operating system cannot open."""
     if isinstance(error, FileNotFoundError):
         return MissingFileError(f"cannot read {path}: there is no such file; check its path")
     return FileError(

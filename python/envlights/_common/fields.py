@@ -1,4 +1,4 @@
-"""Fields of results: in JSON as plain values, and some that are computed when first read."""
+"""Fields of results: conversion to plain JSON values, and fields computed on first access."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ import numpy as np
 from envlights._common.check import amount, check_choice, count, describe, texts
 from envlights._native import EnvLightsError
 
-#: Word for infinity in files, because JSON has none.
+#: Text for infinity in files, because JSON has none.
 INFINITE = "infinite"
 
 
 def plain(value: Any, infinity: str | None = INFINITE) -> Any:
-    """`value` as numbers, texts, lists and dictionaries alone; NaN becomes None.
+    """Value converted to numbers, texts, lists and dictionaries; NaN becomes None.
 
     Raises
     ------
@@ -52,13 +52,13 @@ _Class = TypeVar("_Class")
 
 
 def fields_of(result: Any, *left_out: str) -> dict[str, Any]:
-    """Fields as plain values, without those that do not count for equality, such as wall times."""
+    """Fields as plain values, except fields that equality ignores, such as wall times."""
     names = [each.name for each in fields(result) if each.compare and each.name not in left_out]
     return {name: plain(getattr(result, name)) for name in names}
 
 
 def read_fields(cls: type[_Class], data: Mapping[str, Any]) -> _Class:
-    """Object of a dataclass from what `fields_of` wrote, or a refusal of impossible values.
+    """Dataclass object from the dictionary that `fields_of` returned; raises an error if invalid.
 
     A field that the data do not hold gets its default; without one, its name is a `KeyError`.
     """
@@ -70,7 +70,7 @@ def read_fields(cls: type[_Class], data: Mapping[str, Any]) -> _Class:
 
 @cache
 def _kinds(cls: type[Any]) -> dict[str, tuple[Any, bool]]:
-    """Type of each field, and True if it has no default."""
+    """Type of each field, and True if the field is required."""
     hints = get_type_hints(cls)
     return {
         each.name: (hints[each.name], each.default is each.default_factory) for each in fields(cls)
@@ -78,7 +78,7 @@ def _kinds(cls: type[Any]) -> dict[str, tuple[Any, bool]]:
 
 
 def _read(name: str, kind: Any, value: Any) -> Any:
-    """Value of a type, or a refusal that names its field."""
+    """Value checked against its type; raises an error that names the field."""
     parts = get_args(kind)
     if type(None) in parts:
         return None if value is None else _read(name, parts[0], value)
@@ -87,7 +87,7 @@ def _read(name: str, kind: Any, value: Any) -> Any:
             return tuple(texts(name, value))
         each = [parts[0]] * len(value) if parts[-1] is ... else parts
         return tuple(_read(name, part, one) for part, one in zip(each, value, strict=True))
-    if parts:  # a mapping, whose keys are text in JSON
+    if parts:  # a mapping, whose keys are strings in JSON
         return {_key(name, parts[0], key): _read(name, parts[1], one) for key, one in value.items()}
     if issubclass(kind, enum.Enum):
         check_choice(name, value, tuple(kind.__members__))
@@ -105,7 +105,7 @@ def _key(name: str, kind: Any, key: str) -> Any:
 
 
 class _OnDemand:
-    """Field of a dataclass whose value may be a function without arguments, called once."""
+    """Field of a dataclass whose value may be a function, which is called on first access."""
 
     def __init__(self, default: Any) -> None:
         self._default = default
@@ -126,10 +126,10 @@ class _OnDemand:
 
 
 def on_demand(default: Any) -> Any:
-    """Default of a field whose value may be a function."""
+    """Default of a field that may be set to a function."""
     return _OnDemand(default)
 
 
 def value_or_function(instance: object, name: str) -> Any:
-    """Value of such a field as it is, perhaps still a function."""
+    """Stored value of such a field, without calling the function."""
     return vars(instance)[name]

@@ -1,4 +1,4 @@
-"""Safe writing of files: a failure leaves the old file, or none."""
+"""Safe writing of files: after a failure, the old file (or no file) remains."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ try:
 except ImportError:  # Windows
     fcntl = None  # type: ignore[assignment]
 
-#: Suffixes of the maps that are taken from a folder.
+#: Suffixes of the map files that a folder search includes.
 MAPS = (".exr", ".hdr", ".pic", ".rgbe", ".png", ".jpg", ".jpeg", ".tif", ".tiff")
 #: Formats of pictures, for checks without Matplotlib.
 PICTURES: tuple[str, ...] = (".png", ".pdf", ".svg")
-#: End of a refusal to draw without the library that draws.
+#: End of the error message if Matplotlib is missing.
 NO_MATPLOTLIB = (
     "needs Matplotlib, which is not installed; install it with `pip install 'envlights[plot]'`"
 )
@@ -36,13 +36,13 @@ def can_draw() -> bool:
 
 
 def as_path(path: object) -> Path:
-    """`path` as a `Path`, or a refusal of anything that names no file."""
+    """`path` as a `Path`; raises an error for anything that is not a file name."""
     try:
         result = Path(path)  # type: ignore[arg-type]
         is_name = b"\0" not in os.fsencode(result)
     except TypeError:
         raise EnvLightsError(f"a path must be text; got {type(path).__name__}") from None
-    except UnicodeEncodeError:  # half of a surrogate pair
+    except UnicodeEncodeError:  # a lone surrogate
         is_name = False
     if not is_name:
         raise EnvLightsError(
@@ -52,7 +52,7 @@ def as_path(path: object) -> Path:
 
 
 def matches(pattern: str) -> list[str]:
-    """Paths that match a pattern, sorted; names of existing folders in it are taken as they are.
+    """Paths that match a glob pattern, sorted; existing folder names with wildcards are literal.
 
     Brackets are sets of characters, or themselves if nothing matches so.
     """
@@ -66,7 +66,7 @@ def matches(pattern: str) -> list[str]:
 
 
 def read_text(path: str | os.PathLike[str]) -> str:
-    """Text of a file, or a refusal."""
+    """Text of a file; raises an error if it cannot be read."""
     try:
         return as_path(path).read_text(encoding="utf-8")
     except OSError as error:
@@ -76,7 +76,7 @@ def read_text(path: str | os.PathLike[str]) -> str:
 
 
 def check_writable(path: str | os.PathLike[str]) -> Path:
-    """Refuse a path where no file can be written, before work for it is lost.
+    """Raise an error if no file can be written to a path, before any work.
 
     A file without any write permission is refused even if its folder would allow a replacement.
 
@@ -88,7 +88,7 @@ def check_writable(path: str | os.PathLike[str]) -> Path:
     try:
         target = Path(os.path.realpath(as_path(path)))
         obstacle = _obstacle(target)
-    except (OSError, ValueError) as error:  # a name that is too long, or names no file
+    except (OSError, ValueError) as error:  # a name that is too long or invalid
         obstacle = getattr(error, "strerror", None) or str(error)
     if obstacle:
         raise FileError(f"cannot write {path}: {obstacle}")
@@ -96,9 +96,9 @@ def check_writable(path: str | os.PathLike[str]) -> Path:
 
 
 def _obstacle(target: Path) -> str:
-    """Reason why no file can be written at `target`; empty if there is none."""
+    """Reason why no file can be written to `target`; empty if writable."""
     with contextlib.suppress(FileNotFoundError, NotADirectoryError):
-        # Raises for an impossible name, for which `exists` is False since Python 3.14.
+        # Raises an error for an invalid name; `exists` returns False since Python 3.14.
         target.stat()
     if not target.parent.is_dir():
         return f"the folder {target.parent} does not exist"
@@ -138,15 +138,15 @@ def write_atomically(path: str | os.PathLike[str], write: Callable[[Path], objec
 
 
 def write_content(path: str | os.PathLike[str], content: str | bytes) -> None:
-    """Write text or bytes; a failure leaves the old file, or none."""
+    """Write text or bytes; after a failure, the old file or no file remains."""
     data = content if isinstance(content, bytes) else content.encode("utf-8", "backslashreplace")
     write_atomically(path, lambda beside: beside.write_bytes(data))
 
 
 @contextlib.contextmanager
 def _file_beside(target: Path) -> Iterator[Path]:
-    """Locked, empty temporary file in the folder of `target`, removed at the end."""
-    # Use a short name, because that of `target` may have the greatest length.
+    """Locked, empty temporary file in the folder of `target`, deleted at the end."""
+    # Use a short name, because the name of `target` may have the maximum length.
     mark = f".{zlib.crc32(target.name.encode(errors='surrogateescape')):08x}"
     for stale in target.parent.glob(f"{mark}-*"):
         _clear(stale)
@@ -160,7 +160,7 @@ def _file_beside(target: Path) -> Iterator[Path]:
 
 @contextlib.contextmanager
 def _locked_file(target: Path, mark: str) -> Iterator[Path]:
-    """Empty file beside `target`, locked while this process writes it.
+    """Empty file beside `target`, locked while this process writes to it.
 
     Another process may remove it as stale before it is locked; then another name is tried. The
     same name would be removed by a third process that still has the first file open. Windows has
@@ -179,7 +179,7 @@ def _locked_file(target: Path, mark: str) -> Iterator[Path]:
 
 
 def _clear(stale: Path) -> None:
-    """Remove a file without a lock, because its process was killed."""
+    """Delete an unlocked file that a killed process left behind."""
     if fcntl is None:
         return
     with contextlib.suppress(OSError), stale.open("rb") as file:
@@ -188,8 +188,8 @@ def _clear(stale: Path) -> None:
 
 
 def _flush(path: Path) -> None:
-    """Wait until a file, or the names in a folder, are on the disk, if the system supports it."""
-    if path.is_dir() and os.name == "nt":  # Windows opens no folder
+    """Flush a file, or the entries of a folder, to disk, if the system supports it."""
+    if path.is_dir() and os.name == "nt":  # Windows cannot open folders
         return
     file = os.open(path, os.O_RDWR if path.is_file() else os.O_RDONLY)
     try:

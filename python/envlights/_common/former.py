@@ -1,4 +1,4 @@
-"""Former names: each works for one version, and warns with the name that replaced it."""
+"""Support for renamed names: the old name works for a version, and warns."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _Function = TypeVar("_Function", bound=Callable[..., Any])
 
 
 def former(old: str, new: str, owner: object, path: str, level: int) -> Any:
-    """Attribute `path` of `owner`, with a warning that `old` is called `new` now.
+    """Attribute `path` of `owner`, with a warning that `old` was renamed to `new`.
 
     The warning names the line `level` calls above this module.
     """
@@ -24,7 +24,7 @@ def former(old: str, new: str, owner: object, path: str, level: int) -> Any:
 
 
 def former_attributes(**names: str) -> Callable[[_Class], _Class]:
-    """Class whose former attributes, the keywords, return those that replaced them."""
+    """Class decorator that redirects old attributes, given as keywords, to the new ones."""
 
     def decorate(cls: _Class) -> _Class:
         for old, new in names.items():
@@ -36,7 +36,7 @@ def former_attributes(**names: str) -> Callable[[_Class], _Class]:
 
 
 def former_arguments(**names: str) -> Callable[[_Function], _Function]:
-    """Function that accepts former keywords as those that replaced them."""
+    """Decorator that accepts old names of renamed keywords."""
 
     def decorate(function: _Function) -> _Function:
         @functools.wraps(function)
@@ -51,7 +51,7 @@ def former_arguments(**names: str) -> Callable[[_Function], _Function]:
 
 
 def former_settings(**names: str) -> Callable[[_Function], _Function]:
-    """Function that accepts the fields of its `settings` as keywords, and former keywords."""
+    """Decorator that accepts fields of `settings`, and old names of renamed keywords."""
 
     def decorate(function: _Function) -> _Function:
         default = inspect.signature(function).parameters["settings"].default
@@ -77,7 +77,7 @@ def former_settings(**names: str) -> Callable[[_Function], _Function]:
 def former_parts(
     parameter: str, whole: Callable[..., Any], parts: Iterable[str], **names: str
 ) -> Callable[[_Function], _Function]:
-    """Function that accepts the parts of one of its arguments as keywords, and former keywords.
+    """Decorator that accepts parts of an argument as keywords, and old names of renamed keywords.
 
     ``whole(value, **parts)`` is the argument with these parts.
     """
@@ -106,7 +106,7 @@ def former_parts(
 
 
 def _rename(function: Callable[..., Any], keywords: dict[str, Any], old: str, new: str) -> None:
-    """Give the value of a former keyword to the present one, unless both are given."""
+    """Rename a keyword from its old to its new name; raises an error if both are given."""
     if new in keywords:
         raise TypeError(f"{function.__qualname__} got both {old}= and {new}=, its present name")
     _warn(f"{old}= of {function.__qualname__}", f"{new}=", 4)

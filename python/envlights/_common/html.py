@@ -1,4 +1,4 @@
-"""HTML of results, without scripts, in the colours of the page, with embedded pictures."""
+"""HTML for results: no scripts, page colours, embedded pictures."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from numpy.typing import NDArray
 
 
 def block(title: str, in_short: str, *parts: str) -> str:
-    """Block of a result: its class and one line, above its parts."""
+    """HTML block of a result: class name and one line, followed by the parts."""
     head = f"<div><strong>{escape(title)}</strong> {escape(in_short)}</div>"
     return f"<div>{head}{''.join(parts)}</div>"
 
 
 def lines(text: str) -> str:
-    """Text with its line breaks."""
+    """HTML of a text with its line breaks."""
     return "".join(f"<div>{escape(line)}</div>" for line in text.splitlines())
 
 
 def picture(codes: NDArray[np.uint8], what: str) -> str:
-    """Image of RGB codes, (height, width, 3), with the text `what`."""
+    """HTML image of RGB pixels, (height, width, 3), with `what` as the alternative text."""
     height, width, _ = codes.shape
     data = base64.b64encode(png(codes)).decode()
     size = f'width="{width}" height="{height}"'
@@ -31,9 +31,9 @@ def picture(codes: NDArray[np.uint8], what: str) -> str:
 
 
 def png(codes: NDArray[np.uint8]) -> bytes:
-    """An RGB image, (height, width, 3), as a PNG file (ISO/IEC 15948)."""
+    """PNG file of an 8-bit RGB image, (height, width, 3) (ISO/IEC 15948)."""
     height, width, _ = codes.shape
-    # Encode each row as the difference from the row above, which suits smooth pictures.
+    # Encode each row as the difference from the row above, which compresses smooth pictures well.
     above = np.vstack([np.zeros((1, width, 3), np.uint8), codes[:-1]])
     rows = np.full((height, 1 + 3 * width), 2, np.uint8)
     rows[:, 1:] = (codes - above).reshape(height, -1)

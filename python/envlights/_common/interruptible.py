@@ -1,4 +1,4 @@
-"""Single NumPy operations in a thread, so that Ctrl-C need not wait for them.
+"""NumPy operations in a worker thread, so that Ctrl-C works immediately.
 
 Python handles signals between operations, and factorising a large matrix takes seconds. After
 Ctrl-C the thread finishes, and its result is dropped. It is no daemon, because Python may crash
@@ -16,9 +16,9 @@ from typing import TypeVar
 
 _T = TypeVar("_T")
 
-#: Multiplications in some hundredths of a second; shorter work needs no thread.
+#: Number of multiplications that take a few hundredths of a second; shorter work needs no thread.
 _MANY = 3e8
-#: Seconds between checks for signals; on Windows an endless wait receives none.
+#: Interval in seconds between checks for signals, because an endless wait on Windows receives none.
 _BETWEEN = 0.05
 
 
@@ -47,7 +47,7 @@ def interruptible(work: Callable[[], _T], multiplications: float) -> _T:
 
 
 def _settle(future: Future[_T], work: Callable[[], _T]) -> None:
-    """Put the result of `work`, or what it raises, into the `future`."""
+    """Store the result or the exception of `work` in the `future`."""
     try:
         future.set_result(work())
     except BaseException as error:

@@ -1,4 +1,4 @@
-"""Notes with codes, and the channel of `logging` that carries them."""
+"""Notes with codes, and the `logging` channel that reports them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from envlights._common.printable import printable
 LOG = logging.getLogger("envlights")
 LOG.addHandler(logging.NullHandler())
 
-#: Code of a text that is none of the package's own.
+#: Code of a text that no code matches.
 OTHER = "other"
 
 
@@ -19,16 +19,16 @@ class Code(NamedTuple):
     """Kind of notes."""
 
     phrases: tuple[str, ...]
-    """Parts of the sentence; each alone decides."""
+    """Parts of the sentence; a note that contains one of them has this code."""
 
     meaning: str
     """Meaning, for the documentation."""
 
     is_warning: bool = False
-    """True if results may be wrong; such notes are logged as warnings."""
+    """True if results may be wrong; these notes are logged as warnings."""
 
 
-#: Codes of notes, in the order in which they are tried.
+#: Codes of notes; the first match counts.
 CODES = {
     "black": Code((" is black everywhere",), "There is no light.", True),
     "sun-added": Code(("added as a disc: ", "as a light of its own: "), "A sun was added."),
@@ -135,17 +135,17 @@ CODES = {
 
 
 class Note(str):
-    """Remark on an assumption or a change: text on one line, with the `code` of its kind."""
+    """Note on an assumption or change: one line of text, with the `code` of its kind."""
 
     __slots__ = ()
 
     def __new__(cls, text: str = "") -> Note:
-        """Make `text` printable: a note of a file neither forges lines nor controls a terminal."""
+        """Make `text` printable, so that it cannot forge lines or control a terminal."""
         return super().__new__(cls, printable(text))
 
     @property
     def code(self) -> str:
-        """Key of `CODES`; "other" for a text that is none of the package's own."""
+        """Key of `CODES`; "other" if no code matches."""
         for code, kind in CODES.items():
             if any(phrase in self for phrase in kind.phrases):
                 return code
@@ -153,18 +153,18 @@ class Note(str):
 
 
 def black_note(light: Any, what: str = "map") -> tuple[str, ...]:
-    """Note on a map whose `light`, an array, is 0 everywhere; empty for others."""
+    """Note if the array `light` of a map is 0 everywhere; otherwise empty."""
     return () if light.any() else (f"the {what} is black everywhere, so there is no light to find",)
 
 
 def warnings(notes: Iterable[str]) -> tuple[str, ...]:
-    """Notes on what may make results wrong."""
+    """Notes that warn of possibly wrong results."""
     kinds = ((note, CODES.get(Note(note).code)) for note in notes)
     return tuple(note for note, kind in kinds if kind and kind.is_warning)
 
 
 def log(notes: Iterable[str]) -> None:
-    """Send notes to the channel "envlights" of `logging`; those on doubtful results as warnings."""
+    """Log notes to the channel "envlights"; possibly wrong results as warnings."""
     for note in notes:
         kind = CODES.get(Note(note).code)
         LOG.log(logging.WARNING if kind and kind.is_warning else logging.INFO, "%s", note)

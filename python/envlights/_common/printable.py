@@ -6,7 +6,7 @@ from typing import Any
 
 
 def printable(text: str) -> str:
-    r"""`text` on one line, with all other characters escaped as `repr` does.
+    r"""`text` on one line, with non-printable characters escaped as in `repr`.
 
     Neither escape sequences of terminals nor line breaks or changes of the direction of writing
     remain. Backslashes stay, so that text is not escaped twice.
@@ -20,7 +20,7 @@ def printable(text: str) -> str:
 
 
 def printable_parts(data: Any) -> Any:
-    """Content of a JSON file in which all text is printable."""
+    """Content of a JSON file with all texts made printable."""
     if isinstance(data, str):
         return printable(data)
     if isinstance(data, list):

@@ -1,4 +1,4 @@
-"""Progress bar for long work, in a terminal and in a notebook."""
+"""Progress bar for long operations, in terminals and notebooks."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ def progress_bar(
     is_seen = is_terminal or _is_notebook()
     if not (is_seen if progress is None else progress):
         return items
-    # Import tqdm only for a visible bar.
+    # Import tqdm only if a bar is shown.
     from tqdm import TqdmWarning
 
-    # Suppress the warning that the bar is text without ipywidgets.
+    # Suppress the warning of tqdm if ipywidgets are missing.
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", TqdmWarning)
         from tqdm.auto import tqdm

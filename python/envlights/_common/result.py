@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 class Result(ABC):
-    """Dataclass with a one-line `repr`, a text, a view in Jupyter, and an equality by value.
+    """Dataclass with a one-line `repr`, a text, a Jupyter view, and equality by value.
 
     A result names its short line, and perhaps a table, lines below it, and details; text and HTML
     follow. Two results are equal if their classes and all fields are equal, arrays value by value.
@@ -29,15 +29,15 @@ class Result(ABC):
     The constructor makes copies and unpickled objects too, so its checks hold for them.
     """
 
-    #: True if the text begins with the short line, as that in Jupyter always does.
+    #: True if the text begins with the one-line summary, as it always does in Jupyter.
     _is_headed: ClassVar[bool] = False
 
     @abstractmethod
     def in_short(self) -> str:
-        """One line, without the name of the class."""
+        """One-line summary without the class name."""
 
     def _table(self) -> Table | None:
-        """Table of the text."""
+        """Table in the text; None if there is none."""
         return None
 
     def _lines(self) -> Sequence[str]:
@@ -45,7 +45,7 @@ class Result(ABC):
         return ()
 
     def _details(self) -> Sequence[str]:
-        """Further lines of `verbose`."""
+        """Additional lines of `verbose`."""
         return ()
 
     def _pictures(self) -> Iterable[str]:
@@ -59,21 +59,21 @@ class Result(ABC):
         return "\n".join([*head, *rows, *map(printable, self._lines())]) or repr(self)
 
     def verbose(self) -> str:
-        """Text with all details; `str` gives the short one."""
+        """Text with all details; for the short text use `str`."""
         return "\n".join([str(self), *map(printable, self._details())])
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__}: {printable(self.in_short())}>"
 
     def _repr_pretty_(self, printer: Any, _: bool) -> None:
-        """The whole text for a single object, one line for an element of a list."""
+        """Full text for a single object, one line for an element of a list."""
         printer.text(repr(self) if printer.indentation else str(self))
 
     def _repr_html_(self) -> str:
         return html.block(type(self).__name__, self.in_short(), *self._html_parts())
 
     def _html_parts(self) -> Iterable[str]:
-        """HTML below the line: pictures, table, text."""
+        """HTML below the summary: pictures, table, text."""
         table = self._table()
         is_split = self._is_headed or table is not None
         text = "\n".join(map(printable, self._lines())) if is_split else str(self)
@@ -95,11 +95,11 @@ class Result(ABC):
 
 
 class TableResult(Result):
-    """Result whose content is a table, which is also a data frame."""
+    """Result that consists of a table, and converts to a data frame."""
 
     @abstractmethod
     def table(self) -> Table:
-        """Table of the text, with at most a dozen rows."""
+        """Table for the text, with at most a dozen rows."""
 
     @abstractmethod
     def columns(self) -> dict[str, NDArray[Any]]:

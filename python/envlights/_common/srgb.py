@@ -1,4 +1,4 @@
-"""Transfer function of sRGB (IEC 61966-2-1), its inverse, and codes by a table.
+"""Transfer function of sRGB (IEC 61966-2-1), its inverse, and table look-up of codes.
 
 NumPy computes it, because compiled powers differ in the last place, which would change pictures.
 """
@@ -15,7 +15,7 @@ from envlights import _native
 
 
 def encode_srgb(linear: NDArray[np.floating]) -> NDArray[np.floating]:
-    """Codes from 0 to 1 of linear values, which are clipped to 0 .. 1 first."""
+    """Codes from 0 to 1 by the sRGB curve, for linear values clipped to 0 .. 1."""
     linear = np.clip(linear, 0, 1)
     coded = 1.055 * linear ** (1 / 2.4) - 0.055
     clipped: NDArray[np.floating] = np.where(linear <= 0.0031308, 12.92 * linear, coded).clip(0, 1)
@@ -34,13 +34,13 @@ def decode_srgb(coded: ArrayLike) -> NDArray[np.float32]:
 
 
 def code_step(linear: NDArray[np.floating]) -> NDArray[np.float64]:
-    """Derivative of the linear value by its sRGB code."""
+    """Derivative of linear values with respect to their sRGB codes."""
     power = np.maximum(linear, 0.0031308).astype(np.float64) ** (1 - 1 / 2.4)
     return np.where(linear <= 0.0031308, 1 / 12.92, 2.4 / 1.055 * power)
 
 
 def decode_codes(codes: NDArray[Any]) -> NDArray[np.float32]:
-    """Linear values of sRGB codes of 8 or 16 bits, (h, w, 3); the largest code is 1."""
+    """Linear values of 8-bit or 16-bit sRGB codes, (h, w, 3); the largest code is 1."""
     return look_up(codes, _values(8 * codes.dtype.itemsize))
 
 
@@ -53,7 +53,7 @@ def _values(bits: int) -> NDArray[np.float32]:
 def look_up(
     codes: NDArray[Any], table: NDArray[np.float32], values: NDArray[np.float32] | None = None
 ) -> NDArray[np.float32]:
-    """Values of codes of 8 or 16 bits, (height, width, channels), in `values` if it is given.
+    """Table values of 8-bit or 16-bit codes, (height, width, channels), in `values` if given.
 
     `table` holds the value of each code, (n,), or (channels, n) with one row for each channel.
     """

@@ -27,16 +27,16 @@ MOST_ROWS = 12
 
 
 class Table(NamedTuple):
-    """Cells as text, and a line on hidden rows."""
+    """Table cells as text, and a summary of the hidden rows."""
 
     columns: Sequence[str]
-    """Names of the columns; a column without a name holds remarks and is left-aligned."""
+    """Column names; an unnamed column holds remarks and is left-aligned."""
 
     rows: Sequence[Sequence[str]]
     """The cells of each row."""
 
     rest: str = ""
-    """Summary of the hidden rows; of a table without rows, its whole text."""
+    """Summary of the hidden rows, or the text for an empty table."""
 
     colours: Sequence[str] = ()
     """Colour of each row as ``#rrggbb``, shown in HTML."""
@@ -74,7 +74,7 @@ class Table(NamedTuple):
 
 
 def frame_of(columns: Mapping[str, NDArray[Any]]) -> pd.DataFrame:
-    """Data frame of pandas, or a refusal if it is not installed."""
+    """Data frame of pandas; raises an error if pandas is not installed."""
     try:
         import pandas as pd
     except ImportError:
@@ -94,13 +94,13 @@ def csv_text(rows: Iterable[Iterable[Any]]) -> str:
 
 
 def csv_of(columns: Mapping[str, ArrayLike]) -> str:
-    """Lines of CSV of columns, below their names."""
+    """CSV text of columns, with a header line."""
     cells = (np.asarray(column).tolist() for column in columns.values())
     return csv_text([columns, *zip(*cells, strict=True)])
 
 
 def json_lines(rows: Iterable[Any]) -> str:
-    """Lines of JSON, which hold no infinity."""
+    """JSON lines, in which infinity is text."""
     import json
 
     return "".join(json.dumps(row, allow_nan=False) + "\n" for row in rows)
@@ -114,7 +114,7 @@ def json_text(content: Any) -> str:
 
 
 def check_suffix(path: str | os.PathLike[str], suffixes: Iterable[str]) -> str:
-    """Suffix of a file among these, in lower case, or a refusal."""
+    """Suffix of a file in lower case; raises an error if it is not among `suffixes`."""
     suffix = as_path(path).suffix.lower()
     if suffix not in suffixes:
         wanted = ", ".join(suffixes)
@@ -125,7 +125,7 @@ def check_suffix(path: str | os.PathLike[str], suffixes: Iterable[str]) -> str:
 def save_table(
     path: str | os.PathLike[str], writers: Mapping[str, Callable[[], str | bytes]]
 ) -> None:
-    """Write the content that the writer of the suffix returns."""
+    """Write the content that the writer for the suffix returns."""
     write_content(path, writers[check_suffix(path, writers)]())
 
 

@@ -6,7 +6,7 @@ from envlights import _native
 from envlights._common.check import count
 from envlights._native import EnvLightsError
 
-#: Largest number of threads; more would only cost memory.
+#: Largest number of threads; more would only waste memory.
 _MOST = 1024
 
 

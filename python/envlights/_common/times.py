@@ -1,4 +1,4 @@
-"""Wall times in reports; files hold none, so that the same work writes the same bytes."""
+"""Wall times for reports; files omit them, so that equal work writes equal bytes."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from time import perf_counter
 
 
 def time_lines(seconds: Mapping[str, float]) -> list[str]:
-    """Line on each stage, for `verbose`."""
+    """Line per stage, for `verbose`."""
     return [f"{stage}: {1e3 * time:.1f} ms" for stage, time in seconds.items()]
 
 
 class Clock:
-    """Wall time of each stage, after `laps` that are over."""
+    """Wall time of each stage, measured between calls of `lap`."""
 
     def __init__(self, laps: Mapping[str, float] | None = None) -> None:
         self.laps = dict(laps or {})
@@ -25,7 +25,7 @@ class Clock:
         self._last = now
 
     def add(self, stages: Iterable[tuple[str, float]]) -> None:
-        """Add stages that were measured elsewhere since the last lap."""
+        """Add times of stages that were measured elsewhere since the last lap."""
         for stage, seconds in stages:
             self.laps[stage] = self.laps.get(stage, 0.0) + seconds
         self._last = perf_counter()

@@ -16,12 +16,12 @@ def degrees(angle: float | None) -> str:
 
 
 def quantity(number: int, noun: str) -> str:
-    """Number of things: "1 light", "2 lights"."""
+    """Number with its noun: "1 light", "2 lights"."""
     return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
 def fill_template(template: str, **parts: str) -> str:
-    """Template with a text in place of each mark: `units` for ``@UNITS@``.
+    """Template with placeholders replaced by texts: ``@UNITS@`` by `units`.
 
     The template is read once, so that a mark inside a text stays as it is.
     """

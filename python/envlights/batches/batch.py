@@ -31,7 +31,7 @@ from envlights.batches.sources import items_of, with_unique_names
 from envlights.batches.work import METHODS, Task, check_options, files_of, name_of, work_on
 from envlights.environment.reading import Reading, check_reading
 
-#: Tasks that wait for each worker, so that none is idle while a row is written.
+#: Queued tasks per worker, so that workers stay busy while a row is written.
 _AHEAD = 2
 
 
@@ -155,7 +155,7 @@ def _version() -> str:
 def _method(
     what: Any, suffix: object, options: Mapping[str, Any], reading: Reading | None
 ) -> tuple[str, str, str | None]:
-    """Name of the work, its options as text, and the suffix; they are the key of a row."""
+    """Name of the work, its options as text, and the file suffix, which identify a row."""
     if suffix is not None and not (isinstance(suffix, str) and suffix.startswith(".")):
         raise EnvLightsError(f"suffix must be text that begins with a dot; got {describe(suffix)}")
     if isinstance(what, str) or not callable(what):
@@ -190,7 +190,7 @@ def _tasks(
     method: tuple[str, str, str | None],
     calls: set[str],
 ) -> Iterator[Task]:
-    """Work on each map, made when a worker is free; `calls` gets their sources."""
+    """Tasks, one per map, created when a worker is free; their sources are added to `calls`."""
     names = {source: entry.name for source, entry in journal.entries.items()}
     out = None if folder is None else str(folder)
     for name, source, content in with_unique_names(items_of(maps, folder), names):
@@ -201,7 +201,7 @@ def _tasks(
 
 
 def _keep(task: Task, future: Future[Any], journal: Journal, head: dict[str, Any]) -> bool:
-    """Write the row of a map; False if it was there already."""
+    """Write the row of a map; False if the row existed already."""
     try:
         row = future.result()
     except BrokenExecutor:

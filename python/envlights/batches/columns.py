@@ -57,12 +57,12 @@ COLUMNS = {
 
 
 def check_kind(of: object) -> None:
-    """Refuse the name of a table that does not exist."""
+    """Raise an error for an unknown table name."""
     check_choice("of", of, tuple(COLUMNS))
 
 
 def flat_rows(rows: Iterable[dict[str, Any]], of: str) -> Iterator[dict[str, Any]]:
-    """Rows of the table `of` lights or maps, all with the same columns."""
+    """Flat rows of the table `of` lights or maps, all with the same columns."""
     check_kind(of)
     for row in rows:
         red, green, blue = row.get("ambient") or (None, None, None)
@@ -88,7 +88,7 @@ def _flat_light(light: dict[str, Any]) -> dict[str, Any]:
 
 
 def _values(values: dict[str, Any]) -> dict[str, Any]:
-    """Values of a function of the user; a dict becomes text of JSON."""
+    """Values that a user's function returned; dictionaries become JSON text."""
     return {
         f"value_{name}": json.dumps(value) if isinstance(value, dict) else value
         for name, value in values.items()
@@ -102,7 +102,7 @@ SUFFIXES = (".csv", ".jsonl", ".parquet")
 def save_rows(
     path: str | os.PathLike[str], rows: Sequence[dict[str, Any]], columns: Mapping[str, str]
 ) -> None:
-    """Write rows with typed `columns`; further columns get the type of their values."""
+    """Write rows with typed `columns`; the types of other columns follow from their values."""
     check_table(path)
     writers: dict[str, Callable[[], str | bytes]] = {
         ".csv": lambda: _csv(rows, columns),
@@ -113,7 +113,7 @@ def save_rows(
 
 
 def check_table(path: str | os.PathLike[str]) -> None:
-    """Refuse a table that could not be written, before the work for it is done."""
+    """Raise an error for a table that cannot be written, before the work."""
     if check_suffix(path, SUFFIXES) == ".parquet":
         _arrow()
 
@@ -128,7 +128,7 @@ def _arrow() -> Any:
 
 
 def _names(rows: Sequence[dict[str, Any]], columns: Mapping[str, str]) -> list[str]:
-    """Columns, and those that only some rows have."""
+    """Column names, including columns that only some rows have."""
     return [*columns, *dict.fromkeys(name for row in rows for name in row if name not in columns)]
 
 
@@ -159,7 +159,7 @@ def _parquet(rows: Sequence[dict[str, Any]], columns: Mapping[str, str]) -> byte
 
 
 def _column(arrow: Any, values: list[Any], kind: Any) -> Any:
-    """Column of a type, or of the type of its values; mixed ones become texts of JSON."""
+    """Column with a type, or with the type of its values; mixed values become JSON text."""
     try:
         return arrow.array(values, kind)
     except (arrow.ArrowInvalid, arrow.ArrowTypeError):

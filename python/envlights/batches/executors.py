@@ -1,4 +1,4 @@
-"""Executors of a batch: our own pools, or anything with `submit`, whose results have `result`."""
+"""Executors for batches: own pools, or objects whose `submit` returns something with `result`."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from envlights._native import EnvLightsError
 
 _Task = TypeVar("_Task")
 
-#: Refusal after a worker died with its pool.
+#: Error message after a worker process died.
 KILLED = (
     "a worker process was killed, perhaps because the memory was full; start the batch again with"
     " fewer jobs, and it goes on"
@@ -36,7 +36,7 @@ NAMES = ("thread", "process")
 
 @contextlib.contextmanager
 def executor_of(executor: Any, jobs: int) -> Iterator[Any]:
-    """Executor of the argument of `batch`: anything with `submit`, or our own for the batch."""
+    """Executor for `batch`: the given one, or an own pool for the duration of the batch."""
     if executor is None and jobs == 1:
         yield _Inline()
     elif executor is None or isinstance(executor, str):
@@ -66,7 +66,7 @@ def _own(name: str, jobs: int) -> Iterator[Executor]:
 
 
 def _end_with_parent() -> None:
-    """End this worker when its parent is killed; the queue of the pool would wait for ever."""
+    """End this worker when its parent is killed, because the queue would block forever."""
 
     def wait_for_parent() -> None:
         if (parent := parent_process()) is not None:
@@ -80,21 +80,21 @@ class _Inline(Executor):
     """Executor that works in the calling thread."""
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
-        """Finished future of the call."""
+        """Completed future for the call."""
         future: Future[Any] = Future()
         future.set_result(fn(*args, **kwargs))
         return future
 
 
 def jobs_of(executor: Any, jobs: int | None) -> int:
-    """Maps at once: `jobs`, the workers of the executor if it says so, or the cores here."""
+    """Number of concurrent maps: `jobs`, the workers of the executor, or the local cores."""
     workers = getattr(executor, "_max_workers", None) or getattr(executor, "num_workers", None)
     known = jobs or workers or _cores(executor)
     return known if isinstance(known, int) and known > 0 else _native.threads(None)
 
 
 def threads_of(executor: Any, jobs: int) -> int | None:
-    """Threads of the kernels of each worker, so that the workers of this machine share its cores.
+    """Kernel threads per worker, so that local workers share the cores.
 
     None leaves them: workers of an executor that we do not know may be on other machines. One that
     counts the cores of its workers, as Dask does, gives each map one core.
@@ -105,16 +105,16 @@ def threads_of(executor: Any, jobs: int) -> int | None:
 
 
 def _cores(executor: Any) -> int:
-    """Cores of all workers of a client of Dask; 0 for other executors."""
+    """Total cores of all workers of a Dask client; 0 for other executors."""
     try:
         return sum(executor.ncores().values())
-    except (AttributeError, TypeError):  # no client of Dask
+    except (AttributeError, TypeError):  # not a Dask client
         return 0
 
 
 @contextlib.contextmanager
 def threads_restored() -> Iterator[None]:
-    """Number of threads of this process after the batch as before."""
+    """Context that restores the number of kernel threads after the batch."""
     before = _native.threads(None)
     try:
         yield
@@ -126,9 +126,10 @@ def threads_restored() -> Iterator[None]:
 def in_window(
     executor: Any, work: Callable[[_Task], Any], tasks: Iterable[_Task], width: int
 ) -> Iterator[tuple[_Task, Future[Any]]]:
-    """Finished futures of all tasks with their tasks; at most `width` tasks wait or run."""
+    """Tasks with their completed futures; at most `width` tasks are pending or running."""
     pending: dict[Future[Any], tuple[_Task, Any]] = {}
-    # Jobs of other libraries can only be waited for one by one, so each gets a waiting thread.
+    # Start a waiting thread per job, because jobs of other libraries can only be awaited
+    # individually.
     waiters = ThreadPoolExecutor(width, "envlights-wait")
     try:
         for task in tasks:
@@ -146,13 +147,13 @@ def in_window(
             yield from _next_futures(pending)
     finally:
         for _, job in pending.values():
-            with contextlib.suppress(Exception):  # jobs of others may not have it
+            with contextlib.suppress(Exception):  # other libraries may not support it
                 job.cancel()
         waiters.shutdown(wait=False, cancel_futures=True)
 
 
 def _submit(executor: Any, work: Callable[[_Task], Any], task: _Task) -> Any:
-    """Job of a task, or a refusal if the executor does not take it."""
+    """Submitted task; raises an error if the executor rejects it."""
     try:
         return executor.submit(work, task)
     except BrokenExecutor:

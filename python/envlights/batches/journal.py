@@ -1,4 +1,4 @@
-"""Rows of a batch as lines of JSON, which a killed process leaves whole.
+"""Rows of a batch as JSON lines, which stay valid if a process is killed.
 
 A row is one `write` to a file that is open for appending. Once it returns, the system has the line,
 so a killed process loses nothing; at most its last line is torn, and the next start cuts it off. A
@@ -31,20 +31,20 @@ except ImportError:  # Windows
 
 #: Name of the file of rows in the folder of a batch.
 JOURNAL = "batch.jsonl"
-#: Name at the beginning of a row, also of a torn one.
+#: First key of a row, which identifies also an incomplete row.
 _NAME = re.compile(rb'^\{"name": ("(?:[^"\\]|\\.)*")')
-#: Keys that each row has.
+#: Keys of each row.
 _KEYS = {"name", "source", "sha256", "what", "options", "suffix"}
-#: Most seconds of rows that a crash of the machine can lose.
+#: Seconds between flushes to disk: the most that a system crash can lose.
 _SYNC_SECONDS = 5.0
 
 
-#: Beginnings of our lines; a killed process may leave a part of one.
+#: Prefixes of journal lines; a killed process may leave an incomplete line.
 _STARTS = (b'{"name": ', b'{"claims": ')
 
 
 def row_of_line(line: bytes) -> dict[str, Any] | None:
-    """Row of a line; None for claims, and for a line that is damaged or of another program."""
+    """Row in a line; None for claims, damaged lines, and lines of other programs."""
     try:
         row = json.loads(line)
         return row if row.keys() >= _KEYS else None
@@ -61,7 +61,7 @@ def _is_json(line: bytes) -> bool:
 
 
 def _claims_of_line(line: bytes) -> list[str] | None:
-    """Names of files that a line claims; None for other lines."""
+    """File names claimed in a line; None for other lines."""
     try:
         data = json.loads(line)
         return [str(each) for each in data["claims"]] if data.keys() == {"claims"} else None
@@ -70,14 +70,14 @@ def _claims_of_line(line: bytes) -> list[str] | None:
 
 
 class Entry(NamedTuple):
-    """Last row of a source, without its numbers."""
+    """Last row of a source, reduced to its identification."""
 
     name: str
     sha256: str | None
-    """Hash of the map; None after a failure, so that it is tried again."""
+    """Hash of the map; None after a failure, so that the map is tried again."""
 
     method: tuple[str, str, str | None]
-    """Method, options and suffix of the file."""
+    """Method, options and file suffix."""
 
     file: str | None
     start: int
@@ -85,7 +85,7 @@ class Entry(NamedTuple):
 
 
 class Journal:
-    """Rows in a file of the folder, or in memory without a folder."""
+    """Rows in a file of the folder, or in memory if there is no folder."""
 
     def __init__(self, folder: Path | None) -> None:
         self._folder = folder
@@ -104,7 +104,7 @@ class Journal:
             raise
 
     def _recover(self) -> None:
-        """Read the rows of earlier runs, and cut off a torn line of ours."""
+        """Read the rows of earlier runs, and cut off an incomplete line."""
         self._file.seek(0)
         whole, others = 0, 0
         for line in self._file:
@@ -114,7 +114,8 @@ class Journal:
                 self._torn.update(_NAME.findall(line))
                 break
             if not self._note(line, whole):
-                # A crash of the machine damages lines; one of another program is whole.
+                # A system crash damages lines; a complete line without a row belongs to another
+                # program.
                 others += _is_json(line) or not (self.entries or self._claims)
                 self._torn.update(_NAME.findall(line))
             whole += len(line)
@@ -127,7 +128,7 @@ class Journal:
         self._end = whole
 
     def _note(self, line: bytes, start: int) -> bool:
-        """Keep the place of a row, or claims; False for a line that is none of ours."""
+        """Store the file position of a row, or claims; False for lines of other programs."""
         if (claims := _claims_of_line(line)) is not None:
             self._claims.update(claims)
             return True
@@ -141,7 +142,7 @@ class Journal:
         return True
 
     def claim(self, name: str, files: Iterable[str]) -> frozenset[str]:
-        """Files of a map that are ours: claimed before, or not there yet."""
+        """Claim output files for a map; return those that this batch may write."""
         if self._folder is None:
             return frozenset()
         if json.dumps(name).encode() in self._torn:
@@ -159,7 +160,7 @@ class Journal:
     def finished_hash(
         self, source: str, name: str, method: tuple[str, str, str | None]
     ) -> str | None:
-        """SHA-256 of a map whose row and file are there for the same method, or None."""
+        """SHA-256 of a map whose row and file exist for the same method; otherwise None."""
         entry = self.entries.get(source)
         if entry is None or entry.method != method or entry.name != name:
             return None
@@ -167,14 +168,14 @@ class Journal:
         return entry.sha256 if is_there else None
 
     def append(self, row: dict[str, Any]) -> None:
-        """Write a row as a whole line; the file of its map is on the disk already."""
+        """Write a complete row; the file of its map must already be on disk."""
         line = json_lines([row]).encode()
         start = self._end
         self._write(line)
         self._note(line, start)
 
     def _write(self, line: bytes) -> None:
-        """Write a line at the end at once, or refuse if the disk is full."""
+        """Append a line in a single write; raises an error if the disk is full."""
         sink = getattr(self._file, "raw", self._file)  # a buffer would be written again at the end
         try:
             sink.seek(0, io.SEEK_END)
@@ -198,14 +199,14 @@ class Journal:
             yield self._file.read(entry.length)
 
     def finish(self) -> bytes:
-        """Write the last row of each source alone, sorted by name; the rows if in memory."""
+        """Compact the file to the last row per source, sorted by name; return rows in memory."""
         if self._folder is None:
             return b"".join(self.lines())
         write_atomically(self._folder / JOURNAL, self._write_lines)
         return b""
 
     def _write_lines(self, path: Path) -> None:
-        """Write the rows, and claims of files that no row names."""
+        """Write the rows, and claims on files that no row names."""
         named = {entry.file for entry in self.entries.values()}
         others = sorted(self._claims - named)
         claims = [each for each in others if self._folder and (self._folder / each).exists()]
@@ -219,7 +220,7 @@ class Journal:
 
 
 def _lock_file(path: Path) -> IO[bytes]:
-    """File of rows, open for one batch; a second one in the same folder is refused."""
+    """Open file of rows, locked for one batch; raises an error for a second batch in the folder."""
     check_writable(path)
     try:
         file = path.open("a+b")

@@ -23,16 +23,16 @@ from envlights.rigs.rig import Rig
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LabelArrays(Result):
-    """Lights of n maps with k places each, float32; places without a light are 0."""
+    """Lights of n maps in k slots each, float32; empty slots are 0."""
 
     names: tuple[str, ...]
-    """Name of each map; empty text for one without."""
+    """Name of each map; empty text if unnamed."""
 
     mask: NDArray[np.bool_]
-    """True for a place with a light, (n, k)."""
+    """True for slots with a light, (n, k)."""
 
     direction: NDArray[np.float32]
-    """Unit vectors towards the lights: right-handed, +y up, (n, k, 3)."""
+    """Unit vectors to the lights: right-handed, +y up, (n, k, 3)."""
 
     irradiance: NDArray[np.float32]
     """Linear RGB at normal incidence, (n, k, 3)."""
@@ -52,11 +52,12 @@ class LabelArrays(Result):
     For lights of `detect` or `split`, that of the map without them; 0 for lights without either."""
 
     ambient_harmonics: NDArray[np.float32]
-    """Ambient term in the harmonics of `Rig.ambient`, (n, 9, 3); a constant one has only the first.
+    """Ambient term in the harmonics of `Rig.ambient`, (n, 9, 3); if constant, only the first is not
+    0.
     """
 
     left_out: NDArray[np.float32]
-    """Fraction of the luminance of the lights that have no place, (n,)."""
+    """Fraction of the luminance in lights without a slot, (n,)."""
 
     @property
     def solid_angle(self) -> NDArray[np.float32]:
@@ -67,7 +68,7 @@ class LabelArrays(Result):
         return len(self.mask)
 
     def in_short(self) -> str:
-        """Number of maps, of places and of lights."""
+        """Number of maps, slots and lights."""
         return f"{len(self)} maps with {self.mask.shape[1]} places, {self.mask.sum()} lights"
 
     def __str__(self) -> str:
@@ -81,7 +82,7 @@ class LabelArrays(Result):
 
 @named_arguments()
 def label_arrays(labels: Batch | Iterable[Rig | Lights], lights: int) -> LabelArrays:
-    r"""Lights of many maps as arrays of one size, to train networks on.
+    r"""Lights of many maps as arrays of equal size, to train networks.
 
     Parameters
     ----------
@@ -166,7 +167,7 @@ def _gaussians(
     irradiance: NDArray[np.float64],
     radius: NDArray[np.float64],
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Sharpness and amplitude of each light, 0 in places without one."""
+    """Sharpness and amplitude of each light, 0 in empty slots."""
     found: SphericalGaussians = lobes(
         direction[mask], irradiance[mask], np.minimum(radius[mask], np.pi / 2)
     )

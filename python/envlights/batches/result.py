@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Batch(Result):
-    """Rows of the maps of a batch, sorted by name, and the reasons of failures.
+    """Rows of the maps of a batch, sorted by name, with reasons of failures.
 
     The rows of a folder stay in its file and are read when they are needed.
     """
@@ -38,20 +38,20 @@ class Batch(Result):
     """Folder with the files and the rows; empty if the rows are in memory."""
 
     lines: bytes = b""
-    """Rows as lines of JSON; empty if they are in the folder."""
+    """Rows as JSON lines; empty if they are in the folder."""
 
     unchanged: int = field(default=0, compare=False)
-    """Number of maps that were finished before, so that they were not done again."""
+    """Number of maps that were already finished, and therefore skipped."""
 
     seconds: float = field(default=0.0, compare=False)
     """Wall time of the batch."""
 
     sources: frozenset[str] | None = field(default=None, compare=False)
-    """Sources of the maps of the call; None for all rows of the folder."""
+    """Sources of the maps in this call; None for all rows of the folder."""
 
     @classmethod
     def load(cls, folder: str | os.PathLike[str]) -> Batch:
-        """Rows of the folder of an earlier batch.
+        """Rows in the folder of an earlier batch.
 
         Raises
         ------
@@ -67,11 +67,11 @@ class Batch(Result):
         return batch
 
     def rows(self) -> Iterator[dict[str, Any]]:
-        """Row of each map of the call: a dict of plain values, with a list of its `lights`."""
+        """Row of each map in this call, as a dictionary with a list of `lights`."""
         return (row for row in self._rows() if self._is_of_call(row))
 
     def _rows(self) -> Iterator[dict[str, Any]]:
-        """All rows of the folder; torn and damaged lines are left out."""
+        """All rows in the folder, except incomplete and damaged lines."""
         if not self.folder:
             yield from filter(None, map(row_of_line, self.lines.splitlines()))
             return
@@ -89,7 +89,7 @@ class Batch(Result):
 
     @cached_property
     def _other_runs(self) -> Counter[str]:
-        """Number of rows of each other run in the folder, by its work and options."""
+        """Number of rows of each other run in the folder, by method and options."""
         others = (row for row in self._rows() if not self._is_of_call(row))
         return Counter(f"{row['what']} {row['options']}" for row in others)
 
@@ -113,7 +113,7 @@ class Batch(Result):
 
     @property
     def failures(self) -> Mapping[str, str]:
-        """Class and sentence of the failure of each map that has one, by name."""
+        """Class and message of each failure, by map name."""
         return self._summary[1]
 
     @property
@@ -154,7 +154,7 @@ class Batch(Result):
         }
 
     def table(self, of: str = "lights") -> Iterator[dict[str, Any]]:
-        """Flat rows, each with the same columns, of "lights" or of "maps"."""
+        """Flat rows of "lights" or "maps", all with the same columns."""
         return columns.flat_rows(self.rows(), of)
 
     def to_frame(self, of: str = "lights") -> pd.DataFrame:
@@ -179,7 +179,7 @@ class Batch(Result):
 
 
 def _array(values: list[Any]) -> np.ndarray[Any, Any]:
-    """Column of a data frame; missing numbers are NaN, lists and texts stay objects."""
+    """Column of a data frame; missing numbers are NaN, lists and texts remain objects."""
     if all(isinstance(value, float | int | bool | None) for value in values):
         if not any(value is None for value in values):
             return np.array(values)

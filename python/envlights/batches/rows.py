@@ -1,4 +1,4 @@
-"""Row of a result: plain numbers and texts of a rig, of lights, or of a function of the user."""
+"""Row for a result: numbers and texts of a rig, of lights, or of a user's function."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from envlights.rigs.rig import Rig
 
 
 def row_of(result: Any) -> dict[str, Any]:
-    """Numbers and texts of a result, with one entry for each of its lights."""
+    """Numbers and texts of a result, with an entry for each light."""
     if isinstance(result, Rig):
         return _of_rig(result)
     if isinstance(result, Lights):
@@ -37,7 +37,7 @@ def row_of(result: Any) -> dict[str, Any]:
 
 
 def note_codes(notes: Iterable[Any]) -> list[str]:
-    """Code of each note; the text of a note without a code."""
+    """Code of each note; the text for a note without a code."""
     return [str(getattr(note, "code", note)) for note in notes]
 
 
@@ -67,7 +67,7 @@ def _of_lights(lights: Lights) -> dict[str, Any]:
 
 
 def _of_remainder(env: EnvMap | None) -> dict[str, Any]:
-    """Notes and mean radiance of a map without the lights."""
+    """Notes and mean radiance of a map without its lights."""
     if env is None:
         return {"notes": []}
     mean = mean_radiance(env.radiance, env.is_border_sampled, env.coverage_fraction)
@@ -75,7 +75,7 @@ def _of_remainder(env: EnvMap | None) -> dict[str, Any]:
 
 
 def _each_light(lights: Lights, tolerances: Iterable[float] = ()) -> list[dict[str, Any]]:
-    """Numbers of each light, brightest first; None for those that the method does not measure."""
+    """Numbers of each light, brightest first; None for values that were not measured."""
     columns: dict[str, Any] = {
         "direction": lights.direction.tolist(),
         "irradiance": lights.irradiance.tolist(),
@@ -94,5 +94,5 @@ def _each_light(lights: Lights, tolerances: Iterable[float] = ()) -> list[dict[s
 
 
 def plain(value: Any) -> Any:
-    """Plain `value`; numbers that are not finite become None."""
+    """Plain `value`; non-finite numbers become None."""
     return plain_values(value, infinity=None)

@@ -1,4 +1,4 @@
-"""Maps of a batch, one after the other: from files, folders, patterns, lists of paths, arrays."""
+"""Maps of a batch as an iterator: from files, folders, patterns, lists of paths, arrays."""
 
 from __future__ import annotations
 
@@ -21,27 +21,27 @@ from envlights._native import EnvLightsError
 from envlights.environment.decoders.source import ADDRESS
 from envlights.environment.envmap import EnvMap
 
-#: Suffixes of lists of paths.
+#: Suffixes of path lists.
 _LISTS = (".txt", ".jsonl")
-#: Characters of a pattern.
+#: Wildcard characters.
 _PATTERN = re.compile(r"[*?\[]")
 
 
 class Item(NamedTuple):
-    """A map of a batch, not read yet."""
+    """Map of a batch, not read yet."""
 
     name: str
-    """Name of its row and of its file, without suffix."""
+    """Name of the row and the output file, without suffix."""
 
     source: str
-    """Path or address; the name of an array."""
+    """Path or address, or the name of an array."""
 
     content: Any
-    """Path, address, files of a cube, `EnvMap` or array."""
+    """Path, address, six files of a cube, `EnvMap` or array."""
 
 
 def items_of(maps: Any, out: Path | None = None) -> Iterator[Item]:
-    """Maps of the first argument of `batch`, each made when it is needed.
+    """Maps from the first argument of `batch`, each created when needed.
 
     Folders and patterns leave out the files of the folder `out`, where a split saves maps.
     """
@@ -67,7 +67,7 @@ def _items_of_entry(number: int, entry: Any, out: Path | None) -> Iterator[Item]
 
 
 def _file_name(name: str) -> str:
-    """`name`, or a refusal of one that would leave the folder of the files."""
+    """Checked `name`; raises an error if it would leave the output folder."""
     parts = re.split(r"[/\\]", name)
     if any(part in ("", ".", "..") for part in parts):
         raise EnvLightsError(f"the name of a map must name a file in the folder; got '{name}'")
@@ -75,7 +75,7 @@ def _file_name(name: str) -> str:
 
 
 def _items_of_text(text: str, out: Path | None) -> Iterator[Item]:
-    """Maps of a path, a folder, a pattern, a list of paths or an address."""
+    """Maps from a path, folder, pattern, list of paths or address."""
     if ADDRESS.match(text):
         for address in _addresses(text):
             yield Item(_stem(address), address, address)
@@ -110,13 +110,13 @@ def _items_of_folder(folder: Path, out: Path | None) -> Iterator[Item]:
 
 def _is_below(path: str | Path, folder: Path | None) -> bool:
     """True if `path` is `folder` or lies in it."""
-    # `Path.resolve` fails at loops of links.
+    # `Path.resolve` fails for circular links.
     real = os.path.realpath
     return folder is not None and Path(real(path)).is_relative_to(real(folder))
 
 
 def _outside(out: Path | None) -> str:
-    """End of a refusal if the folder of the results was left out."""
+    """End of the error message if the output folder was ignored."""
     return "" if out is None else f" outside of the folder of the results, '{out}'"
 
 
@@ -128,7 +128,7 @@ def _matches(pattern: str, out: Path | None) -> list[str]:
 
 
 def _addresses(text: str) -> list[str]:
-    """Addresses that match a pattern of fsspec; an address without a pattern is one map."""
+    """Addresses that match an fsspec pattern; without wildcards, the address itself."""
     if not _PATTERN.search(text):
         return [text]
     try:
@@ -146,7 +146,7 @@ def _addresses(text: str) -> list[str]:
 
 
 def _items_of_list(path: Path) -> Iterator[Item]:
-    """Maps of a list with a path on each line, or an object with `path` and perhaps `name`."""
+    """Maps from a list with a path per line, or a JSON object with `path` and optional `name`."""
     for number, line in enumerate(read_text(path).splitlines(), 1):
         text = line.strip()
         if text and not text.startswith("#"):
@@ -172,7 +172,7 @@ def _items_of_line(path: Path, number: int, text: str) -> Iterator[Item]:
 
 
 def with_unique_names(items: Iterable[Item], known: Mapping[str, str]) -> Iterator[Item]:
-    """Items with different names: those of known sources, else with a mark of the source.
+    """Items with unique names: known names for known sources, otherwise with a hash of the source.
 
     A path that comes again is left out.
     """

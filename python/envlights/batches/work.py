@@ -1,4 +1,4 @@
-"""Work on one map: read, hash, fit and save it. It runs on the workers, so it can be pickled."""
+"""Work on one map: read, hash, fit and save. It is pickled, because it runs in worker processes."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ METHODS: dict[str, Callable[..., Any]] = {
     "split": split,
     "error_curve": error_curve,
 }
-#: Bytes of a file that are hashed at once.
+#: Number of bytes that are hashed at once.
 _BLOCK = 2**20
 
 
@@ -43,28 +43,28 @@ class Task(NamedTuple):
     source: str
     content: Any
     what: str | Callable[..., Any]
-    """Name of a method, or a function of the user."""
+    """Name of a method, or a user's function."""
 
     options: Mapping[str, Any]
     folder: str | None
-    """Folder of the file that is saved; None: nothing is saved."""
+    """Folder for the saved file; None to save nothing."""
 
     suffix: str | None
     threads: int | None
-    """Threads of the kernels; None leaves them."""
+    """Number of kernel threads; None leaves it unchanged."""
 
     known: str | None
-    """SHA-256 of the content whose row is there already."""
+    """SHA-256 of the content that already has a row."""
 
     own: frozenset[str] = frozenset()
-    """Files in the folder that this batch may write."""
+    """Files in the folder that this batch may overwrite."""
 
     reading: Reading | None = None
-    """Options on how the map is read."""
+    """Options for reading the map."""
 
 
 def work_on(task: Task) -> dict[str, Any] | None:
-    """Row of a map, with the reason of a failure; None if its row is there already."""
+    """Row for a map, or for its failure; None if the row exists already."""
     start = perf_counter()
     row: dict[str, Any] = {"name": task.name, "source": task.source, "sha256": None}
     try:
@@ -75,7 +75,7 @@ def work_on(task: Task) -> dict[str, Any] | None:
         result = _apply(task, content)
         row |= row_of(result)
         row["file"] = _save(task, result)
-    except Exception as error:  # any failure costs one row, not the batch
+    except Exception as error:  # any failure becomes a row, and does not stop the batch
         row["failure"] = f"{type(error).__name__}: {printable(str(error))}"
     row["seconds"] = round(perf_counter() - start, 6)
     return row
@@ -84,7 +84,7 @@ def work_on(task: Task) -> dict[str, Any] | None:
 def row(
     env: Any, what: str | Callable[..., Any] = "fit", *, threads: int = 1, **options: Any
 ) -> dict[str, Any]:
-    """Row of one map, for engines that distribute work themselves, such as Ray or a Slurm array.
+    """Row for one map, for frameworks that distribute work themselves, such as Ray or Slurm arrays.
 
     It keeps no state and never fails because of a map: a failure is a part of the row.
 
@@ -122,7 +122,7 @@ def row(
     if isinstance(what, str) and what not in METHODS:
         raise EnvLightsError(f"what must be one of {', '.join(METHODS)}, or a function; got {what}")
     if isinstance(what, str) and options.keys() - inspect.signature(METHODS[what]).parameters:
-        check_options(what, options)  # raises, with a suggestion
+        check_options(what, options)  # raises an error with a suggestion
     found = work_on(Task("", "", env, what, options, None, None, threads, None)) or {}
     return {name: value for name, value in found.items() if name not in {"name", "source", "file"}}
 
@@ -141,7 +141,7 @@ def _apply(task: Task, content: Any) -> Any:
 
 
 def _with_hash(content: Any) -> tuple[Any, str]:
-    """Content that can be read twice, and its SHA-256."""
+    """Content in a form that can be read twice, and its SHA-256."""
     digest = hashlib.sha256()
     content = _readable(content)
     for part in _parts(content):
@@ -150,7 +150,7 @@ def _with_hash(content: Any) -> tuple[Any, str]:
 
 
 def _readable(content: Any) -> Any:
-    """`content`, with the bytes behind an address or a file object read once."""
+    """`content`, with addresses and file objects replaced by their bytes."""
     is_remote = isinstance(content, str) and ADDRESS.match(content)
     if is_remote or hasattr(content, "read"):
         return named_source(content).content()
@@ -158,7 +158,7 @@ def _readable(content: Any) -> Any:
 
 
 def _parts(content: Any) -> Iterator[Any]:
-    """Bytes that determine a map, in blocks."""
+    """Blocks of bytes that determine a map, for hashing."""
     if isinstance(content, EnvMap):
         shape, kind = content.radiance.shape, content.registration
         yield f"{shape} {kind} {content.clip_level} {content.units}".encode()
@@ -183,14 +183,14 @@ def _parts(content: Any) -> Iterator[Any]:
 
 
 def files_of(name: str, what: str | Callable[..., Any], suffix: str | None) -> list[str]:
-    """Files in the folder that the work on a map may write; the last one is that of the result."""
+    """Files in the folder that may be written for a map; the last one is the result."""
     has_map = suffix not in MAP_SUFFIXES and (what == "split" or callable(what))
     suffixes = [*([MAP_SUFFIXES[0]] if has_map else []), suffix]
     return [f"{name}{each}" for each in suffixes if each is not None] if suffix else []
 
 
 def _save(task: Task, result: Any) -> str | None:
-    """Save the result in the folder; name of its file, or None if there is none."""
+    """Save the result in the folder; return the file name, or None if nothing is saved."""
     if task.folder is None or task.suffix is None or not hasattr(result, "save"):
         return None
     has_map = isinstance(getattr(result, "remainder", None), EnvMap)
@@ -209,7 +209,7 @@ def _save(task: Task, result: Any) -> str | None:
 
 
 def _check_source_stays(source: str, paths: Iterable[Path]) -> None:
-    """Refuse to save a result over its own map."""
+    """Raise an error if the result would overwrite its own map."""
     if any(path.exists() and Path(source).exists() and path.samefile(source) for path in paths):
         raise EnvLightsError(
             f"the result would be saved over its map, {source}; give another folder"
@@ -219,19 +219,19 @@ def _check_source_stays(source: str, paths: Iterable[Path]) -> None:
 def check_options(
     what: str, options: Mapping[str, Any], work: Callable[..., Any] | None = None
 ) -> None:
-    """Refuse options that no map could be fitted with, by the fit of a small grey map."""
+    """Raise an error for options that are always invalid, by fitting a small grey map."""
     try:
         (work or METHODS[what])(np.ones((8, 16, 3), np.float32), **options)
     except TypeError as error:
         raise EnvLightsError(f"{what} refuses an option of the batch: {error}") from None
 
 
-#: Digits of the mark of a text: 2 texts of a function meet by chance once in 2^48.
+#: Digits of the hash of a function's source: two sources collide with probability 2^-48.
 _DIGITS = 12
 
 
 def name_of(function: Callable[..., Any]) -> str:
-    """Module and name of a function, with a mark of its text and of arguments bound by `partial`.
+    """Module and name of a function, with a hash of its source and of arguments bound by `partial`.
 
     A function whose text is not in a file, such as one of C, has its name alone.
     """

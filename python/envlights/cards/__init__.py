@@ -1,4 +1,4 @@
-"""Light cards: planar lights with a place, a shape and a texture.
+"""Light cards: planar lights with a position, a shape and a texture.
 
 - `geometry`: the 3x3 matrix of a card
 - `arrays`: checks of the arrays of cards

@@ -1,4 +1,4 @@
-"""Checks and defaults of the arrays of cards."""
+"""Checks and defaults for the array fields of cards."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ OUTLINED, ROUND = ("rectangle", "tube", "disc", "sphere"), ("disc", "sphere")
 
 
 def matrices(values: ArrayLike) -> NDArray[np.float64]:
-    """Matrices of cards, or a refusal of those that are not seen from the origin."""
+    """Matrices of cards; raises an error for cards that are invisible from the origin."""
     matrix = reals("matrix", values, 3) if np.size(values) else np.zeros((0, 3, 3))
     if matrix.shape[1:] != (3, 3):
         raise EnvLightsError(f"matrix must have the shape (n, 3, 3); got {matrix.shape}")
@@ -35,7 +35,7 @@ def matrices(values: ArrayLike) -> NDArray[np.float64]:
 
 
 def shapes(values: Sequence[str], cards: int) -> tuple[str, ...]:
-    """Names of the shapes, one for each card, or a refusal."""
+    """Shape names, one per card; raises an error for other values."""
     shape = tuple(texts("shape", values))
     if len(shape) != cards:
         raise EnvLightsError(f"shape must have one name for each card ({cards}); got {len(shape)}")
@@ -46,7 +46,7 @@ def shapes(values: Sequence[str], cards: int) -> tuple[str, ...]:
 
 
 def rows(name: str, values: ArrayLike, rows: int, columns: int) -> NDArray[np.float64]:
-    """Array of this many rows and columns, or a refusal that names it."""
+    """Array with this number of rows and columns; raises an error that names the argument."""
     array = reals(name, values, 2) if np.size(values) else np.zeros((0, columns))
     if array.shape != (rows, columns):
         raise EnvLightsError(f"{name} must have the shape ({rows}, {columns}); got {array.shape}")
@@ -54,7 +54,7 @@ def rows(name: str, values: ArrayLike, rows: int, columns: int) -> NDArray[np.fl
 
 
 def overlaps(values: ArrayLike | None, cards: int) -> NDArray[np.float64]:
-    """Overlap of each card, 1 by default, or a refusal."""
+    """Overlap of each card, by default 1; raises an error for invalid values."""
     array = np.ones(cards) if values is None else reals("overlap", values, 1)
     if array.shape != (cards,) or not ((array >= 0) & (array <= 1)).all():
         raise EnvLightsError(
@@ -66,7 +66,7 @@ def overlaps(values: ArrayLike | None, cards: int) -> NDArray[np.float64]:
 def uniform_radiance(
     matrix: NDArray[np.float64], shape: tuple[str, ...], irradiance: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Uniform radiance of cards with this irradiance, (n, 3)."""
+    """Uniform radiance for which cards have this irradiance, (n, 3)."""
     vectors = [
         geometry.vector_irradiance(geometry.outline(each, name in ROUND))
         for each, name in zip(matrix, shape, strict=True)
@@ -83,12 +83,12 @@ def angular_radii(
     matrix: NDArray[np.float64],
     shape: tuple[str, ...],
 ) -> NDArray[np.float64]:
-    """Radius of each light, in `order`; by default that of its card's vector irradiance."""
+    """Radius of each light, in `order`; by default from the vector irradiance of its card."""
     unit = 1 / uniform_radiance(matrix, shape, np.ones((len(matrix), 3)))[:, 0]
     angles: NDArray[np.float64] = np.arcsin(np.sqrt(np.minimum(unit / np.pi, 1)))
     if values is None:
         return angles
-    # Replace NaN by the default.
+    # Replace NaN with the default.
     given = reals("angular_radius", values, 1)
     if given.shape == (len(order),):
         given = np.where(np.isnan(given[order]), angles, given[order])
@@ -98,7 +98,7 @@ def angular_radii(
 def all_textures(
     values: Sequence[ArrayLike] | None, order: NDArray[np.intp], radiance: NDArray[np.float64]
 ) -> tuple[NDArray[np.float32], ...]:
-    """Read-only textures in `order`; by default one texel of the uniform radiance."""
+    """Read-only textures in `order`; by default a single texel of uniform radiance."""
     if values is None:
         return tuple(seal(colour.astype(np.float32)[None, None]) for colour in radiance)
     if len(values) != len(order):

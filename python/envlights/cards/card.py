@@ -32,7 +32,7 @@ class Card(Result):
     """Linear radiance, (rows, columns, 3)."""
 
     overlap: float
-    """Intersection over union of light and shape."""
+    """Intersection over union of the light's pixels and the shape."""
 
     angular_radius: float
     """Angular radius of the light as a disc, in radians."""

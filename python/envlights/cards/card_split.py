@@ -1,4 +1,4 @@
-"""Cards, and the map without them."""
+"""Cards, and the map without the cards."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ class _Fields(NamedTuple):
     """Lights as cards, brightest first."""
 
     remainder: EnvMap
-    """The map without them."""
+    """Map without the cards."""
 
 
 @former_attributes(rest="remainder")
 class CardSplit(_Fields, LinkedParts):
-    """Light cards, and the map without them."""
+    """Light cards, and the map without the cards."""
 
     __slots__ = ()
 
     @property
     def lights(self) -> Cards:
-        """The cards, which texts and files show as the lights."""
+        """Cards, under the name that texts and files use for lights."""
         return self.cards
 
     def __str__(self) -> str:
@@ -44,7 +44,7 @@ class CardSplit(_Fields, LinkedParts):
         radius: float | None = None,
         **options: Any,
     ) -> tuple[Path, ...]:
-        """Write the cards with the rest around them, for one program or several.
+        """Write the cards and the remaining map, for one or several programs.
 
         The rest is written and named as by `Split.save`. OpenUSD, Mitsuba, Blender, pbrt, three.js
         and glTF show rectangles, tubes and discs as planes with their textures, and all other
@@ -95,7 +95,7 @@ class CardSplit(_Fields, LinkedParts):
 
 
 def at_place(cards: Cards, distance: float | None, radius: float | None) -> Cards:
-    """Cards at a distance, or far away from a scene of this radius."""
+    """Cards at a distance, or far away relative to a scene of this radius."""
     if distance is not None and radius is not None:
         raise EnvLightsError(
             "distance places the cards, and radius puts them far away; give only one of them"

@@ -39,10 +39,10 @@ from envlights.kernels.probe import rig_irradiance
 from envlights.rigs.light_arrays import amounts, row_of, rows_of
 from envlights.rigs.lights import Lights, Rows, brightest_first, rgb_cell, rgb_heading
 
-#: Distance of cards without a place, in radii of the scene: images differ from those with cards at
-#: infinity by 0.3 % at most.
+#: Distance of cards without a given position, in scene radii: images differ from those with cards
+#: at infinity by at most 0.3 %.
 FAR = 1000.0
-#: Largest distance, far below that whose cube overflows.
+#: Largest distance, far below overflow of its cube.
 _FARTHEST = 1e30
 
 
@@ -138,7 +138,7 @@ class Cards(Result):
     def __getitem__(self, which: Rows) -> Cards: ...
 
     def __getitem__(self, which: int | Rows) -> Card | Cards:
-        """Single card, or cards of a slice, of a list of numbers or of a mask."""
+        """A single card, or the cards selected by a slice, a list of indices or a mask."""
         rows = rows_of(which, len(self))
         if rows is None:
             return self._card(row_of(which, len(self)))
@@ -181,17 +181,17 @@ class Cards(Result):
 
     @property
     def normal(self) -> NDArray[np.float64]:
-        """Unit normals of the sides that shine, (n, 3)."""
+        """Unit normals of the emitting sides, (n, 3)."""
         return geometry.normals(self.matrix)
 
     @property
     def size(self) -> NDArray[np.float64]:
-        """Angles between the middles of opposite edges along U and V, in radians, (n, 2)."""
+        """Angles between midpoints of opposite edges along U and V, in radians, (n, 2)."""
         return geometry.sizes(self.matrix)
 
     @property
     def aspect(self) -> NDArray[np.float64]:
-        """Longer side of each card relative to the shorter one, (n,)."""
+        """Ratio of the longer to the shorter side of each card, (n,)."""
         sizes = self.size
         ratios: NDArray[np.float64] = sizes.max(axis=1) / sizes.min(axis=1)
         return ratios
@@ -205,12 +205,12 @@ class Cards(Result):
 
     @property
     def radiance(self) -> NDArray[np.float64]:
-        """Uniform radiance that gives the irradiance of each card, (n, 3)."""
+        """Uniform radiance that results in the irradiance of each card, (n, 3)."""
         return uniform_radiance(self.matrix, self.shape, self.irradiance)
 
     @property
     def lights(self) -> Lights:
-        """The cards as directional lights, one for each card in their order.
+        """Cards as directional lights, in the same order.
 
         A light has the direction of the card's centre, the card's irradiance, and its
         `angular_radius`.
@@ -223,7 +223,7 @@ class Cards(Result):
         return self.textures[row_of(row, len(self))]
 
     def at(self, distance: float) -> Cards:
-        """Cards whose centres have this distance from the origin, of the same radiance.
+        """Cards moved to this distance of their centres from the origin, with unchanged radiance.
 
         Seen from the origin, nothing changes. Elsewhere a card at a finite distance has parallax:
         the error of an image falls as 1 / distance.
@@ -236,7 +236,7 @@ class Cards(Result):
         return replace(self, matrix=matrix, is_placed=True)
 
     def far(self, radius: float = 1.0) -> Cards:
-        """Cards at 1000 times the radius of a scene, so far away that the distance has no effect.
+        """Cards at 1000 scene radii, so far away that the distance has no effect.
 
         An image of a ball on a floor changes by about 2 / distance, in radii of the ball.
         """
@@ -258,7 +258,7 @@ class Cards(Result):
         return self[~self.has_outline].lights
 
     def facing(self, row: int, normal: ArrayLike) -> Cards:
-        """Turn one card into a plane with this normal.
+        """Cards with one card turned into a plane with this normal.
 
         Its centre stays, and its corners stay on their rays as closely as a parallelogram can:
         exactly for a card that is small, less so for one that is wide and turned far.
@@ -279,15 +279,15 @@ class Cards(Result):
         return replace(self, matrix=matrix)
 
     def rotated(self, matrix: ArrayLike) -> Cards:
-        """Rotate the cards, so that light from d comes from ``matrix @ d``."""
+        """Rotate the cards: light from direction d then comes from ``matrix @ d``."""
         return replace(self, matrix=rotation(matrix) @ self.matrix)
 
     def scaled(self, factor: float) -> Cards:
-        """Multiply all cards by a factor of 0 or more."""
+        """Cards with all radiance multiplied by a non-negative factor."""
         return self._multiplied(np.full(len(self), amount("factor", factor)))
 
     def dimmed(self, row: int, factor: float) -> Cards:
-        """Multiply one card by a factor of 0 or more; the cards are sorted again."""
+        """Cards with one card multiplied by a non-negative factor, sorted again."""
         factors = np.ones(len(self))
         factors[row_of(row, len(self))] = amount("factor", factor)
         return self._multiplied(factors)
@@ -301,7 +301,7 @@ class Cards(Result):
         return replace(self, irradiance=irradiance, textures=tuple(textures))
 
     def probe(self, normals: ArrayLike, uniform: Sequence[str] = ()) -> NDArray[np.float64]:
-        """Irradiance at unit normals under the cards alone, (n, 3).
+        """Irradiance of the cards at unit normals, (n, 3).
 
         Parameters
         ----------
@@ -420,5 +420,5 @@ Sequence.register(Cards)
 
 
 def _quantity(count: int, noun: str) -> str:
-    """Number of things; "other" has no plural."""
+    """Number of things with a noun; "other" has no plural."""
     return f"{count} {noun}" + ("" if count == 1 or noun == "other" else "s")

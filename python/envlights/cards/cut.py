@@ -57,7 +57,7 @@ def cut(
 
 
 def with_discs(cards: Cards, lights: Lights) -> Cards:
-    """Cards, and a disc for each light."""
+    """Cards, with an additional disc for each light."""
     facing = [square_towards(each.direction, each.angular_radius) for each in lights]
     discs = Cards(("disc",) * len(lights), np.reshape(facing, (-1, 3, 3)), lights.irradiance)
     return replace(
@@ -78,8 +78,8 @@ def _with_irradiance(
     shape: str,
     irradiance: NDArray[np.float64],
 ) -> NDArray[np.float32]:
-    """Texture that gives a card its irradiance; the rims of pixels have lost up to 3 % of it."""
-    # With 256 parts, the rim of a disc is right to 0.05 %.
+    """Texture scaled to the irradiance of its card, because pixel edges lose up to 3 % of it."""
+    # With 256 parts, the edge of a disc is accurate to 0.05 %.
     directions, flux = sources(matrix, texture, 256, is_disc=shape == "disc")
     seen = (directions @ unit(matrix @ [0.5, 0.5, 1])) @ flux
     gain = np.where(seen > 0, irradiance / np.where(seen > 0, seen, 1), 1)
@@ -87,7 +87,7 @@ def _with_irradiance(
 
 
 def _notes(parts: _native.MapCards, lights: int) -> tuple[str, ...]:
-    """Remarks on lights that became one card, and on windows that were found by their edges."""
+    """Notes on lights merged to one card, and on windows detected by their edges."""
     several = [len(each) for each in parts.lights if len(each) > 1]
     windows = sum(parts.is_window)
     notes = []

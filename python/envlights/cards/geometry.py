@@ -1,4 +1,4 @@
-"""Geometry of cards: the points O + a U + b V, as the matrix with the columns U, V, O."""
+"""Geometry of cards: points O + a U + b V, as a matrix with the columns U, V, O."""
 
 from __future__ import annotations
 
@@ -9,24 +9,25 @@ from envlights._native import EnvLightsError
 
 #: Corners of a card as (a, b, 1), in the order of `corners`.
 CORNERS = np.array([[0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], float)
-#: Vertices of the polygon of an ellipse; with its area, the vector irradiance is exact to 1e-9.
+#: Number of vertices of an ellipse as a polygon; at equal area, the vector irradiance is accurate
+#: to 1e-9.
 _VERTICES = 720
 
 
 def points(matrix: NDArray[np.float64], places: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Points of cards, (n, k, 3), at the places (a, b, 1), (k, 3)."""
+    """Points on cards, (n, k, 3), at coordinates (a, b, 1), (k, 3)."""
     result: NDArray[np.float64] = np.einsum("nij,kj->nki", matrix, places)
     return result
 
 
 def unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Vectors along the last axis, of length 1."""
+    """Vectors normalised along the last axis."""
     result: NDArray[np.float64] = vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
     return result
 
 
 def one(rows: NDArray[np.float64]) -> NDArray[np.float64]:
-    """First of some rows."""
+    """First row of an array."""
     row: NDArray[np.float64] = rows[0]
     return row
 
@@ -42,7 +43,7 @@ def centres(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def sizes(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Angles between the middles of opposite edges along U and along V, in radians, (n, 2)."""
+    """Angles between midpoints of opposite edges along U and along V, in radians, (n, 2)."""
     middles = np.array([[0, 0.5, 1], [1, 0.5, 1], [0.5, 0, 1], [0.5, 1, 1]])
     ends = unit(points(matrix, middles))
     pairs = ends[:, ::2], ends[:, 1::2]
@@ -52,24 +53,24 @@ def sizes(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def normals(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Unit normals of the side that shines, towards the origin, (n, 3)."""
+    """Unit normals of the emitting side, towards the origin, (n, 3)."""
     across: NDArray[np.float64] = np.cross(matrix[:, :, 1], matrix[:, :, 0])
     return unit(across)
 
 
 def outline(matrix: NDArray[np.float64], is_ellipse: bool) -> NDArray[np.float64]:
-    """Unit directions around a card, (k, 3): its corners, or a fine polygon of its ellipse."""
+    """Unit directions around a card, (k, 3): its corners, or a polygon for its ellipse."""
     if not is_ellipse:
         return one(corners(matrix[None]))
     angle = 2 * np.pi * np.arange(_VERTICES) / _VERTICES
-    # A polygon of the area of the ellipse.
+    # Use a polygon with the area of the ellipse.
     radius = 0.5 * np.sqrt(2 * np.pi / _VERTICES / np.sin(2 * np.pi / _VERTICES))
     places = np.stack([0.5 + radius * np.cos(angle), 0.5 + radius * np.sin(angle)], axis=1)
     return one(unit(points(matrix[None], np.insert(places, 2, 1.0, axis=1))))
 
 
 def vector_irradiance(outline: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Vector irradiance of a polygon of radiance 1, (3,): Lambert's formula.
+    """Vector irradiance of a polygon with radiance 1, (3,), by Lambert's formula.
 
     The vertices go around the polygon from the first axis of its card to the second.
     """
@@ -82,7 +83,7 @@ def vector_irradiance(outline: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def square_towards(direction: NDArray[np.float64], radius: float) -> NDArray[np.float64]:
-    """Matrix of the facing square around a disc; its rows go down the map.
+    """Matrix of the facing square around a disc, with rows downwards in the map.
 
     At the zenith and the nadir, they go as in the middle column of the map. Radii above 1.4 rad are
     those of 1.4 rad, because the square of a half sphere is infinite.
@@ -98,7 +99,7 @@ def square_towards(direction: NDArray[np.float64], radius: float) -> NDArray[np.
 
 
 def tilt(matrix: NDArray[np.float64], normal: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Matrix of the parallelogram nearest to the outline of a card in a plane of another normal.
+    """Matrix of the parallelogram closest to the card's outline, in a plane with another normal.
 
     The plane holds the centre. The corners move along their rays into the plane, and the nearest
     parallelogram in the sense of least squares replaces their quadrilateral.
@@ -130,7 +131,7 @@ def nearest_rectangle(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
 def sources(
     matrix: NDArray[np.float64], texture: NDArray[np.float32], parts: int, *, is_disc: bool
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Unit directions and RGB fluxes, (k, 3) each, of at least `parts` by `parts` parts."""
+    """Unit directions and RGB fluxes, (k, 3) each, of `parts` x `parts` or more parts."""
     rows, columns = texture.shape[:2]
     tall, wide = -(-parts // rows), -(-parts // columns)
     b = (np.arange(rows * tall) + 0.5)[:, None] / (rows * tall)

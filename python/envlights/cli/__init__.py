@@ -20,7 +20,7 @@ from envlights.cli.quiet import with_quiet
 from envlights.cli.refusal_words import with_options
 from envlights.cli.standard_streams import with_standard_streams
 
-#: Subcommands with their help. The file of a subcommand is imported when it is called.
+#: Subcommands with their help. The module of a subcommand is imported when it is called.
 _COMMANDS = {
     "batch": "Do the same work on many maps.",
     "compare": "Compare the lighting of maps, rigs or folders of them.",
@@ -44,12 +44,12 @@ _COMMANDS = {
     "view": "Make a page that shows things in a map, lit by a few lights.",
 }
 
-#: Key of the words of the command line.
+#: Context key for the arguments on the command line.
 _GIVEN = "envlights.given"
 
 
 def _subcommands(command: click.Command) -> Iterator[click.Command]:
-    """Subcommands of a group, or the command itself."""
+    """Commands of a group, or the command itself."""
     if isinstance(command, click.Group):
         for each in command.commands.values():
             yield from _subcommands(each)
@@ -58,7 +58,7 @@ def _subcommands(command: click.Command) -> Iterator[click.Command]:
 
 
 class _Main(click.Group):
-    """Group of all subcommands, which prints a refusal as one sentence.
+    """Group of all subcommands, which prints an error as one sentence.
 
     "-" is the standard input or output, whose format --format names: envlights fit - -o - --format
     json < map.hdr. Exit codes: 0 for success, 1 for a failure, 2 for wrong arguments.
@@ -95,7 +95,7 @@ class _Main(click.Group):
     def main(self, *args: Any, **keywords: Any) -> Any:
         try:
             return super().main(*args, **keywords)
-        except OSError as error:  # of a help that cannot be printed
+        except OSError as error:  # from a help text that cannot be printed
             click.echo(f"envlights: cannot print the answer: {error.strerror}", err=True)
             sys.exit(1)
 
@@ -111,14 +111,14 @@ class _Main(click.Group):
             context.exit(1 if isinstance(refusal, FileError) else 2)
         except OSError as error:
             if error.errno == errno.EPIPE:
-                raise  # `| head`: click ends quietly
+                raise  # on `| head`, click exits quietly
             click.echo(f"envlights: cannot print the answer: {error.strerror}", err=True)
             context.exit(1)
 
 
 @contextlib.contextmanager
 def _printable_usage() -> Iterator[None]:
-    """Make refusals of click printable: an argument may be the name of a stranger's file."""
+    """Make usage errors printable, because an argument may be a stranger's file name."""
     try:
         yield
     except click.ClickException as refusal:

@@ -60,7 +60,7 @@ def command(
 
 
 def _are_folders(truth: str, guess: str) -> bool:
-    """True for two folders; a refusal of a file and a folder."""
+    """True if both paths are folders; raises an error if only one is."""
     are_folders = [Path(path).is_dir() for path in (truth, guess)]
     if any(are_folders) and not all(are_folders):
         raise EnvLightsError("TRUTH and GUESS must both be files, or both be folders")

@@ -26,7 +26,7 @@ from envlights.environment.pixels import PROJECTION
 
 
 def layout_option(what: str) -> Callable[[Any], Any]:
-    """Option ``--to``; its value is for `write_map`."""
+    """Option ``--to``; pass its value to `write_map`."""
     return click.option(
         "--to",
         "target",
@@ -130,7 +130,7 @@ def command(
 
 
 def _in_folder(folder: str, paths: Sequence[str]) -> list[str]:
-    """Files in a folder with the names of the maps, as .exr if maps have no such suffix."""
+    """Output paths in a folder, named after the maps; .exr for unsupported suffixes."""
     given = (Path(folder, Path(path).name) for path in paths)
     files = [
         str(file if file.suffix.lower() in MAP_SUFFIXES else file.with_suffix(".exr"))
@@ -151,7 +151,7 @@ def write_map(
     saving: Mapping[str, Any] = MappingProxyType({}),
     width: int | None = None,
 ) -> list[str]:
-    """Write a map in a layout of `EnvMap.to`; return the names of the files.
+    """Write a map in a layout of `EnvMap.to`; return the file names.
 
     `saving` holds options of `EnvMap.save`.
     """

@@ -9,16 +9,16 @@ from envlights.cli.settings import settings_from, settings_of
 from envlights.detection.detect import detect
 from envlights.papers import loghin
 
-#: Detectors, by the name of the option ``--method``.
+#: Detectors by the value of ``--method``.
 METHODS: dict[str, Callable[..., Any]] = {"tree": detect, "loghin": loghin.detect}
-#: Parameters with an option of their own.
+#: Parameters that have their own option.
 _OWN = ("lights", "max_lights", "sampling")
-#: Names of the settings of all methods.
+#: Names of all settings of all methods.
 SETTINGS = settings_of(METHODS.values(), _OWN)
 
 
 def detection_settings(texts: Iterable[str], method: str) -> dict[str, Any]:
-    """Values of ``--set`` for a method, or a refusal that lists its settings."""
+    """Values of ``--set`` for a method; raises an error that lists the method's settings."""
     names = settings_of([METHODS[method]], _OWN)
     of = f"method {method}: {', '.join(names)}"
     return settings_from(texts, of, names.__contains__)

@@ -1,4 +1,4 @@
-"""Examples at the end of the help of each subcommand."""
+"""Examples for the end of the help of each subcommand."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ _HEADING = "\b\nExamples:"
 
 
 def with_examples(command: click.Command) -> None:
-    """Put the examples of a subcommand before its epilog; a second call changes nothing."""
+    """Insert the examples of a subcommand before its epilog; repeated calls change nothing."""
     name, epilog = command.name or "", command.epilog or ""
     if epilog.startswith(_HEADING):
         return

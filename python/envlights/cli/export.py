@@ -68,7 +68,7 @@ def command(
 
 
 def _place(rig_path: str, target: str) -> str:
-    """Path of a TARGET, which is a path or the name of a target."""
+    """Output path for TARGET, which is a path or the name of a target."""
     suffixes = {each.name: each.suffixes[0] for each in TARGETS}
     if target not in suffixes:
         if "." not in target:

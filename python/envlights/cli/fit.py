@@ -126,7 +126,7 @@ def command(
     groups = {_targets_of(outputs): list(outputs)} if one_rig else _groups(outputs)
     if targets:
         groups = {tuple(targets): list(outputs)}
-    # A picture of the map needs all of its pixels, and several fits read the map once.
+    # Read the map once if a picture needs all its pixels, or if there are several fits.
     is_read = any(map(is_picture, outputs)) or len(groups) > 1
     env = map_file.open(choice) if is_read else None
     world, seen = (map_file.unread(choice), None) if env is None else (env, env.filled(choice))
@@ -143,7 +143,7 @@ def _picture(env: EnvMap | None, rig: Rig, plot: Any) -> Any:
 
 
 def _groups(outputs: Sequence[str]) -> dict[tuple[str, ...], list[str]]:
-    """Files that share a fit, by the names of their programs.
+    """Output files grouped by the target programs of their fit.
 
     Programs that show the same share one. Pictures and our own files, which show everything, join
     the only program, or have a fit of their own beside several.
@@ -164,7 +164,7 @@ def _print(
     verbose: bool,
     frame: str | None,
 ) -> None:
-    """Print the only rig, or each below the names of its files."""
+    """Print a single rig, or each rig below the names of its files."""
     if len(rigs) == 1:
         print_result(next(iter(rigs.values())), as_json, verbose, frame)
     elif as_json:
@@ -178,6 +178,6 @@ def _print(
 
 
 def _targets_of(outputs: Sequence[str]) -> tuple[str, ...]:
-    """Names of the programs that will show the rig; our own files limit nothing."""
+    """Names of the programs that will show the rig; native formats impose no limits."""
     named = {target_of(output).name for output in outputs if not is_picture(output)}
     return tuple(sorted(named - {"json", "csv"}))

@@ -57,7 +57,7 @@ def roughness_option(of: str) -> Callable[[Any], Any]:
 
 
 def curve_options(function: Callable[..., None]) -> Callable[..., None]:
-    """Options of `error_curve` but for the numbers; their values are for `curve_arguments`."""
+    """Options of `error_curve` except the numbers; pass their values to `curve_arguments`."""
     of_ambient = click.option(
         "--ambient", type=click.Choice([*AMBIENTS, AUTO]), help="Light from all directions."
     )
@@ -66,7 +66,7 @@ def curve_options(function: Callable[..., None]) -> Callable[..., None]:
 
 
 def curve_arguments(lights: Sequence[int], options: Mapping[str, Any]) -> dict[str, Any]:
-    """Arguments of `error_curve`, refused before a map is read if one is impossible."""
+    """Arguments of `error_curve`, checked before a map is read."""
     arguments = {
         "lights": lights,
         **options,
@@ -78,7 +78,7 @@ def curve_arguments(lights: Sequence[int], options: Mapping[str, Any]) -> dict[s
 
 
 def start_options(function: Callable[..., None]) -> Callable[..., None]:
-    """Options ``--start`` and ``--fixed``; their values are for `start_of` and `fixed_of`."""
+    """Options ``--start`` and ``--fixed``; pass their values to `start_of` and `fixed_of`."""
     of_start = click.option(
         "--start",
         default=default_of(fit, "start"),
@@ -98,12 +98,12 @@ def start_options(function: Callable[..., None]) -> Callable[..., None]:
 
 
 def start_of(text: str) -> str | Rig | Lights:
-    """Value of ``--start``: a name, or the content of a file."""
+    """Value of ``--start``: a name, or the lights of a file."""
     return load_lights(text) if text.lower().endswith(SUFFIXES) else text
 
 
 def fixed_of(texts: Sequence[str], frame: str | None) -> list[list[float]] | None:
-    """Values of ``--fixed`` as unit vectors; None without any."""
+    """Values of ``--fixed`` as unit vectors; None if not given."""
     rows = [row for text in texts for row in _fixed(text, frame)]
     return rows or None
 
@@ -117,7 +117,7 @@ def _fixed(text: str, frame: str | None) -> list[list[float]]:
         return rows
     towards = direction_in(frame, "--fixed", text)
     length = math.hypot(*towards)
-    # The length of typed digits is never exactly 1; the fit refuses a vector of length 0.
+    # Normalise, because typed digits never have length exactly 1; the fit rejects a length of 0.
     return [[value / (length or 1.0) for value in towards]]
 
 

@@ -1,4 +1,4 @@
-"""Argument MAP of a subcommand, with the options on how its file is read."""
+"""Argument MAP of a subcommand, with the options for reading its file."""
 
 from __future__ import annotations
 
@@ -24,43 +24,43 @@ from envlights.environment.layouts.projections import (
 from envlights.environment.reading import Reading, as_envmap
 from envlights.frames import FRAMES, frame_named, rotation
 
-#: Heading of the options on how a file is read, in the help.
+#: Heading of the reading options in the help.
 _HEADING = "Options on how MAP is read"
 _DIRECTION = "0.5,0.7,0.5"
 
 
 class MapFile(NamedTuple):
-    """File of a map, and the options on how it is read."""
+    """File of a map, with the options for reading it."""
 
     path: str
-    """Path; "-" is the standard input."""
+    """Path; "-" is standard input."""
 
     reading: Reading = MappingProxyType({})
-    """Options on how it is read that were given."""
+    """Reading options from the command line."""
 
     frame: str | None = None
-    """Frame of directions that are typed and printed."""
+    """Frame for input and output of directions."""
 
     def open(self, fill: Any = None) -> EnvMap:
-        """Map of the file, read as the options say."""
+        """Map of the file, read with the options."""
         return as_envmap(self.path, {**self.reading, "fill": fill})
 
     def unread(self, fill: Any = None) -> str | EnvMap:
-        """Path, which is read by rows; the map itself if options say how to read it."""
+        """Path, if the file can be read by rows; the map itself if reading options are given."""
         return self.open(fill) if self.reading else self.path
 
 
 class MapOption(click.Option):
-    """Option on what is in MAP and how it is read, for the help of ``--help-map``."""
+    """Option on the content or reading of MAP, listed by ``--help-map``."""
 
 
 class MapCommand(click.Command):
-    """Subcommand with MAP: ``--help-map`` lists the options on MAP, ``--help`` the others."""
+    """Subcommand with MAP: ``--help-map`` lists the options on MAP, ``--help`` all others."""
 
     def format_options(
         self, context: click.Context, formatter: click.HelpFormatter, of_map: bool = False
     ) -> None:
-        """Write the options on MAP, or the others."""
+        """Write the options on MAP, or all others."""
         records = [
             parameter.get_help_record(context)
             for parameter in self.get_params(context)
@@ -80,7 +80,7 @@ def _print_map_options(context: click.Context, _: click.Parameter, value: bool) 
 
 
 def reading_options(function: Callable[..., None]) -> Callable[..., None]:
-    """Options on how maps are read; `function` takes them as `reading`."""
+    """Decorator that adds the options for reading maps, as the argument `reading`."""
 
     @functools.wraps(function)
     def command(*context: click.Context, **options: Any) -> None:
@@ -104,7 +104,7 @@ def reading_options(function: Callable[..., None]) -> Callable[..., None]:
 
 
 def map_argument(function: Callable[..., None]) -> Callable[..., None]:
-    """Argument MAP and its options; `function` takes them as a `MapFile` first."""
+    """Decorator that adds MAP and its options, as a first argument of type `MapFile`."""
 
     @functools.wraps(function)
     def command(map_path: str, reading: Reading, **options: Any) -> None:
@@ -115,14 +115,14 @@ def map_argument(function: Callable[..., None]) -> Callable[..., None]:
 
 
 def direction_in(frame: str | None, option: str, text: str) -> list[float]:
-    """Direction that was typed in a frame, in ours."""
+    """Direction converted from the user's frame to that of `EnvMap`."""
     typed = numbers(option, text, _DIRECTION)
     ours: list[float] = frame_named(frame or "envlights").from_target(typed).tolist()
     return ours
 
 
 def _reading(given: dict[str, Any], frame: str | None) -> dict[str, Any]:
-    """Options as arguments of Python."""
+    """Option values converted to Python arguments."""
     for name in ("forward", "normal", "at", "level"):
         if name in given:
             given[name] = direction_in(frame, f"--{name}", given[name])
@@ -145,7 +145,7 @@ def _reading(given: dict[str, Any], frame: str | None) -> dict[str, Any]:
 
 
 def _camera(text: str) -> list[list[float]]:
-    """Rows of the matrix of a camera, of 9, 12 or 16 numbers."""
+    """Rows of a camera matrix, from 9, 12 or 16 numbers."""
     with contextlib.suppress(ValueError):
         values = [float(value) for value in text.split(",")]
         if len(values) in (9, 12, 16):
@@ -157,9 +157,9 @@ def _camera(text: str) -> list[list[float]]:
     )
 
 
-#: Names in Python of options that are called otherwise.
+#: Python names of options that differ from the name on the command line.
 _OTHER_NAMES = {"map_width": "width", "level": "up", "ball_distance": "distance"}
-#: Options by the name of the parameter.
+#: Options by parameter name.
 _OPTIONS: dict[str, dict[str, Any]] = {
     "colour": {
         "metavar": "SPACE",
@@ -265,7 +265,7 @@ _OPTIONS: dict[str, dict[str, Any]] = {
 
 
 def unseen_option() -> Callable[[Any], Any]:
-    """Option ``--fill``; its value is for `radiance_or_name`."""
+    """Option ``--fill``; pass its value to `radiance_or_name`."""
     return click.option(
         "--fill",
         cls=MapOption,
@@ -276,7 +276,7 @@ def unseen_option() -> Callable[[Any], Any]:
 
 
 def radiance_or_name(text: str | None) -> str | list[float] | float | None:
-    """Value of ``--fill``: a number, RGB between commas, or the name of a fill."""
+    """Value of ``--fill``: a number, comma-separated RGB, or the name of a fill."""
     if text is None:
         return None
     try:

@@ -26,14 +26,14 @@ from envlights.fitting.fit import fit
 from envlights.splitting.split import split
 from envlights.viewer.page import view
 
-#: Options of files that a user trusts.
+#: Reading options that only a user may set.
 _TRUSTED = ("any_format", "max_pixels")
 Count = int | None
 Number = float | None
 File = str | None
 Reading = dict[str, Any] | None
 Answer = dict[str, Any]
-#: End of the description of each tool with the argument `reading`.
+#: End of the description of each tool with an argument `reading`.
 _READING = (
     " `reading` has arguments of EnvMap.open, levelled, calibrated and rotated, such as"
     ' {"colour": "linear", "lux": 900, "layout": {"projection": "fisheye", "fov": 180}}.'
@@ -41,7 +41,7 @@ _READING = (
 
 
 class Tools:
-    """Tools on files below some folders."""
+    """Tools that access files in the given folders only."""
 
     def __init__(self, folders: Sequence[str]) -> None:
         for folder in folders:
@@ -115,8 +115,8 @@ class Tools:
         return {"written": output}
 
     def _place(self, name: str) -> Path:
-        """Path below a folder, without links, or a refusal."""
-        # No file has a name with a zero byte, which `realpath` refuses.
+        """Path inside one of the folders, with links resolved; raises an error for other paths."""
+        # `realpath` rejects zero bytes, which no file name contains.
         path = Path(os.path.realpath(self.folders[0] / name)) if "\0" not in name else Path()
         if not any(path.is_relative_to(folder) for folder in self.folders):
             raise EnvLightsError(f"{name} is not below the folders of this server; give another")
@@ -142,7 +142,7 @@ class Tools:
                 options["layout"] = Layout(**options["layout"])
             except TypeError as error:
                 raise EnvLightsError(f"layout: {error}") from None
-        if set(str(options.get("colour", ""))) & set("./\\"):  # the file of an ICC profile
+        if set(str(options.get("colour", ""))) & set("./\\"):  # path of an ICC profile
             options["colour"] = self._input(str(options["colour"]))
         return as_envmap(self._input(name), options)
 
@@ -177,7 +177,7 @@ def server(folders: Sequence[str]) -> Any:
 
 
 def _with_refusals(tool: Callable[..., Any], failure: type[Exception]) -> Callable[..., Any]:
-    """Tool whose refusals an agent reads as sentences."""
+    """Tool whose errors reach an agent as sentences."""
 
     @functools.wraps(tool)
     def call(*arguments: Any, **options: Any) -> Any:

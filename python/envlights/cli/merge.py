@@ -45,7 +45,7 @@ def command(patterns: Sequence[str], output: str, times: str | None, response: s
 
 
 def _paths(pattern: str) -> list[str]:
-    """Files of a pattern, sorted by name."""
+    """Files that match a pattern, sorted by name."""
     if Path(pattern).exists() or not has_magic(pattern):
         return [pattern]
     found = sorted(glob(pattern))  # noqa: PTH207, patterns may be absolute
@@ -55,7 +55,7 @@ def _paths(pattern: str) -> list[str]:
 
 
 def _seconds(time: str) -> float:
-    """Number of a time such as 0.02 or 1/50."""
+    """Exposure time as a number, from text such as 0.02 or 1/50."""
     above, _, below = time.partition("/")
     try:
         return float(above) / float(below or 1)

@@ -1,4 +1,4 @@
-"""Numbers between commas, as values of options."""
+"""Comma-separated numbers as option values."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ import contextlib
 
 from envlights._native import EnvLightsError
 
-#: Limit of whole numbers, because a range is a list.
+#: Largest number of a range, because ranges are expanded to lists.
 _MOST = 10000
 
 
 def numbers(option: str, text: str, example: str) -> list[float]:
-    """Numbers between commas, as many as in the example."""
+    """Comma-separated numbers, as many as in the example."""
     with contextlib.suppress(ValueError):
         values = [float(value) for value in text.split(",")]
         if len(values) == len(example.split(",")):
@@ -21,7 +21,7 @@ def numbers(option: str, text: str, example: str) -> list[float]:
 
 
 def whole_numbers(option: str, text: str) -> list[int]:
-    """Whole numbers and ranges between commas: "0-4,8" is 0, 1, 2, 3, 4, 8."""
+    """Comma-separated whole numbers and ranges: "0-4,8" is 0, 1, 2, 3, 4, 8."""
     found: list[int] = []
     for part in text.split(","):
         first, dash, last = part.strip().partition("-")

@@ -1,4 +1,4 @@
-"""Output of a subcommand: options, checks before the work, and printed text."""
+"""Output of subcommands: options, checks before the work, and printed text."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ OUTPUTS = (
 
 
 def default_of(function: Callable[..., Any], parameter: str) -> Any:
-    """Default of a parameter, read from its Python signature."""
+    """Default of a parameter, from the Python signature."""
     return inspect.signature(function).parameters[parameter].default
 
 
@@ -43,7 +43,7 @@ def output_option(help_text: str) -> Callable[[Any], Any]:
 
 
 def stage_options(command: Any) -> Any:
-    """Options ``--up`` and ``--metres-per-unit`` of OpenUSD, together the argument `stage`."""
+    """OpenUSD options ``--up`` and ``--metres-per-unit``, combined as the argument `stage`."""
 
     def collect(context: click.Context, option: click.Parameter, value: Any) -> None:
         stage = context.params.setdefault("stage", {})
@@ -59,13 +59,13 @@ def stage_options(command: Any) -> Any:
 
 
 def stage_of(output: str, stage: Mapping[str, Any]) -> dict[str, Any]:
-    """Values of `stage_options` that the program of an output has."""
+    """Values of `stage_options` that the program of an output supports."""
     known = target_of(output).options if _is_scene(output) else ()
     return {name: stage[name] for name in stage if name in known}
 
 
 def _is_scene(output: str) -> bool:
-    """True for a file of lights for a program."""
+    """True for a file of lights for a target program."""
     return output.lower().endswith(SUFFIXES)
 
 
@@ -90,7 +90,7 @@ def strict_option() -> Callable[[Any], Any]:
 
 @contextlib.contextmanager
 def print_losses(*, strict: bool = False) -> Iterator[None]:
-    """Print what programs lose of lights that are written inside, or refuse to write them."""
+    """Context that prints what programs lose of the written lights; raises an error if `strict`."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("error" if strict else "always", UserWarning)
         try:
@@ -102,8 +102,8 @@ def print_losses(*, strict: bool = False) -> Iterator[None]:
 
 
 def check_output(output: str, suffixes: tuple[str, ...], inputs: Mapping[str, str]) -> None:
-    """Refuse an output with an unknown suffix, or one that would overwrite an input."""
-    # The dot of a hidden file begins no suffix.
+    """Raise an error for an output with an unknown suffix, or for overwriting an input."""
+    # The leading dot of a hidden file does not begin a suffix.
     if not Path(output).name[1:].lower().endswith(suffixes):
         wanted = f"one of {', '.join(suffixes)}" if suffixes[1:] else suffixes[0]
         raise EnvLightsError(f"cannot write {output}: the suffix must be {wanted}")
@@ -118,14 +118,14 @@ def check_outputs(
     inputs: Mapping[str, str],
     stage: Iterable[str] = (),
 ) -> None:
-    """Refuse outputs as `check_output` does, and a `stage` if none is a file for OpenUSD."""
+    """Check outputs; raises an error for `stage` options without an OpenUSD file."""
     for output in outputs:
         check_output(output, suffixes, inputs)
     check_options(map(target_of, filter(_is_scene, outputs)), stage)
 
 
 def is_picture(output: str) -> bool:
-    """True for an output that is drawn."""
+    """True for an output file that is a picture."""
     return Path(output).suffix.lower() in PICTURES
 
 
@@ -137,10 +137,10 @@ def write(
     strict: bool = False,
     stage: Mapping[str, Any] | None = None,
 ) -> None:
-    """Write each output by `save`, or as a picture, which `draw` makes by `envlights.plot`."""
+    """Write each output with `save`, or draw pictures with `draw` and `envlights.plot`."""
     for output in outputs:
         if is_picture(output):
-            # Importing Matplotlib takes a second.
+            # Import late, because Matplotlib takes a second.
             from envlights import plot
 
             plot.save(draw(plot), output)
@@ -161,7 +161,7 @@ def check_can_draw(output: str) -> None:
 
 
 def check_source(output: str, inputs: Mapping[str, str]) -> None:
-    """Refuse an output that cannot be written, or that would overwrite an input."""
+    """Raise an error for an output that cannot be written, or for overwriting an input."""
     target = check_writable(output)
     for what, path in inputs.items():
         if _is_same(target, Path(path)):
@@ -175,7 +175,7 @@ def _is_same(target: Path, source: Path) -> bool:
 def print_result(
     result: Any, as_json: bool, verbose: bool = False, frame: str | None = None
 ) -> None:
-    """Print a result as JSON, or as text; that of a rig has its report.
+    """Print a result as JSON or text; a rig includes its report.
 
     With a frame, the directions of its lights are printed in this frame too.
     """
@@ -190,7 +190,7 @@ def print_result(
 
 
 def as_dict(result: Any, frame: str | None) -> dict[str, Any]:
-    """Result for JSON; with a frame, also the directions of its lights in this frame."""
+    """Result as a dictionary for JSON; with a frame, also the light directions in that frame."""
     data: dict[str, Any] = result.to_dict()
     if frame is not None:
         lights = result.lights if isinstance(result, Rig) else result
@@ -200,7 +200,7 @@ def as_dict(result: Any, frame: str | None) -> dict[str, Any]:
 
 
 def say_written(paths: Sequence[str]) -> None:
-    """Name the written files at the end, so that a closed pipe does not prevent writing."""
+    """Print the names of written files, after writing, so that a closed pipe does no harm."""
     for path in paths:
         if not is_standard_output(path):
             click.echo(f"wrote {printable(path)}", err=True)

@@ -14,7 +14,7 @@ _NAME = "quiet"
 
 
 def with_quiet(command: click.Command) -> None:
-    """Add ``--quiet`` to a subcommand; a second call changes nothing."""
+    """Add ``--quiet`` to a subcommand; repeated calls change nothing."""
     if any(parameter.name == _NAME for parameter in command.params):
         return
     work = command.callback
@@ -31,7 +31,7 @@ def with_quiet(command: click.Command) -> None:
 
 @contextlib.contextmanager
 def _silence() -> Iterator[None]:
-    """Drop the text that is printed inside."""
+    """Context that discards printed text."""
     with (
         Path(os.devnull).open("w", encoding="utf-8") as nothing,
         contextlib.redirect_stdout(nothing),

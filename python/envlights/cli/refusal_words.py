@@ -1,4 +1,4 @@
-"""Refusals in the words of the command line: options instead of Python arguments."""
+"""Error messages for the command line, with options instead of Python arguments."""
 
 from __future__ import annotations
 
@@ -7,17 +7,17 @@ from collections.abc import Callable, Iterable
 
 import click
 
-#: An argument ``layout=`` as Python writes it: a name in quotes, or a class method with arguments.
+#: Pattern for an argument ``layout=`` in Python: a quoted name, or a class method with arguments.
 _LAYOUT = r"\blayout=(?:'([\w-]+)'|el\.io\.Layout\.?(\w*)\(([^()]*)\))?"
-#: An argument as Python writes it: its name, and a value in quotes, a plain one, or none.
+#: Pattern for an argument in Python: its name, and a quoted value, a plain value, or none.
 _ARGUMENT = r"\b([a-z]\w*)=('[^']*'|\w*)(?=(\()?)"
 
 
 def with_options(text: str, commands: Iterable[click.Command], given: Iterable[str] = ()) -> str:
-    """Text in which arguments are options of the commands; words that were given stay."""
+    """Text with Python arguments replaced by options; words typed by the user are unchanged."""
     parameters = [each for command in commands for each in command.params]
     options = {each.name: max(each.opts, key=len) for each in parameters if each.opts}
-    # A file may be named like an argument.
+    # Protect file names that look like arguments.
     kept = "|".join(re.escape(word) for word in given if "=" in word)
 
     def rewrite(argument: str, by: Callable[[re.Match[str]], str], text: str) -> str:
@@ -36,7 +36,7 @@ def with_options(text: str, commands: Iterable[click.Command], given: Iterable[s
 
 
 def _arguments(found: re.Match[str]) -> str:
-    """Arguments of a layout, which the command line has one by one."""
+    """Arguments of a layout, which are separate options on the command line."""
     name, method, arguments = found.groups("")
     projection = name or method.replace("_", "-")
     if found[0] == "layout=":

@@ -23,7 +23,7 @@ from envlights.rigs.lights import Lights
 from envlights.rigs.rig import Rig
 from envlights.splitting.split import split
 
-#: Options that change a numbered light: an example, and the change by the text behind the number.
+#: Options that change a light by number: an example, and the function that applies the change.
 _CHANGES: dict[str, tuple[str, Callable[[Lights, int, str], Lights]]] = {
     "move": ("1=120,35", lambda lights, row, text: lights.moved(row, **_angles(text))),
     "turn": (
@@ -51,7 +51,7 @@ EDITS = (*_CHANGES, "add")
 
 
 def _by_number(name: str, metavar: str, help_text: str) -> Callable[[Any], Any]:
-    """Option that changes a numbered light."""
+    """Option that changes a light by its number."""
     text = f"{help_text}; light N is that of `envlights split MAP`. Can be repeated."
     return click.option(f"--{name}", multiple=True, metavar=metavar, help=text)
 
@@ -106,7 +106,7 @@ def _lights_of(file: str) -> Lights:
 
 
 def apply_edits(removed: Lights, edits: Mapping[str, Sequence[str]]) -> Lights:
-    """Lights after all changes, by the numbers that the table of the split has."""
+    """Lights after all edits; numbers refer to the table of the split."""
     lights = removed
     for option, (example, change) in _CHANGES.items():
         for text in edits[option]:
@@ -120,7 +120,7 @@ def apply_edits(removed: Lights, edits: Mapping[str, Sequence[str]]) -> Lights:
 
 
 def _number_and_text(option: str, text: str, example: str) -> tuple[int, str]:
-    """Number of a light, and the text behind it."""
+    """Number of a light, and the text after the number."""
     number, equals, value = text.partition("=")
     if not number.strip().isdecimal() or bool(equals) != ("=" in example):
         raise EnvLightsError(f"{option} must be such as {example}; got {text}")
@@ -128,7 +128,7 @@ def _number_and_text(option: str, text: str, example: str) -> tuple[int, str]:
 
 
 def _row(option: str, number: int, removed: Lights, lights: Lights) -> int:
-    """Row in the changed lights of a light that was removed."""
+    """Index in the changed lights of a removed light."""
     if not 1 <= number <= len(removed):
         found = quantity(len(removed), "light")
         raise EnvLightsError(f"{option} names light {number}; the map has {found}")
@@ -168,7 +168,7 @@ def _say_below(before: Lights, after: Lights) -> None:
 
 
 def _angles(text: str) -> dict[str, float]:
-    """Azimuth and elevation in radians, those that are given."""
+    """Given angles of azimuth and elevation in radians, by name."""
     parts = text.split(",")
     if len(parts) != 2 or not any(part.strip() for part in parts):
         raise EnvLightsError(f"--move must be such as 1=120,35 or 1=,35; got {text}")

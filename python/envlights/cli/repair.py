@@ -50,7 +50,7 @@ def command(
 
 
 def repair_with_sun(env: EnvMap, sun: AnySun, **readings: Any) -> EnvMap:
-    """Sky and disc of a sun in one map; without a sun, the repair without one."""
+    """Map with the sky and disc of a sun; without a sun, the map repaired without it."""
     found = sun_of(env, sun)
     if is_of_map(found):
         return env.with_radiance(env.radiance, (*env.notes, HOLDS_SUN)).repaired(**readings)

@@ -1,4 +1,4 @@
-"""Option ``--set`` for settings of a method that have no option of their own."""
+"""Option ``--set`` for method settings without an option of their own."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from envlights._native import EnvLightsError
 
 
 def settings_of(functions: Iterable[Callable[..., Any]], besides: Collection[str]) -> list[str]:
-    """Parameters of functions in their order, except for the first and some others.
+    """Parameter names of functions in order, without the first and those in `besides`.
 
     The fields of a parameter `settings` stand in its place.
     """
@@ -26,7 +26,7 @@ def settings_of(functions: Iterable[Callable[..., Any]], besides: Collection[str
 
 
 def with_settings(function: Callable[..., Any], options: dict[str, Any]) -> dict[str, Any]:
-    """Arguments of a function: options that are fields of its `settings` become that value."""
+    """Arguments of a function, with the fields of its `settings` combined to one value."""
     parameter = signature(function).parameters.get("settings")
     if parameter is None:
         return options
@@ -41,7 +41,7 @@ def _fields(settings: Any) -> list[str]:
 
 
 def settings_option(of: str, names: Sequence[str] = ()) -> Callable[[Any], Any]:
-    """Repeatable option ``--set``; its values are for `settings_from`."""
+    """Repeatable option ``--set``; pass its values to `settings_from`."""
     listed = f" ({', '.join(names)})" if names else ""
     return click.option(
         "--set",
@@ -53,7 +53,7 @@ def settings_option(of: str, names: Sequence[str] = ()) -> Callable[[Any], Any]:
 
 
 def settings_from(texts: Iterable[str], of: str, is_known: Callable[[str], bool]) -> dict[str, Any]:
-    """Values of settings by name; a value that is not JSON is text."""
+    """Values of settings by name; values that are not valid JSON are text."""
     return dict(_setting(text, of, is_known) for text in texts)
 
 

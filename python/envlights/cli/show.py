@@ -14,7 +14,7 @@ from envlights.cli.outputs import check_can_draw, check_output, say_written
 from envlights.fitting.error_curve import error_curve
 from envlights.fitting.request import LIGHTS
 
-#: Rows of the error curve, unless more lights are requested.
+#: Rows of the error curve, unless more are requested.
 _CURVE = 8
 
 
@@ -49,7 +49,7 @@ def command(
     arguments = curve_arguments(range(max(lights, _CURVE) + 1), options)
     env = map_file.open(arguments["fill"])
     curve = error_curve(env, **arguments)
-    # Importing Matplotlib takes a second.
+    # Import late, because Matplotlib takes a second.
     from envlights.viewer.report_page import report_page
 
     name = title or Path(map_file.path).stem

@@ -138,7 +138,7 @@ def _parts(
     shapes: bool,
     options: dict[str, Any],
 ) -> _Parts:
-    """Lights and rest, of detection, above a maximum, or of the sun."""
+    """Lights and remaining map, by detection, a maximum, or the sun."""
     has_choice = lights is not None or fraction is not None
     if shapes and maximum is not None:
         raise EnvLightsError("cards are detected lights; leave out --limit, or --shapes")
@@ -168,7 +168,7 @@ def _parts(
 
 
 def _at_place(parts: _Parts, distance: float | None, radius: float | None) -> _Parts:
-    """Parts with their cards at a distance."""
+    """Result with its cards placed at a distance."""
     if isinstance(parts, CardSplit):
         return parts._replace(cards=at_place(parts.cards, distance, radius))
     if distance is not None or radius is not None:
@@ -184,9 +184,9 @@ def _write(
     stage: dict[str, Any],
     draw: Callable[[str], None],
 ) -> list[str]:
-    """Write all outputs; paths of all files, with the maps that scenes bring."""
+    """Write all outputs; return the paths of all files, including the maps of scenes."""
     pictures = [output for output in outputs if Path(output).suffix.lower() in PICTURES]
-    # Programs read panoramas alone, so scenes name no map of another layout.
+    # Scenes reference only equirectangular maps, because programs read no other layout.
     maps = [output for output in outputs if target != PROJECTION and _is_map(output)]
     scenes = [output for output in outputs if output not in (*pictures, *maps)]
     written = list(map(str, paths_of(plan(parts.remainder, scenes, parts.lights))))
@@ -213,7 +213,7 @@ def _draw(env: EnvMap, parts: _Parts, sun: Sun | None, output: str) -> None:
     elif isinstance(parts, Split):
         plot.save(plot.split_picture(env, parts), output)
     elif sun is not None:
-        if len(parts.lights):  # a reading replaces the estimate
+        if len(parts.lights):  # a meter reading replaces the estimate
             sun = replace(sun, irradiance=parts.lights.irradiance[0])
         plot.save(plot.sun(env, sun), output)
 

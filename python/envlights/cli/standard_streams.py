@@ -1,4 +1,4 @@
-"""Paths ``-`` of subcommands: files that come from the standard input or go to the output."""
+"""Path ``-`` in subcommands: temporary files that stand for standard input or output."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ import click
 from envlights._native import EnvLightsError
 
 _STREAM = "-"
-#: Stem of the file of a standard input.
+#: File stem for standard input.
 STANDARD_INPUT = "standard_input"
-#: Parameters that hold the paths of written files.
+#: Parameters with paths of output files.
 _OUTPUTS = ("output", "outputs", "targets", "names")
-#: Parameters of read files, except for those that the reader of images reads from ``-`` itself.
+#: Parameters with paths of input files, except images, whose reader supports ``-``.
 _INPUTS = ("rig_path", "rig", "truth", "guess", "start", "model_path")
 _FORMAT = "format_"
-#: Key of the context for the file that goes to the standard output.
+#: Context key for the temporary file of standard output.
 _KEY = "envlights.standard_output"
 
 
 def with_standard_streams(command: click.Command) -> None:
-    """Let a subcommand read and write ``-``, and add ``--format``; a second call does nothing."""
+    """Support ``-`` in a subcommand, and add ``--format``; repeated calls change nothing."""
     names = {parameter.name for parameter in command.params}
     if _FORMAT in names or not names.intersection((*_OUTPUTS, *_INPUTS)):
         return
@@ -47,13 +47,13 @@ def with_standard_streams(command: click.Command) -> None:
 
 
 def is_standard_output(path: str) -> bool:
-    """True for the file that goes to the standard output."""
+    """True for the temporary file of standard output."""
     context = click.get_current_context(silent=True)
     return context is not None and context.meta.get(_KEY) == path
 
 
 def _inputs(folder: Path, options: dict[str, Any]) -> dict[str, Any]:
-    """Options with a file in place of an input ``-``."""
+    """Options with an input ``-`` replaced by a file."""
     names = [name for name in _INPUTS if options.get(name) == _STREAM]
     if names[1:]:
         raise EnvLightsError("only one input can be the standard input; give paths of the others")
@@ -69,7 +69,7 @@ def _inputs(folder: Path, options: dict[str, Any]) -> dict[str, Any]:
 
 
 def _suffix_of(content: bytes) -> str:
-    """Suffix of a file by its first bytes; that of an image does not matter."""
+    """Suffix by the first bytes of a file; images do not need one."""
     if content[:2] == b"PK":
         return ".npz"
     if content.lstrip()[:1] == b"{":
@@ -81,7 +81,7 @@ def _suffix_of(content: bytes) -> str:
 def _to_standard_output(
     folder: Path, options: dict[str, Any], form: str | None
 ) -> Iterator[dict[str, Any]]:
-    """Options with a file in place of an output ``-``, which is copied at the end."""
+    """Options with an output ``-`` replaced by a file, which is copied at the end."""
     name = next((name for name in _OUTPUTS if _STREAM in _each(options.get(name))), "")
     outputs = options.get(name)
     if not name:
@@ -102,7 +102,7 @@ def _to_standard_output(
         with contextlib.redirect_stdout(sys.stderr), _without_path(path):
             yield {**options, name: replaced if isinstance(outputs, tuple) else replaced[0]}
     except (SystemExit, click.exceptions.Exit):
-        _copy(path, binary)  # a comparison of folders is written even if a file failed
+        _copy(path, binary)  # a comparison of folders is written even after failures
         raise
     _copy(path, binary)
 
@@ -114,7 +114,7 @@ def _each(outputs: Any) -> tuple[Any, ...]:
 
 @contextlib.contextmanager
 def _without_path(path: Path) -> Iterator[None]:
-    """Name the standard output in refusals instead of its file."""
+    """Context whose error messages name standard output instead of the file."""
     try:
         yield
     except EnvLightsError as refusal:
@@ -122,15 +122,15 @@ def _without_path(path: Path) -> Iterator[None]:
 
 
 def _suffix(form: str) -> str:
-    """Suffix of a format, which may be the name of a target."""
-    from envlights.export.targets import TARGETS  # here, because few calls need it
+    """Suffix for a format, which may be the name of a target."""
+    from envlights.export.targets import TARGETS  # import late, because few calls need it
 
     suffixes = {target.name: target.suffixes[0] for target in TARGETS}
     return suffixes.get(form, f".{form.lstrip('.')}")
 
 
 def _copy(path: Path, binary: Any) -> None:
-    """Copy a file to the standard output; refuse one that needs others beside it."""
+    """Copy a file to standard output; raises an error if it needs companion files."""
     others = sorted(other.name for other in path.parent.iterdir() if other != path)
     if others:
         raise EnvLightsError(

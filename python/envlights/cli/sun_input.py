@@ -1,4 +1,4 @@
-"""Options of subcommands on the sun of a map."""
+"""Options on the sun of a map, for several subcommands."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from envlights.sun.choice import AUTO, AnySun
 
 
 def sun_options(function: Callable[..., None]) -> Callable[..., None]:
-    """Options on the sun; `function` takes them as one argument `sun`, None without any."""
+    """Decorator that adds the sun options as an argument `sun`, None if none is given."""
 
     @click.option("--sun", "is_auto", is_flag=True, help="Find the sun in a clipped MAP.")
     @click.option(
@@ -96,7 +96,7 @@ def _sun_at(
     if time is None or latitude is None or longitude is None:
         raise EnvLightsError("--sun-time, --latitude and --longitude go together; give all three")
     try:
-        # Python 3.10 does not know the Z of UTC.
+        # Replace Z, which Python 3.10 does not parse as UTC.
         at = datetime.datetime.fromisoformat(time.replace("Z", "+00:00"))
     except ValueError:
         raise EnvLightsError(

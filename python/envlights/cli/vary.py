@@ -27,12 +27,12 @@ from envlights.rigs.vary import Variation, vary
 
 
 class _Span(click.ParamType[Any]):
-    """Number, or the lowest and the highest: ``LOW,HIGH``."""
+    """Number, or a range LOW,HIGH."""
 
     name = "LOW,HIGH"
 
     def convert(self, value: Any, _: Any, __: Any) -> Any:
-        """Numbers of a text; `vary` refuses other counts."""
+        """Numbers parsed from text; `vary` checks their count."""
         if not isinstance(value, str):
             return value
         try:

@@ -1,4 +1,4 @@
-"""Comparison of lightings by spheres and by lights, exactly or as published.
+"""Comparison of lightings by spheres and by lights, in closed form or as published.
 
 | step                                           | file                      |
 |------------------------------------------------|---------------------------|

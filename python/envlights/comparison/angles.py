@@ -7,24 +7,24 @@ from numpy.typing import NDArray
 
 
 def degrees_between(one: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Angles in degrees between vectors, (..., 3), of any lengths; exact near 0 and 180."""
+    """Angles in degrees between vectors, (..., 3), of any length; accurate near 0 and 180."""
     a, b = np.moveaxis(one, -1, 0), np.moveaxis(other, -1, 0)
-    # `np.cross` takes four times as long on the pixels of a map.
+    # Do not use `np.cross`, which takes four times as long on the pixels of a map.
     crosses = [a[i - 2] * b[i - 1] - a[i - 1] * b[i - 2] for i in range(3)]
     length = np.sqrt(sum(cross * cross for cross in crosses))
     degrees: NDArray[np.float64] = np.rad2deg(np.arctan2(length, (a * b).sum(axis=0)))
     return degrees
 
 
-#: Singular values below this fraction of the largest are 0: directions within about 1e-4 radians
-#: of one line leave the rotation about that line open.
+#: Ratio to the largest singular value below which others count as 0: if all directions lie within
+#: 1e-4 radians of a line, the rotation about the line is undetermined.
 _RANK_TOLERANCE = 1e-9
 
 
 def rotation_degrees(
     before: NDArray[np.float64], after: NDArray[np.float64], weights: NDArray[np.float64]
 ) -> float | None:
-    """Angle in degrees of the rotation that brings weighted `before` closest to `after`.
+    """Angle in degrees of the rotation that brings `before` closest to `after`, weighted.
 
     It minimises the weighted sum of squared chords: Wahba's problem (1965), by the singular value
     decomposition of Markley (1988). All directions on one line leave a free rotation about it; the

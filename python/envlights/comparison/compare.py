@@ -1,4 +1,4 @@
-"""`compare`: the errors of one lighting against another, on spheres and between lights."""
+"""`compare`: errors of a lighting relative to another, on spheres and between lights."""
 
 from __future__ import annotations
 
@@ -54,13 +54,13 @@ class Comparison(Result):
     """Errors of a guess against the truth, on spheres and between lights."""
 
     protocol: Protocol
-    """Choices of the comparison."""
+    """Rules of the comparison."""
 
     spheres: Mapping[str, ImageErrors]
     """Errors of each sphere; "diffuse", "matte" and "mirror", unless the protocol has others."""
 
     lights: LightSetDifference
-    """Difference of the lights: those of rigs, and those that `detect` finds in maps.
+    """Difference of the lights, given by rigs or detected in maps.
 
     Lights of a rig and those found in a map have no ratio of fluxes; `scale` is the brightness."""
 
@@ -71,11 +71,11 @@ class Comparison(Result):
     """Inner products of the linear maps by degree, (4, degree): T T, T G, G G and (G - T)^2."""
 
     notes: tuple[str, ...] = ()
-    """Remarks on size, tone, means, black pixels and what else decides the numbers."""
+    """Notes on size, tone, means, black pixels, and other effects on the numbers."""
 
     @property
     def scale(self) -> float | None:
-        """Factor by which the guess fits best on the diffuse sphere, of the linear maps.
+        """Factor that fits the guess best to the truth on the diffuse sphere, for linear maps.
 
         It is 2 for a guess that is half as bright, and None for a black one.
         """
@@ -84,16 +84,16 @@ class Comparison(Result):
 
     @property
     def probe_error(self) -> float:
-        """Relative RMS error of irradiance over all normals, of the linear maps."""
+        """Relative RMS error of irradiance over all normals, for linear maps."""
         return self._relative(spectra.lambertian())
 
     @property
     def shadow_error(self) -> float:
-        """Relative RMS error of irradiance with a part of the light blocked, over all planes."""
+        """Relative RMS error of irradiance with part of the light blocked, over all planes."""
         return self._relative(spectra.shadows())
 
     def gloss_error(self, roughness: float = 0.33) -> float:
-        """Relative RMS error of a rough metal ball from all sides, of the linear maps.
+        """Relative RMS error of a rough metal ball over all views, for linear maps.
 
         Parameters
         ----------
@@ -113,7 +113,7 @@ class Comparison(Result):
         return float(np.sqrt(products.difference / products.truth))
 
     def in_short(self) -> str:
-        """Protocol, and the relative error of each sphere."""
+        """Name of the protocol, and the relative error of each sphere."""
         errors = (f"{name} {percent(each.relative or 0)}" for name, each in self.spheres.items())
         return f"{self.protocol.name}: {', '.join(errors)}"
 
@@ -121,18 +121,18 @@ class Comparison(Result):
         return errors_table(self.spheres)
 
     def _lines(self) -> list[str]:
-        """Errors that need no image, those of the lights, and the notes."""
+        """Brightness, errors without images, difference of lights, and notes."""
         names = ("probe", self.probe_error), ("shadow", self.shadow_error)
         errors = (*names, ("gloss", self.gloss_error()))
         line = ", ".join(f"{name} error {percent(value)}" for name, value in errors)
         vector = degrees(self.vector_angle)
-        # The flux of lights is not the brightness, which has a line of its own.
+        # Report brightness elsewhere, because the flux of lights is only a part of it.
         angle = "no lights to compare" if self.lights.angle is None else degrees(self.lights.angle)
         lights = f"angle of the lights: {angle}; of the irradiance vectors: {vector}"
         return [brightness(self.scale), line, lights, *self.notes]
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain numbers, texts and lists, for example for JSON."""
+        """Dictionary of numbers, texts and lists, for example for JSON."""
         return {
             "protocol": self.protocol.name,
             "spheres": {name: each.to_dict() for name, each in self.spheres.items()},
@@ -231,7 +231,7 @@ def compare(
 
 
 def _light_set_difference(pair: Pair) -> LightSetDifference:
-    """Difference of the lights; those of a rig and those that `detect` finds differ in flux."""
+    """Difference of the lights; no flux ratio between a rig and detected lights."""
     difference = compare_lights(pair.truth.lights, pair.guess.lights)
     are_alike = (pair.truth.given is None) == (pair.guess.given is None)
     return difference if are_alike else replace(difference, flux_ratio=None)
@@ -247,7 +247,7 @@ def _open(name: str, what: Any, reading: Reading | None) -> EnvMap | Rig | Light
 def _of_one_size(
     truth: EnvMap | Rig | Lights, guess: EnvMap | Rig | Lights, rules: Protocol
 ) -> tuple[Pair, list[str]]:
-    """Lightings with maps of one size, and notes on sizes and units."""
+    """Lightings resampled to maps of one size, and notes on sizes and units."""
     heights = [rows for rows in map(rows_of, (truth, guess)) if rows is not None]
     rows = min([*heights, *([rules.rows] if rules.rows else [])] or [DEFAULT_ROWS])
     pair = Pair(lighting_of(truth, rows), lighting_of(guess, rows))

@@ -1,4 +1,4 @@
-"""`compare_folders`: all maps of two folders that have the same names."""
+"""`compare_folders`: comparison of all maps with the same names in two folders."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ from envlights.environment.reading import Reading, check_reading
 if TYPE_CHECKING:
     import pandas as pd
 
-#: Suffixes of files that are compared; other files are not looked at.
+#: Suffixes of compared files; other files are ignored.
 _SUFFIXES = (*MAPS, *LIGHT_FILES)
-#: Numbers of each sphere, with a column each.
+#: Names of the numbers of each sphere, with a column each.
 _OF_SPHERE = ("rmse", "si_rmse", "angle", "relative", "si_relative", "normalised_rmse")
 
 
@@ -43,28 +43,28 @@ class FolderComparison(Result):
     _is_headed = True
 
     protocol: Protocol
-    """Choices of each comparison."""
+    """Rules of each comparison."""
 
     comparisons: Mapping[str, Comparison]
-    """Comparison of each pair, by name without suffix."""
+    """Comparison for each name without suffix."""
 
     failures: Mapping[str, str]
-    """Reason for each name that has no comparison."""
+    """Reason of failure for each name without a comparison."""
 
     def columns(self) -> dict[str, NDArray[np.float64]]:
-        """Numbers of each pair by name, (pairs,); NaN if a pair has none."""
+        """Columns of numbers, (pairs,); NaN for missing numbers."""
         rows = [_numbers(each) for each in self.comparisons.values()]
         names = list(dict.fromkeys(name for row in rows for name in row))
         return {name: np.array([row.get(name, np.nan) for row in rows]) for name in names}
 
     @property
     def mean(self) -> dict[str, float]:
-        """Mean of each column over the pairs that have a number."""
+        """Mean of each column, without missing numbers."""
         return {name: float(np.nanmean(values)) for name, values in self.columns().items()}
 
     @property
     def median(self) -> dict[str, float]:
-        """Median of each column over the pairs that have a number."""
+        """Median of each column, without missing numbers."""
         return {name: float(np.nanmedian(values)) for name, values in self.columns().items()}
 
     def in_short(self) -> str:
@@ -76,7 +76,7 @@ class FolderComparison(Result):
         return len(self.comparisons)
 
     def table(self) -> Table:
-        """Table of the errors of each sphere, with means and medians."""
+        """Table of the errors per sphere, with means and medians."""
         spheres = list(self.protocol.materials)
         parts = [f"{name}_{what}" for name in spheres for what in ("rmse", "si_rmse", "angle")]
         columns = self.columns()
@@ -92,7 +92,7 @@ class FolderComparison(Result):
         return self.table() if self.comparisons else None
 
     def _lines(self) -> list[str]:
-        """Failures, and notes that all pairs share."""
+        """Failures, and notes common to all pairs."""
         failures = [f"failed: {name}: {reason}" for name, reason in self.failures.items()]
         notes = [each.notes for each in self.comparisons.values()]
         shared = [note for note in (notes[0] if notes else ()) if all(note in n for n in notes)]
@@ -109,12 +109,12 @@ class FolderComparison(Result):
         }
 
     def to_frame(self) -> pd.DataFrame:
-        """Data frame with a row for each pair; needs pandas, from the extra `frame`."""
+        """Data frame with a row per pair; needs pandas, from the extra `frame`."""
         names = np.array(list(self.comparisons), dtype=object)
         return frame_of({"name": names, **self.columns()})
 
     def to_csv(self) -> str:
-        """Lossless table with a row for each pair; the last column is the reason of a failure."""
+        """Lossless CSV table with a row per pair; the last column is the reason of a failure."""
         columns = self.columns()
         cells = zip(*(values.tolist() for values in columns.values()), strict=True)
         pairs = [[name, *row, ""] for name, row in zip(self.comparisons, cells, strict=True)]
@@ -127,7 +127,7 @@ class FolderComparison(Result):
 
 
 def _numbers(comparison: Comparison) -> dict[str, float]:
-    """Numbers of a pair, by the name of their column."""
+    """Numbers of a pair by column name."""
     spheres = {
         f"{name}_{what}": getattr(errors, what)
         for name, errors in comparison.spheres.items()
@@ -153,7 +153,7 @@ def compare_folders(
     progress: bool | None = None,
     reading: Reading | None = None,
 ) -> FolderComparison:
-    """Compare the maps of two folders that have the same name.
+    """Compare the maps with the same names in two folders.
 
     Parameters
     ----------

@@ -16,17 +16,18 @@ from envlights.environment.envmap import EnvMap
 from envlights.kernels.harmonics import expand_discs, expand_map
 from envlights.kernels.sphere import pixel_solid_angles, uv_to_direction
 
-#: Highest degree of all light, and of small discs. Beyond 100 lie 0.01 % of the light of a point at
-#: roughness 0.3271, but up to 30 % of the shadow error of a rig under a sun.
+#: Highest degree for maps, and for small discs. Degrees above 100 hold 0.01 % of the energy of a
+#: point at roughness 0.3271, but up to 30 % of the shadow error of a rig under a sun.
 DEGREE, FINE_DEGREE = 100, 2000
-#: Most rows of a map whose harmonics are computed; larger ones are reduced. With 256 rows a gloss
-#: error was 42 % too large under a sun.
+#: Largest number of map rows whose harmonics are computed; larger maps are reduced. With 256 rows,
+#: a gloss error was 42 % too large under a sun.
 MOST_ROWS = 1024
-#: Radius in radians up to which discs count beyond `DEGREE`, because larger ones hold 0.3 % of
-#: their energy there; and the least fraction of the flux of a channel in a cell that counts.
+#: Largest radius in radians of discs that are expanded beyond `DEGREE`, where larger ones hold 0.3
+#: % of their energy; and smallest fraction of a channel's flux for such a cell.
 _MOST_RADIUS, _LEAST_FRACTION = 0.05, 1e-3
-#: Most cells of a map, 2 by 2 of its `MOST_ROWS`, that count beyond `DEGREE`: those of such a disc.
-#: With 64, a shadow error under a lamp of 0.044 radians was 0.0041 instead of 0.0028.
+#: Largest number of cells, 2 x 2 pixels of a map of `MOST_ROWS`, that are expanded beyond `DEGREE`:
+#: as many as such a disc has. With 64, a shadow error under a lamp of 0.044 radians was 0.0041
+#: instead of 0.0028.
 _MOST_CELLS = int(np.pi * (_MOST_RADIUS * MOST_ROWS / (2 * np.pi)) ** 2)
 
 
@@ -47,7 +48,7 @@ class Discs(NamedTuple):
         return expand_discs(*self, DEGREE)
 
     def small(self) -> Discs:
-        """Discs that count beyond `DEGREE`."""
+        """Discs small enough to be expanded beyond `DEGREE`."""
         is_small = self.radius <= _MOST_RADIUS
         return Discs(*(each[is_small] for each in self))
 
@@ -58,15 +59,15 @@ def of_map(radiance: NDArray[np.floating]) -> NDArray[np.float64]:
 
 
 def bright_parts(radiance: NDArray[np.float32]) -> Discs:
-    """Bright parts of a map as discs that have the flux and the spread of parts of its pixels."""
+    """Bright pixels of a map, grouped into cells and replaced by discs of equal flux and extent."""
     solid_angles = pixel_solid_angles(*radiance.shape[:2])
     block = -(-2 * len(radiance) // MOST_ROWS)
     pixels = _bright_pixels(radiance, solid_angles, block)
     rows, columns = np.array(pixels)
     if not len(rows):
         return Discs(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0))
-    # Squares of one size at the first pixel, or whole cells. A few discs in place of whole pixels
-    # have light of their own beyond `DEGREE`: 41 % of a shadow error.
+    # Use equal squares from the first pixel on, or whole cells. A few discs instead of whole pixels
+    # have too much energy beyond `DEGREE`: 41 % of a shadow error.
     count = max(_MOST_CELLS / (2 * len(rows)), 1.0)
     sine = np.sin(np.pi * (rows[0] + 0.5) / len(radiance))
     tall = int(np.clip(np.sqrt(count / sine), 1, count))
@@ -85,7 +86,7 @@ def bright_parts(radiance: NDArray[np.float32]) -> Discs:
 def _bright_pixels(
     radiance: NDArray[np.float32], solid_angles: NDArray[np.float64], block: int
 ) -> tuple[NDArray[np.intp], ...]:
-    """Rows and columns of the pixels of the brightest cells of `block` by `block` pixels."""
+    """Rows and columns of the pixels in the brightest cells, each `block` by `block` pixels."""
     shape = solid_angles.shape
     fraction = np.zeros(shape)
     for channel in np.moveaxis(radiance, 2, 0):
@@ -106,8 +107,8 @@ def merge(
     areas: NDArray[np.float64],
     groups: NDArray[np.intp],
 ) -> Discs:
-    """A disc for each group of small squares, with their flux and their spread."""
-    # The mean cosine to the middle is 1 - area / 12 in a square, and cos^2 (radius / 2) in a disc.
+    """Disc for each group of small squares, with the same flux and extent."""
+    # The mean cosine to the centre is 1 - area / 12 in a square, and cos^2 (radius / 2) in a disc.
     whole = flux.sum(axis=1, keepdims=True)
     vectors = _sums(whole * (1 - areas[:, None] / 12) * directions, groups)
     lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
@@ -122,13 +123,13 @@ def _sums(values: NDArray[np.float64], groups: NDArray[np.intp]) -> NDArray[np.f
 
 
 def products(one: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Inner product of each degree over all orders and channels, (degree,)."""
+    """Inner product per degree, summed over orders and channels, (degree,)."""
     by_degree: NDArray[np.float64] = (one * other).sum(axis=(0, 2))
     return by_degree
 
 
 def fine_products(one: Discs, other: Discs) -> NDArray[np.float64]:
-    """Inner products of each degree from `DEGREE` + 1 to `FINE_DEGREE`, by the addition theorem."""
+    """Inner products for degrees from `DEGREE` + 1 to `FINE_DEGREE`, by the addition theorem."""
     one, other = one.small(), other.small()
     cosines = np.clip(one.direction @ other.direction.T, -1, 1)
     out = np.empty(FINE_DEGREE - DEGREE)
@@ -142,7 +143,7 @@ def fine_products(one: Discs, other: Discs) -> NDArray[np.float64]:
 
 def _fluxes_by_degree(discs: Discs) -> NDArray[np.float64]:
     """Flux times the mean of each Legendre polynomial over each disc, (degree, n, 3)."""
-    # Smaller discs are points: beyond them, differences of polynomials are rounding.
+    # Limit the radius, because differences of polynomials vanish by rounding for smaller discs.
     radius = np.maximum(discs.radius, 1e-5)
     values = np.stack(list(_legendre(np.cos(radius), FINE_DEGREE + 1)))
     degrees = np.arange(1, FINE_DEGREE + 1)[:, None]
@@ -162,5 +163,5 @@ def _legendre(x: NDArray[np.float64], degree: int) -> Iterator[NDArray[np.float6
 
 
 def reduce_cells(radiance: NDArray[np.float32], rows: int) -> NDArray[np.float32]:
-    """Area means of cells in a map of at most `rows` rows."""
+    """Map reduced to at most `rows` rows, by area means."""
     return radiance if len(radiance) <= rows else EnvMap(radiance).resized(2 * rows).cells()

@@ -1,4 +1,4 @@
-"""Errors of an image: RMSE, scale-invariant RMSE and the angle between colours."""
+"""Image errors: RMSE, scale-invariant RMSE, and angle between colours."""
 
 from __future__ import annotations
 
@@ -26,25 +26,25 @@ class ImageErrors(Result):
     """Root mean square of the difference, in units of the image."""
 
     si_rmse: float
-    """RMSE after the guess is scaled by least squares."""
+    """RMSE after scaling the guess by least squares."""
 
     angle: float | None
-    """Mean angle between the RGB vectors of both, in degrees; None if all pixels are black."""
+    """Mean angle between RGB vectors in degrees; None if all pixels are black."""
 
     relative: float | None
-    """RMSE over the root mean square of the truth; None if the truth is black."""
+    """RMSE relative to the root mean square of the truth; None if the truth is black."""
 
     si_relative: float | None
-    """Scale-invariant RMSE over the root mean square of the truth; None if the truth is black."""
+    """Scale-invariant RMSE relative to the RMS of the truth; None if the truth is black."""
 
     scale: float
     """Factor that minimises the RMSE of the guess."""
 
     black: float
-    """Fraction of the pixels that the angle leaves out, because truth or guess is black there."""
+    """Fraction of pixels ignored by the angle, because truth or guess is black."""
 
     normalised_rmse: float | None = None
-    """RMSE of images divided by their own 99.9 % percentile; only of "diffusionlight"."""
+    """RMSE of images divided by their own 99.9 % percentile; only for "diffusionlight"."""
 
     def in_short(self) -> str:
         """RMSE, scale-invariant RMSE and angle."""
@@ -60,7 +60,7 @@ class ImageErrors(Result):
 
 
 def errors_table(errors: Mapping[str, ImageErrors]) -> Table:
-    """Table with a row for each image or sphere."""
+    """Table with a row per image or sphere."""
     has_normalised = any(each.normalised_rmse is not None for each in errors.values())
     columns = ["sphere", "RMSE", "si-RMSE", "RGB angle", "relative", "si-relative"]
     rows = [
@@ -79,7 +79,7 @@ def errors_table(errors: Mapping[str, ImageErrors]) -> Table:
 
 
 class Products(NamedTuple):
-    """Inner products of two images, as means over pixels and channels."""
+    """Inner products of two images, averaged over pixels and channels."""
 
     truth: float
     """Mean square of the truth."""
@@ -91,15 +91,15 @@ class Products(NamedTuple):
     """Mean square of the guess."""
 
     difference: float
-    """Mean square of the difference, which rounding does not cancel."""
+    """Mean square of the difference, computed directly to avoid cancellation."""
 
     def squares(self) -> tuple[float, float, float]:
-        """Mean squares of the difference and of the difference at the best scale, and the scale."""
+        """Mean square of the difference, the same after the best scaling, and the scale."""
         if not self.guess > 0:
             return self.difference, self.truth, 1.0
         scale = self.both / self.guess
-        # <T, T> - <T, G>^2 / <G, G>, written by the difference D = G - T:
-        # |a G - T|^2 = |D|^2 - <D, G>^2 / <G, G>.
+        # <T, T> - <T, G>^2 / <G, G>, expressed by D = G - T: |a G - T|^2 = |D|^2 - <D, G>^2 / <G,
+        # G>.
         along = (self.guess - self.both) ** 2 / self.guess
         return self.difference, max(self.difference - along, 0.0), scale
 
@@ -107,7 +107,7 @@ class Products(NamedTuple):
 def errors_of_products(
     products: Products, angle: tuple[float | None, float], *, channels: str
 ) -> ImageErrors:
-    """Errors from inner products, and from an angle in degrees with its black fraction."""
+    """Errors from inner products, and an angle in degrees with its fraction of black pixels."""
     factor = 3.0 if channels == "sum" else 1.0
     square, best, scale = products.squares()
     is_lit = products.truth > 0
@@ -123,7 +123,7 @@ def errors_of_products(
 
 
 class PixelSums(NamedTuple):
-    """Weighted sums over pixels; those of two blocks of an image can be added."""
+    """Weighted sums over pixels, which can be added for blocks of an image."""
 
     weight: float
     """Sum of the weights."""
@@ -132,10 +132,10 @@ class PixelSums(NamedTuple):
     """T T, T G, G G and (G - T)^2, as means over channels, (4,)."""
 
     seen: float
-    """Weight of the pixels that are black in neither image."""
+    """Total weight of the pixels that are black in neither image."""
 
     angle: float
-    """Weighted angles of those in degrees."""
+    """Weighted sum of the angles of these pixels, in degrees."""
 
     def plus(self, other: PixelSums) -> PixelSums:
         """Sums over both blocks."""
@@ -165,13 +165,13 @@ def pixel_sums(
     weights: NDArray[np.float64] | None = None,
 ) -> PixelSums:
     """Sums over pixels, (n, 3), with equal or other `weights`, (n,)."""
-    # Channels first: sums over the last axis of (n, 3) take ten times as long.
+    # Put channels first: sums over the last axis of (n, 3) take ten times as long.
     one, other = np.ascontiguousarray(truth.T), np.ascontiguousarray(guess.T)
     fraction = np.ones(len(truth)) if weights is None else weights
     difference = other - one
     pairs = (one, one), (one, other), (other, other), (difference, difference)
     products = np.array([(a * b @ fraction).sum() / 3 for a, b in pairs])
-    # Scale each vector, so that products neither overflow nor vanish.
+    # Scale each vector, so that products neither overflow nor underflow.
     largest = [np.maximum.reduce(np.abs(each)) for each in (one, other)]
     is_seen = (largest[0] > 0) & (largest[1] > 0)
     units = [
@@ -186,7 +186,7 @@ def pixel_sums(
 def image_errors(
     truth: ArrayLike, guess: ArrayLike, mask: ArrayLike | None = None, *, channels: str = "mean"
 ) -> ImageErrors:
-    r"""Errors of an image that you rendered or photographed yourself.
+    r"""Errors of an image that was rendered or photographed elsewhere.
 
     Parameters
     ----------

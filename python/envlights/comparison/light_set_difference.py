@@ -1,4 +1,4 @@
-"""Difference of two sets of lights, as a result."""
+"""Result type for the difference of two sets of lights."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from envlights._common.result import Result
 from envlights._common.tables import MOST_ROWS, Table
 from envlights._common.words import degrees, percent
 
-#: Degrees above which flux counts as unmatched.
+#: Angle in degrees above which moved flux counts as unmatched.
 UNMATCHED_DEG = 30.0
 
 
 class Movement(NamedTuple):
-    """Flux that moves from a light of the truth to a light of the guess."""
+    """Flux moved from a light of the truth to a light of the guess."""
 
     truth: int
     """Index of the light in the truth."""
@@ -24,27 +24,27 @@ class Movement(NamedTuple):
     """Index of the light in the guess."""
 
     fraction: float
-    """Share of the flux; those of a plan sum to 1."""
+    """Fraction of the flux; the fractions of a plan sum to 1."""
 
     angle: float
-    """Angle between both directions in degrees."""
+    """Angle between the two directions in degrees."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LightSetDifference(Result):
-    """Difference of a guessed set of lights from a true one; see `compare_lights`.
+    """Difference between a guessed and a true set of lights; see `compare_lights`.
 
     A number is None if it does not exist: most are, if either set has no light.
     """
 
     angle: float | None = None
-    """Mean angle in degrees by which flux moves in the cheapest plan: the distance W1."""
+    """Mean angle in degrees by which the optimal plan moves flux: the Wasserstein distance W1."""
 
     peak_angle: float | None = None
     """Angle in degrees between the strongest lights of both sets."""
 
     flux_ratio: float | None = None
-    """Binary logarithm of the total luminance of these lights in the guess over the truth.
+    """Binary logarithm of the ratio of total luminance, guess to truth.
 
     None also for lights of a rig and lights that `detect` found in a map."""
 
@@ -55,7 +55,7 @@ class LightSetDifference(Result):
     """Mean difference of the angular radii in degrees, over the plan."""
 
     unmatched: float | None = None
-    """Share of the flux that the plan moves by more than 30 degrees."""
+    """Fraction of the flux that the plan moves by more than 30 degrees."""
 
     rotation: float | None = None
     """Angle in degrees of the rotation that brings the truth closest to the guess, over the plan.
@@ -63,13 +63,13 @@ class LightSetDifference(Result):
     With a single light, it is the smallest such rotation. None also if all are equally good."""
 
     left_out: float = 0.0
-    """Share of the flux in lights beyond the strongest, the larger one of both sets."""
+    """Fraction of the flux in lights beyond the strongest ones, the larger of both sets."""
 
     plan: tuple[Movement, ...] = ()
-    """Movements of flux, by the index in the truth, then in the guess."""
+    """Movements of flux, sorted by index in the truth, then in the guess."""
 
     notes: tuple[str, ...] = ()
-    """Remarks on lights that were left out, and on numbers that do not exist or are uncertain."""
+    """Notes on omitted lights, and on missing or uncertain numbers."""
 
     def to_dict(self) -> dict[str, Any]:
         """All fields as plain numbers, lists and strings."""

@@ -90,19 +90,19 @@ class _LightSet(NamedTuple):
     """All lights."""
 
     rows: NDArray[np.intp]
-    """Rows of the strongest, the brightest first."""
+    """Indices of the strongest lights, brightest first."""
 
     flux: NDArray[np.float64]
-    """Luminance of the strongest."""
+    """Luminance of the strongest lights."""
 
     left_out: float
-    """Share of the flux in the others."""
+    """Fraction of the flux in all other lights."""
 
     notes: tuple[str, ...]
 
     @classmethod
     def of(cls, name: str, lights: Lights, strongest: int) -> _LightSet:
-        """Strongest lights of the argument `name`, or a refusal."""
+        """Strongest lights of the argument `name`; raises an error for invalid sets."""
         if not isinstance(lights, Lights):
             raise EnvLightsError(
                 f"{name} must be Lights, as of rig.lights or detect(map); got {describe(lights)}"
@@ -163,12 +163,12 @@ def _difference(truth: _LightSet, guess: _LightSet, notes: tuple[str, ...]) -> L
 
 
 def _movements(*columns: NDArray[np.intp] | NDArray[np.float64]) -> tuple[Movement, ...]:
-    """Rows of the plan, by the index in the truth, then in the guess."""
+    """Movements of a plan, sorted by index in the truth, then in the guess."""
     return tuple(sorted(Movement(*row) for row in zip(*(c.tolist() for c in columns), strict=True)))
 
 
 def _peak_angle(truth: _LightSet, guess: _LightSet) -> float:
-    """Degrees between the strongest lights; between their peaks if both have one."""
+    """Angle in degrees between the strongest lights, or between their peaks if both have one."""
     peaks = [_peak(each.lights, each.rows[0]) for each in (truth, guess)]
     if peaks[0] is None or peaks[1] is None:
         peaks = [each.lights.direction[each.rows[0]] for each in (truth, guess)]
@@ -176,7 +176,7 @@ def _peak_angle(truth: _LightSet, guess: _LightSet) -> float:
 
 
 def _peak(lights: Lights, row: int) -> NDArray[np.float64] | None:
-    """Direction of the peak of a detected light; None for other lights and for zero vectors."""
+    """Peak direction of a detected light; None for other lights and for zero vectors."""
     if not isinstance(lights, DetectedLights) or not lights.peak_direction[row].any():
         return None
     peak: NDArray[np.float64] = lights.peak_direction[row]

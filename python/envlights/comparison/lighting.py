@@ -1,4 +1,4 @@
-"""Lighting of one side of a comparison: a map, and discs beside it that need no pixels."""
+"""Lighting on one side of a comparison: a map, and discs stored separately from its pixels."""
 
 from __future__ import annotations
 
@@ -23,47 +23,47 @@ from envlights.kernels.probe import irradiance, rig_irradiance
 from envlights.rigs.lights import Lights
 from envlights.rigs.rig import Rig
 
-#: Lighting that can be compared.
+#: Accepted types of a lighting.
 AnyLighting = AnyMap | Rig | Lights
 
-#: Irradiance vectors shorter than this fraction of the flux are rounding of single precision.
+#: Length relative to the flux below which irradiance vectors are single-precision rounding.
 _LEAST_LENGTH = 1e-6
 
-#: Rows of two rigs, which have no size of their own.
+#: Number of map rows for the comparison of two rigs.
 DEFAULT_ROWS = 128
 
 
 @dataclass(frozen=True, eq=False)
 class Lighting:
-    """Radiance in cells, and the discs that are drawn in it.
+    """Radiance in cells, and the discs drawn into it.
 
     Harmonics and irradiance of the discs are exact; their pixels are for mirrors and angles.
     """
 
     radiance: NDArray[np.float32]
-    """All light, (height, 2 * height, 3)."""
+    """Radiance of all light, (height, 2 * height, 3)."""
 
     backdrop: NDArray[np.float32]
-    """Light without the discs, of the same shape."""
+    """Radiance without the discs, of the same shape."""
 
     discs: Lights | None
     """Lights of a rig or of a set of lights."""
 
     env: EnvMap
-    """Map of all light, with its units and its clip level."""
+    """Map of all light, with units and clip level."""
 
     given: Lights | None = None
-    """Lights of a rig or of a set of lights, as they were given."""
+    """Lights of a rig or of a set of lights, as given."""
 
     @cached_property
     def harmonics(self) -> NDArray[np.float64]:
-        """Coefficients; see `comparison.harmonics`."""
+        """Harmonic coefficients; see `comparison.harmonics`."""
         out = harmonics.of_map(harmonics.reduce_cells(self.backdrop, harmonics.MOST_ROWS))
         return out if self.discs is None else out + self.fine_discs.harmonics()
 
     @cached_property
     def fine_discs(self) -> Discs:
-        """All light that counts beyond the degrees of `harmonics`."""
+        """Discs of all light that matters beyond the degrees of `harmonics`."""
         if self.discs is None:
             return harmonics.bright_parts(self.backdrop)
         lights = self.discs
@@ -78,30 +78,30 @@ class Lighting:
 
     @cached_property
     def lights(self) -> Lights:
-        """Lights of a rig, or those that are detected in a map."""
+        """Lights of a rig, or lights detected in the map."""
         return detect(self.env) if self.given is None else self.given
 
     @property
     def vector(self) -> NDArray[np.float64]:
-        """Irradiance vector of the luminance: the part of degree 1, (3,)."""
+        """Irradiance vector of the luminance, from harmonics of degree 1, (3,)."""
         (y, _), (z, x) = self.harmonics[:2, 1].reshape(2, 2, 3) @ LUMINANCE
         vector: NDArray[np.float64] = np.array([x, y, -z]) * np.sqrt(4 * np.pi / 3)
         return vector
 
     @property
     def rows(self) -> int:
-        """Rows of the map."""
+        """Number of map rows."""
         return len(self.radiance)
 
     @classmethod
     def of_cells(cls, radiance: NDArray[np.float32]) -> Lighting:
-        """Lighting of pixels alone."""
+        """Lighting without discs."""
         return cls(radiance, radiance, None, EnvMap(radiance))
 
 
 @dataclass(frozen=True, eq=False)
 class Pair:
-    """Truth and guess at one size."""
+    """Truth and guess with maps of the same size."""
 
     truth: Lighting
     guess: Lighting
@@ -113,7 +113,7 @@ class Pair:
 
     @cached_property
     def by_degree(self) -> NDArray[np.float64]:
-        """Inner products of each degree, (4, degree): T T, T G, G G and those of G - T."""
+        """Inner products per degree, (4, degree): T T, T G, G G and (G - T)^2."""
         one, other = self.truth.harmonics, self.guess.harmonics
         difference = other - one
         pairs = [(one, one), (one, other), (other, other), (difference, difference)]
@@ -121,14 +121,14 @@ class Pair:
         return np.concatenate([coarse, self._fine()], axis=1)
 
     def _fine(self) -> NDArray[np.float64]:
-        """Inner products of the degrees beyond."""
+        """Inner products per degree beyond `DEGREE`."""
         one, other = self.truth.fine_discs, self.guess.fine_discs
         pairs = [(one, one), (one, other), (other, other)]
         a, b, c = (harmonics.fine_products(*pair) for pair in pairs)
         return np.stack([a, b, c, np.maximum(a - 2 * b + c, 0)])
 
     def vector_angle(self) -> float | None:
-        """Degrees between the irradiance vectors; None if one is 0, but for rounding."""
+        """Angle in degrees between the irradiance vectors; None if either is 0 up to rounding."""
         for side in self.sides:
             flux = float(side.harmonics[0, 0, :3] @ LUMINANCE) * np.sqrt(4 * np.pi)
             if not np.linalg.norm(side.vector) > _LEAST_LENGTH * flux:
@@ -137,7 +137,7 @@ class Pair:
 
 
 def open_lighting(what: Any, reading: Reading | None = None) -> EnvMap | Rig | Lights:
-    """Map, rig or lights of an argument: an object, an array or a path; `reading` is for maps."""
+    """Map, rig or lights from an object, an array or a path; `reading` applies to maps."""
     if isinstance(what, Rig | Lights | EnvMap):
         return what
     if isinstance(what, str | os.PathLike) and as_path(what).suffix.lower() in SUFFIXES:
@@ -146,7 +146,7 @@ def open_lighting(what: Any, reading: Reading | None = None) -> EnvMap | Rig | L
 
 
 def rows_of(what: EnvMap | Rig | Lights) -> int | None:
-    """Rows of a map; None for lights, which can be drawn at any size."""
+    """Number of rows of a map; None for lights, which have no pixels."""
     return what.height if isinstance(what, EnvMap) else None
 
 
@@ -165,7 +165,7 @@ def lighting_of(what: EnvMap | Rig | Lights, rows: int) -> Lighting:
 
 
 def _of_map(env: EnvMap, rows: int) -> Lighting:
-    """Lighting of a map, filled where it shows nothing."""
+    """Lighting of a map, with its uncovered part filled."""
     whole = env.filled()
     reduced = whole if whole.height == rows else whole.resized(2 * rows)
     cells = reduced.cells()

@@ -1,4 +1,4 @@
-"""Protocols of a comparison: tone, camera, materials of the spheres, and means."""
+"""Protocols of a comparison: tone curve, camera, sphere materials, and means."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Material:
     """Reflectance of the microfacets at normal incidence, from 0 to 1; 0 for none."""
 
     roughness: float = 0.0
-    """Roughness of the microfacets, whose alpha is its square; 0 is a mirror."""
+    """Roughness of the microfacets, the root of their alpha; 0 is a mirror."""
 
     def __post_init__(self) -> None:
         for name in ("base", "specular", "roughness"):
@@ -46,19 +46,19 @@ class Material:
 
 @dataclass(frozen=True)
 class Camera:
-    """Camera that looks at the middle of a ball of radius 1."""
+    """Camera that looks at the centre of a ball of radius 1."""
 
     position: tuple[float, float, float] = (-16.0, 2.0, 0.0)
-    """Place in the frame of `EnvMap`, y up, in radii of the ball."""
+    """Position in the frame of `EnvMap`, y up, in radii of the ball."""
 
     size: int = 280
-    """Diameter of the ball in pixels, for mirrors."""
+    """Diameter of a mirror ball in pixels."""
 
     rough_size: int = 64
-    """Diameter for other materials, whose images are smooth and take longer."""
+    """Diameter in pixels for other materials, whose images are smooth and take longer."""
 
     coverage: float = 0.1185
-    """Fraction of the whole picture that the ball covers, for percentiles of the picture."""
+    """Fraction of the whole picture that the ball covers, for percentiles over the picture."""
 
     def __post_init__(self) -> None:
         place = reals("position", self.position, 1)
@@ -73,13 +73,13 @@ class Camera:
         amount("coverage", self.coverage, 1e-3, 1)
 
 
-#: Lambertian, rough metal and mirror that reflect everything.
+#: Lambertian, rough metal and mirror spheres with reflectance 1.
 _WHITE: Mapping[str, Material] = {
     "diffuse": Material(base=1.0),
     "matte": Material(specular=1.0, roughness=0.3271),
     "mirror": Material(specular=1.0),
 }
-#: Spheres of StyleLight's code; its "diffuse" has a coat.
+#: Spheres of the StyleLight code; its "diffuse" sphere has a coating.
 _STYLELIGHT: Mapping[str, Material] = {
     "diffuse": Material(base=0.8, specular=0.04, roughness=0.364),
     "matte": Material(specular=0.8, roughness=0.3271),
@@ -89,7 +89,7 @@ _STYLELIGHT: Mapping[str, Material] = {
 
 @dataclass(frozen=True)
 class Protocol:
-    """Choices of a comparison; `dataclasses.replace` changes one.
+    """Rules of a comparison; change one by `dataclasses.replace`.
 
     Examples
     --------
@@ -105,28 +105,28 @@ class Protocol:
     """Name for tables and notes."""
 
     gamma: float | None = None
-    """Exponent of the tone: samples become their 1 / gamma-th power. None keeps them linear."""
+    """Exponent of the tone curve: samples are raised to 1 / gamma. None keeps them linear."""
 
     median: float | None = None
-    """Median to which each map is scaled by its own factor, after the exponent; None for none."""
+    """Median to which each map is scaled after the exponent; None for no scaling."""
 
     rows: int | None = None
-    """Rows to which larger maps are reduced by area means; None: those of the smaller map."""
+    """Number of rows to which larger maps are reduced; None for the rows of the smaller map."""
 
     camera: Camera | None = None
-    """Camera of images; None: exact means over all sides, where metals have no brighter rim."""
+    """Camera for images; None for exact means over all views, without brighter rims."""
 
     materials: Mapping[str, Material] = field(default_factory=lambda: _WHITE)
     """Material of each sphere."""
 
     channels: str = "mean"
-    """"mean": mean over pixels and channels. "sum": mean over pixels of the sum over channels."""
+    """"mean" averages over pixels and channels; "sum" averages the sum of channels."""
 
     black: str = "left out"
-    """Angle of pixels that are black in the truth or the guess: "left out", or "perfect" (0)."""
+    """Angle for pixels that are black in the truth or the guess: "left out", or "perfect" (0)."""
 
     normalised: bool = False
-    """True: also RMSE after each picture is divided by its own 99.9 % percentile."""
+    """True if the RMSE is also computed for pictures divided by their own 99.9 % percentile."""
 
     def __post_init__(self) -> None:
         check_choice("channels", self.channels, ("mean", "sum"))
@@ -140,7 +140,7 @@ class Protocol:
         self._check_parts()
 
     def _check_parts(self) -> None:
-        """Refuse a camera, spheres or normalisation of another kind."""
+        """Raise an error for a camera, spheres or normalisation of the wrong type."""
         if self.camera is not None and not isinstance(self.camera, Camera):
             raise EnvLightsError(f"camera must be a Camera or None; got {describe(self.camera)}")
         is_mapping = isinstance(self.materials, Mapping) and len(self.materials) > 0
@@ -151,7 +151,7 @@ class Protocol:
 
     @classmethod
     def named(cls, name: str) -> Protocol:
-        """Protocol of a name, or a refusal.
+        """Protocol by name; raises an error for unknown names.
 
         Parameters
         ----------
@@ -187,7 +187,7 @@ PROTOCOLS = {
     "stylelight": _OF_STYLELIGHT,
     "diffusionlight": replace(_OF_STYLELIGHT, name="diffusionlight", normalised=True),
 }
-#: Protocols that cannot be reproduced, and what is missing.
+#: Protocols that cannot be reproduced, with the missing facts.
 _REFUSED = {
     "emlight": "the materials and the camera of its spheres were never published; use"
     " protocol='exact', or `image_errors` on images that you rendered",
@@ -200,12 +200,12 @@ _REFUSED = {
 
 
 def as_protocol(protocol: object) -> Protocol:
-    """Protocol of a name; a `Protocol` is returned as it is."""
+    """Protocol by name; a `Protocol` is returned unchanged."""
     return protocol if isinstance(protocol, Protocol) else Protocol.named(protocol)  # type: ignore[arg-type]
 
 
 def tone(radiance: NDArray[np.float32], protocol: Protocol) -> tuple[NDArray[np.float32], float]:
-    """Toned map, and the factor that follows the exponent.
+    """Map after the tone curve, and the scale factor applied after the exponent.
 
     The factor brings the median of the samples above 0 to `Protocol.median`, as in the code of
     StyleLight.

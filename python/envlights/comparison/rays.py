@@ -1,4 +1,4 @@
-"""Pixels of images of a ball: normals, and directions to the viewer."""
+"""Pixels in images of a ball: normals, and directions to the viewer."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from envlights.comparison.protocol import Camera
 from envlights.kernels.sampling import halton
 from envlights.kernels.sphere import direction_to_uv
 
-#: Pixels of a rough ball from all sides, for its angle: 256 were off by up to 14 % on 14 real maps
-#: with fits of 4 and 8 lights, 2048 by up to 4 %.
+#: Number of sample pixels for the angle on a rough ball over all views. On 14 real maps with fits
+#: of 4 and 8 lights, 256 were wrong by up to 14 %, and 2048 by up to 4 %.
 SIDES = 2048
-#: Latitudes of the normals of a Lambertian ball, for its angle; twice as many longitudes.
+#: Latitudes of the normals of a Lambertian ball, for the angle; there are twice as many longitudes.
 _LATITUDES = 12
-#: Rays along each side of a pixel of a mirror.
+#: Number of rays along each axis of a mirror pixel.
 _RAYS = 2
 
 
 class Rays(NamedTuple):
-    """Points on a ball, with the pixel of each."""
+    """Points on a ball, with the pixel that each belongs to."""
 
     normals: NDArray[np.float64]
     """Unit normals, (n, 3)."""
@@ -32,10 +32,10 @@ class Rays(NamedTuple):
     """Unit vectors to the viewer, (n, 3)."""
 
     weights: NDArray[np.float64] | None = None
-    """Weight of each point in a mean; None for equal ones."""
+    """Weight of each point in a mean; None for equal weights."""
 
     pixels: NDArray[np.intp] | None = None
-    """Pixel of each point, whose mean is its colour; None if each is a pixel."""
+    """Index of the pixel that contains each point; None if each point is a pixel."""
 
     def mirrored(self) -> NDArray[np.float64]:
         """Unit vectors from which a mirror reflects light to the viewer."""
@@ -44,7 +44,7 @@ class Rays(NamedTuple):
         return mirrored
 
     def pixel_means(self, colours: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Colour of each pixel from those of its points."""
+        """Colour of each pixel, the mean over its points."""
         if self.pixels is None:
             return colours
         counts = np.bincount(self.pixels)
@@ -54,13 +54,13 @@ class Rays(NamedTuple):
 
 @lru_cache(maxsize=1)
 def sides() -> Rays:
-    """Pixels of a ball from all sides: even directions of a mirror, normals as in an image."""
+    """Sample pixels of a ball over all views, with evenly spread mirror directions."""
     u, v, w, turn = halton(SIDES, bases=(2, 3, 5, 7)).T
     y, azimuth = 1 - 2 * u, 2 * np.pi * v
     sine = np.sqrt(1 - y * y)
-    # The two most even numbers go to what an image depends on most.
+    # Use the two most evenly spread coordinates for the most important dimensions.
     mirrored = np.stack([sine * np.sin(azimuth), y, -sine * np.cos(azimuth)], axis=1)
-    # A ball's image has as many pixels in each interval of the squared sine of the incidence.
+    # The squared sine of incidence is uniformly distributed over the image of a ball.
     along, across = np.sqrt(1 - w), np.sqrt(w)
     other = np.where(np.abs(mirrored[:, :1]) < 0.9, [[1.0, 0, 0]], [[0, 0, 1.0]])
     tangent = np.cross(mirrored, other)
@@ -74,7 +74,7 @@ def sides() -> Rays:
 
 @lru_cache(maxsize=1)
 def even_normals() -> Rays:
-    """Normals of a Lambertian ball from all sides, with weights that integrate smooth functions."""
+    """Normals of a Lambertian ball over all views, with quadrature weights."""
     heights, weights = np.polynomial.legendre.leggauss(_LATITUDES)
     azimuth = 2 * np.pi * (np.arange(2 * _LATITUDES) + 0.5) / (2 * _LATITUDES)
     sine = np.sqrt(1 - heights * heights)[:, None]
@@ -85,7 +85,7 @@ def even_normals() -> Rays:
 
 @lru_cache(maxsize=4)
 def of_camera(camera: Camera, *, is_mirror: bool) -> Rays:
-    """Points of the pixels whose centre shows the ball; mirrors have several in each pixel."""
+    """Points of all pixels whose centre lies on the ball; mirrors have several points per pixel."""
     size, rays = (camera.size, _RAYS) if is_mirror else (camera.rough_size, 1)
     place = np.asarray(camera.position)
     distance = float(np.linalg.norm(place))
@@ -100,7 +100,7 @@ def of_camera(camera: Camera, *, is_mirror: bool) -> Rays:
     pixel = np.arange(size * rays) // rays
     pixels = (pixel[:, None] * size + pixel)[is_hit]
     x, y = x[is_hit][:, None], y[is_hit][:, None]
-    slope = 1 / np.sqrt(distance**2 - 1)  # of the rays at the rim
+    slope = 1 / np.sqrt(distance**2 - 1)  # slope of the rays at the rim
     towards = forward + slope * (x * right + y * np.cross(right, forward))
     towards /= np.linalg.norm(towards, axis=1, keepdims=True)
     middle = -(towards @ place)
@@ -112,7 +112,7 @@ def of_camera(camera: Camera, *, is_mirror: bool) -> Rays:
 
 @lru_cache(maxsize=4)
 def lookup(camera: Camera, height: int) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
-    """Indices of four pixels of a map around each direction of a mirror, (4, n), and weights."""
+    """Indices, (4, n), of map pixels around each mirror direction, and bilinear weights."""
     width = 2 * height
     mirrored = of_camera(camera, is_mirror=True).mirrored()
     mirrored /= np.linalg.norm(mirrored, axis=1, keepdims=True)

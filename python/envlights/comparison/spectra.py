@@ -1,4 +1,4 @@
-r"""Spectra of spheres: mean squared images from all sides, as factors of each degree.
+r"""Spectra of spheres: mean squared images over all views, as factors per degree.
 
 A sphere under the radiance L has the mean squared pixel
 :math:`\sum_l \lambda_l \sum_m L_{lm}^2 / 4 \pi`, for a mean over all sides.
@@ -17,19 +17,20 @@ from envlights.comparison.harmonics import DEGREE, FINE_DEGREE
 from envlights.comparison.protocol import Material
 from envlights.kernels.gloss import spectrum
 
-#: Reflectance of the coat at normal incidence, that of the refractive index 1.5.
+#: Reflectance of the coating at normal incidence, for a refractive index of 1.5.
 _COAT = 0.04
 
 
 @lru_cache(maxsize=16)
 def of_material(material: Material) -> NDArray[np.float64] | None:
-    """Factors of each degree; None for a mirror, whose factors are all `specular` squared."""
+    """Factors per degree; None for a mirror, whose factors all equal `specular` squared."""
     if not material.specular:
         return material.base**2 * lambertian()
     if not material.roughness:
         return None
     if not material.base:
-        # The Fresnel term of a metal is its reflectance, without the rise at the rim.
+        # For a metal, the Fresnel term is its constant reflectance, without the increase at the
+        # rim.
         return material.specular**2 * of_metal(material.roughness)
     if material.specular != _COAT:
         raise EnvLightsError(
@@ -41,13 +42,13 @@ def of_material(material: Material) -> NDArray[np.float64] | None:
 
 @lru_cache(maxsize=16)
 def of_metal(roughness: float) -> NDArray[np.float64]:
-    """Factors of a rough metal that reflects everything."""
+    """Factors of a rough metal with reflectance 1."""
     return spectrum(roughness, DEGREE, material="metal")
 
 
 @lru_cache(maxsize=1)
 def lambertian() -> NDArray[np.float64]:
-    """Factors of a white Lambertian sphere: squares of those of a clamped cosine over pi.
+    """Factors of a white Lambertian sphere: squared coefficients of the clamped cosine over pi.
 
     Ramamoorthi and Hanrahan (2001), equation 8.
     """
@@ -56,7 +57,7 @@ def lambertian() -> NDArray[np.float64]:
 
 @lru_cache(maxsize=1)
 def shadows() -> NDArray[np.float64]:
-    """Factors of irradiance with a part of the light blocked, over all planes that block it.
+    """Factors of irradiance with part of the light blocked, over all blocking planes.
 
     Kernel at the angle g: ``2/3 (sin g + (pi - g) cos g) (1 - g/pi) / 2``. High degrees see its
     slope at 0, -1/3, which is that of -1/3 of the chord, ``2 sin(g/2)``.

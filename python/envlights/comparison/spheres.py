@@ -1,4 +1,4 @@
-"""Errors of a sphere under two lightings: in closed form from all sides, or in images."""
+"""Errors of a sphere under two lightings: in closed form over all views, or by images."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from envlights.comparison.protocol import Camera, Material, Protocol
 from envlights.kernels.reflection import rough_reflection
 from envlights.kernels.sphere import pixel_solid_angles
 
-#: Most rows of the maps from which rough images are summed, whose time grows with their pixels.
+#: Largest number of map rows for rough images, whose time grows with the number of pixels.
 _ROUGH_ROWS = 128
 
 #: Two images, (n, 3) each.
@@ -31,7 +31,7 @@ _Images = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 
 def sphere_errors(pair: Pair, material: Material, protocol: Protocol) -> ImageErrors:
-    """Errors of a sphere of a `material` by the rules of a protocol."""
+    """Errors of a sphere with a `material`, by the rules of a protocol."""
     rules = {"channels": protocol.channels, "black": protocol.black}
     if protocol.camera is None:
         return _from_all_sides(pair, material, protocol)
@@ -44,26 +44,26 @@ def sphere_errors(pair: Pair, material: Material, protocol: Protocol) -> ImageEr
 
 
 def _from_all_sides(pair: Pair, material: Material, protocol: Protocol) -> ImageErrors:
-    """Errors in closed form; the angle of all but a mirror is a mean over sampled pixels."""
+    """Errors in closed form; except for a mirror, the angle is a mean over sampled pixels."""
     factors = spectra.of_material(material)
     if factors is None:
         sums = _sums_of_mirror(*pair.sides, material)
         return sums.errors(channels=protocol.channels, black=protocol.black)
     products = products_of(pair.by_degree, factors)
     points = rays.sides() if material.specular else rays.even_normals()
-    # Half of the rows change angles by less than 1 %, and leave time for more pixels.
+    # Use half of the rows, which changes angles by less than 1 %, to allow more pixels.
     one, other = _rough_images(*pair.sides, material, points, _ROUGH_ROWS // 2)
     angle = pixel_sums(one, other, points.weights).mean_angle(protocol.black)
     return errors_of_products(products, angle, channels=protocol.channels)
 
 
 def products_of(by_degree: NDArray[np.float64], factors: NDArray[np.float64]) -> Products:
-    """Means over all pixels, sides and channels, from inner products of each degree."""
+    """Means over all pixels, views and channels, from inner products per degree."""
     return Products(*(by_degree[:, : len(factors)] @ factors / (12 * np.pi)))
 
 
 def _sums_of_mirror(truth: Lighting, guess: Lighting, material: Material) -> PixelSums:
-    """Sums over the pixels of the maps themselves, weighted by solid angle."""
+    """Sums over the map pixels, weighted by solid angle."""
     shape = truth.radiance.shape
     weights = pixel_solid_angles(*shape[:2])
 
@@ -76,7 +76,7 @@ def _sums_of_mirror(truth: Lighting, guess: Lighting, material: Material) -> Pix
 
 
 def camera_images(truth: Lighting, guess: Lighting, material: Material, camera: Camera) -> _Images:
-    """Pixels of the ball in the images of a camera, (n, 3) for each lighting."""
+    """Pixels of the ball in the two images of a camera, (n, 3) each."""
     if material.roughness == 0 and material.specular:
         return _mirror_images(truth, guess, material, camera)
     points = rays.of_camera(camera, is_mirror=False)
@@ -86,7 +86,7 @@ def camera_images(truth: Lighting, guess: Lighting, material: Material, camera: 
 def _rough_images(
     truth: Lighting, guess: Lighting, material: Material, points: rays.Rays, rows: int = _ROUGH_ROWS
 ) -> _Images:
-    """Radiance of points of a ball that is no mirror."""
+    """Radiance at points of a rough ball."""
     images = [np.zeros((len(points.normals), 3)) for _ in range(2)]
     if material.specular:
         cells = [reduce_cells(each.radiance, rows) for each in (truth, guess)]
@@ -102,7 +102,7 @@ def _rough_images(
 
 
 def _mirror_images(truth: Lighting, guess: Lighting, material: Material, camera: Camera) -> _Images:
-    """Pixels of a mirror, from the map interpolated between its pixels."""
+    """Pixels of a mirror ball, by interpolation in the map."""
     points = rays.of_camera(camera, is_mirror=True)
     indices, weights = rays.lookup(camera, truth.rows)
     cosine = (points.normals * points.views).sum(axis=1)
@@ -117,7 +117,7 @@ def _mirror_images(truth: Lighting, guess: Lighting, material: Material, camera:
 
 
 def _over_percentile(image: NDArray[np.float64], coverage: float) -> NDArray[np.float64]:
-    """Image over the 99.9 % percentile of its whole picture, black but for the ball."""
+    """Image divided by the 99.9 % percentile of the picture, which is black off the ball."""
     level = 1 - 0.001 / coverage
     most = float(np.quantile(image, level)) if level > 0 else 0.0
     return image / most if most > 0 else image

@@ -10,8 +10,8 @@ from envlights.environment.envmap import EnvMap
 from envlights.environment.reading import AnyMap, as_envmap
 from envlights.kernels.image import LUMINANCE
 
-#: Vectors shorter than this fraction of the map's flux are 0: single precision of the pixels gives
-#: them a random direction.
+#: Length relative to the map's flux below which vectors count as 0, because single precision makes
+#: their direction random.
 _LEAST_LENGTH = 1e-7
 
 

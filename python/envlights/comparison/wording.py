@@ -18,7 +18,7 @@ from envlights.rigs.rig import Rig
 
 
 def notes_of_size(sides: Mapping[str, EnvMap | Rig | Lights], rows: int) -> list[str]:
-    """Notes on maps that were reduced, and on parts of the sphere that were filled."""
+    """Notes on reduced maps, and on filled parts of the sphere."""
     notes = []
     for name, what in sides.items():
         if not isinstance(what, EnvMap):
@@ -37,7 +37,7 @@ def notes_of_size(sides: Mapping[str, EnvMap | Rig | Lights], rows: int) -> list
 
 
 def notes_of_maps(sides: Mapping[str, EnvMap | Rig | Lights]) -> list[str]:
-    """Notes of the maps on what may make the numbers wrong."""
+    """Notes of the maps on possible errors in the numbers."""
     maps = {name: what for name, what in sides.items() if isinstance(what, EnvMap)}
     return [f"{name}: {note}" for name, what in maps.items() for note in warnings(what.notes)]
 
@@ -63,7 +63,7 @@ def notes_of_floors(sides: Mapping[str, EnvMap | Rig | Lights]) -> list[str]:
 
 
 def notes_of_protocol(rules: Protocol, factors: list[float]) -> list[str]:
-    """Notes on tone, sides, means and materials."""
+    """Notes on tone, views, means and materials."""
     notes = [*_note_of_tone(rules, factors)]
     if rules.camera is None:
         notes.append("spheres seen from all sides, in closed form; angles from sampled pixels")
@@ -96,7 +96,7 @@ def _note_of_tone(rules: Protocol, factors: list[float]) -> list[str]:
 
 
 def note_of_black(spheres: Mapping[str, ImageErrors], black: str) -> list[str]:
-    """Note on pixels whose colour has no angle."""
+    """Note on pixels that are ignored because black has no colour angle."""
     shares = {name: each.black for name, each in spheres.items() if each.black > 0}
     if not shares:
         return []
@@ -106,7 +106,7 @@ def note_of_black(spheres: Mapping[str, ImageErrors], black: str) -> list[str]:
 
 
 def notes_of_lights(lights: LightSetDifference, pair: Pair) -> list[str]:
-    """Notes on the lights: where those of each side are from, and remarks on them."""
+    """Notes on the lights: their source on each side, and remarks."""
     sources = (
         _source(name, side) for name, side in zip(("truth", "guess"), pair.sides, strict=True)
     )
@@ -122,7 +122,7 @@ def _source(name: str, side: Lighting) -> str:
 
 
 def brightness(scale: float | None) -> str:
-    """Line on the brightness of the guess."""
+    """Line on the brightness ratio of guess and truth."""
     if scale is None:
         return "brightness: the guess is black"
     ratio = f"{1 / scale:.3g} times as bright as the truth" if scale else "unlike the truth"

@@ -1,4 +1,4 @@
-"""Lights with a black channel at their peak, which is rare in undamaged maps."""
+"""Detection of lights with a black channel at their peak, which is rare in undamaged maps."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from envlights.kernels import image as images
 from envlights.kernels.angles import place_of
 from envlights.kernels.sphere import direction_to_uv
 
-#: Least fraction of the peak luminance of a pixel that counts as the peak.
+#: Smallest luminance of a pixel, relative to the peak, that counts as part of the peak.
 _AT_PEAK = 0.99
 
 _CHANNELS = ("red", "green", "blue")
@@ -19,12 +19,12 @@ _CHANNELS = ("red", "green", "blue")
 def colour_cast_notes(
     world: EnvMap, peak_direction: NDArray[np.float64], peak_luminance: NDArray[np.float64]
 ) -> list[str]:
-    """A sentence for each light whose peak has no red, green or blue.
+    """Note for each light whose peak has no red, green or blue.
 
     Few real lights lack a channel. More often its value was negative, not a number, or outside the
     colour range of the file, and was set to 0.
     """
-    # Find the pixels of the peaks. The centroid of a flat top may lie outside its pixels.
+    # Find the peak pixels, because the centroid of a flat top may lie outside of them.
     radiance = _pixels(world, peak_direction).astype(np.float64)
     is_peak = radiance @ images.LUMINANCE >= _AT_PEAK * peak_luminance
     is_black = (radiance == 0) & is_peak[:, None]

@@ -1,4 +1,4 @@
-"""Detection by the component tree."""
+"""Detection of lights by the component tree."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _LEAST_COLUMNS = 16
 
 
 class TreeOptions(NamedTuple):
-    """Options of the kernel; the signature of `detect` has their defaults."""
+    """Options of the kernel; for defaults see the signature of `detect`."""
 
     working_columns: int
     threshold: float | None
@@ -59,7 +59,7 @@ def detect(
     working_width: int = 1024,
     clip_level: float | None = None,
 ) -> DetectedLights:
-    r"""Lights of a map: the branches of its component tree.
+    r"""Detect the lights of a map, as branches of its component tree.
 
     Pixels above a threshold, which is chosen from the map's histogram, are connected from the
     brightest down, across the seam and the poles. Where two regions meet, the dimmer one stays a
@@ -195,7 +195,7 @@ def detect_with_luminance(
 
 
 def _remainder(world: EnvMap, flux: NDArray[np.float64]) -> tuple[float, ...]:
-    """Mean radiance of the map without the flux of its lights, not negative."""
+    """Mean radiance of the map without the flux of its lights, at least 0."""
     seen = world.coverage_fraction
     mean = mean_radiance(world.radiance, world.is_border_sampled, seen)
     mean -= flux.sum(axis=0) / (4 * np.pi * (seen or 1.0))

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
 _KIND, _VERSION = "detected lights", 3
-#: Version 2 had no scale, and always members.
+#: Readable file versions; version 2 had no units, and always members.
 _READABLE_VERSIONS = (2, 3)
 _UNITS = (
     "irradiance: at normal incidence, above the local background; flux: integral of radiance over"
@@ -53,34 +53,34 @@ _BROAD = 0.5
 
 @dataclass(frozen=True, eq=False, repr=False)
 class DetectionReport(Result):
-    """Report of a detection: its threshold, and the lights that are not listed."""
+    """Report of a detection: its threshold, and lights that were not listed."""
 
     method: str
-    """The detector: "tree" or "article"."""
+    """Detector: "tree" or "article"."""
 
     threshold: float
     """Luminance above which a pixel is bright."""
 
     reason: str
-    """Rule that set the threshold."""
+    """Rule that determined the threshold."""
 
     working_size: tuple[int, int]
-    """Height and width of the reduced map that was searched for lights."""
+    """Height and width of the reduced map in which lights were detected."""
 
     clip_level: float | None = None
-    """Luminance at which the map is clipped; None for other maps and for the article."""
+    """Luminance at which the map is clipped; None for unclipped maps, and for "article"."""
 
     skipped: tuple[str, ...] = ()
-    """Sentences on lights that were dropped or merged, or that there are none."""
+    """Sentences on dropped or merged lights, or on why there are none."""
 
     notes: tuple[str, ...] = ()
-    """Remarks on the map and on single lights."""
+    """Notes on the map and on single lights."""
 
     remainder: tuple[float, ...] | None = None
-    """Mean radiance of the map without the lights, linear RGB; None for the article."""
+    """Mean radiance of the map without the lights, linear RGB; None for "article"."""
 
     details: tuple[str, ...] = ()
-    """Numbers for authors of detectors, which ``envlights detect --verbose`` prints."""
+    """Numbers for developers of detectors, printed by ``envlights detect --verbose``."""
 
     seconds: Mapping[str, float] = field(default_factory=dict, compare=False)
     """Wall time of each stage."""
@@ -91,7 +91,7 @@ class DetectionReport(Result):
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> DetectionReport:
-        """Report that `to_dict` wrote."""
+        """Report from the dictionary that `to_dict` returned."""
         return read_fields(cls, data)
 
     def in_short(self) -> str:
@@ -120,14 +120,14 @@ class DetectionReport(Result):
         ]
 
 
-#: Fields that hold no value for each light.
+#: Fields that are not arrays with a row per light.
 _NO_ARRAYS = ("members", "report", "units", "notes", "origin")
 
 
 @former_attributes(share="fraction", flux_share="flux_fraction")
 @dataclass(frozen=True, eq=False, repr=False)
 class DetectedLights(Lights):
-    r"""Lights of a map, brightest first, and the measurements of each.
+    r"""Lights of a map, brightest first, with the measurements of each light.
 
     `irradiance` is that of a surface facing the light, above the local background :math:`B`:
     :math:`|\int (L - B)\, \omega\, d\omega|`, as in all `Lights`. A rig of these lights, with the
@@ -146,22 +146,22 @@ class DetectedLights(Lights):
     """
 
     angular_radius: NDArray[np.float64] = field(init=False)
-    """Radius in radians of a disc of the same solid angle, shape (n,).
+    """Radius in radians of a disc with the same solid angle, shape (n,).
 
     The error is below 5 % for discs that are at least two pixels wide. The pixels of a narrower
     disc do not determine its radius: a smaller and brighter disc can have the same pixels."""
 
     peak_direction: NDArray[np.float64]
-    """Unit vectors towards the peak of each light, shape (n, 3)."""
+    """Unit vectors to the peak of each light, shape (n, 3)."""
 
     solid_angle: NDArray[np.float64]
     """Solid angle of each light in steradians, shape (n,)."""
 
     elongation: NDArray[np.float64]
-    """Length divided by width, shape (n,); 1 for a disc."""
+    """Ratio of length to width, shape (n,); 1 for a disc."""
 
     orientation: NDArray[np.float64]
-    """Unit vectors along each light, at right angles to its direction, shape (n, 3)."""
+    """Unit vectors along the long axis of each light, orthogonal to its direction, shape (n, 3)."""
 
     peak_luminance: NDArray[np.float64]
     """Luminance at the peak, shape (n,)."""
@@ -170,7 +170,7 @@ class DetectedLights(Lights):
     """Fraction of the luminance flux of the whole map, shape (n,)."""
 
     is_clipped: NDArray[np.bool_]
-    """True for a light that is clipped at the map's largest possible value, or has a flat top.
+    """True for lights that are clipped at the map's largest possible value, or have a flat top.
 
     Its irradiance is then a lower bound."""
 
@@ -181,23 +181,23 @@ class DetectedLights(Lights):
     covers."""
 
     members: Members = field(compare=False)
-    """Pixels or samples of the lights; a pickle leaves them out, a ``.json`` file keeps them."""
+    """Pixels or samples of the lights; stored in ``.json`` files, omitted when pickled."""
 
     report: DetectionReport
     """Report of the detection."""
 
     weight: NDArray[np.float64] | None = None
-    """Weights that order the lights of a clipped map, shape (n,); see `detect`.
+    """Weights by which the lights of a clipped map are sorted, shape (n,); see `detect`.
 
     None for other maps, whose lights are ordered by flux."""
 
     direction_uncertainty: NDArray[np.float64] | None = None
-    """Direction errors in radians that two thirds of clipped lights stay below, shape (n,).
+    """Direction errors in radians that two thirds of clipped lights do not exceed, shape (n,).
 
     None for other maps, where the direction is the flux centroid."""
 
     is_cut: NDArray[np.bool_] = None  # type: ignore[assignment]
-    """True for a light at the border of the seen part of the map, shape (n,).
+    """True for lights at the border of the visible part of the map, shape (n,).
 
     Its irradiance and flux are then lower bounds. `papers.loghin.detect` flags no light."""
 
@@ -224,13 +224,13 @@ class DetectedLights(Lights):
             object.__setattr__(self, "origin", origins(self.origin, order))
 
     def _order(self, flux: NDArray[np.float64]) -> NDArray[np.intp]:
-        """Rows by flux, the largest first; those of a clipped map by weight."""
+        """Indices of the lights in descending order of flux, or of weight in a clipped map."""
         if self.weight is None:
             return brightest_first(flux)
         return np.argsort(-np.asarray(self.weight), kind="stable")
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Without the pixels, which are a thousand times larger than all else."""
+        """Omit the pixels from a pickle, because they are a thousand times larger than the rest."""
         kind, values = super().__reduce__()
         return kind, tuple(LeftOut() if isinstance(each, Members) else each for each in values)
 
@@ -246,7 +246,7 @@ class DetectedLights(Lights):
     def __getitem__(self, which: Rows) -> Self: ...
 
     def __getitem__(self, which: int | Rows) -> DetectedLight | Self:
-        """One light, or the lights of a slice, of a list of numbers or of a mask."""
+        """A single light, or the lights selected by a slice, a list of indices or a mask."""
         kept = rows_of(which, len(self))
         if kept is None:
             return self._light(row_of(which, len(self)))
@@ -266,11 +266,11 @@ class DetectedLights(Lights):
 
     @property
     def fraction(self) -> NDArray[np.float64]:
-        """Fraction of the flux of the whole map in each light: `flux_fraction`, (n,)."""
+        """Fraction of the map's flux in each light, an alias of `flux_fraction`, (n,)."""
         return self.flux_fraction
 
     def rotated(self, matrix: ArrayLike) -> Self:
-        """The lights after a rotation; members and report still describe the map before it."""
+        """Lights after a rotation; members and report still refer to the map before it."""
         turn = rotation(matrix)
         return replace(
             self,
@@ -280,7 +280,7 @@ class DetectedLights(Lights):
         )
 
     def discs(self) -> Lights:
-        """The lights as discs of the same irradiance and solid angle.
+        """Lights as discs with the same irradiance and solid angle.
 
         A light of more than half the sphere becomes a disc of half the sphere.
         """
@@ -288,7 +288,7 @@ class DetectedLights(Lights):
 
     @property
     def is_broad(self) -> NDArray[np.bool_]:
-        """True for a light of more than 0.5 sr: a bright part of the sphere rather than a lamp."""
+        """True for lights above 0.5 sr: a bright region rather than a lamp."""
         broad: NDArray[np.bool_] = self.solid_angle > _BROAD
         return broad
 
@@ -341,11 +341,11 @@ class DetectedLights(Lights):
         return [*columns, rgb_heading(self.units), ""], rows
 
     def _remarks(self, row: int) -> str:
-        """Remarks in the table's last column."""
+        """Text for the last column of the table."""
         return "  ".join(remarks_of(self._light(row)))
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Columns of `Lights.columns`, and the measurements with one number for each light."""
+        """Columns of `Lights.columns`, and the scalar measurements of each light."""
         arrays = {name: getattr(self, name) for name in (*self._array_names(), "is_broad")}
         scalars = {name: array for name, array in arrays.items() if array.ndim == 1}
         if "direction_uncertainty" in scalars:
@@ -354,7 +354,7 @@ class DetectedLights(Lights):
         return {**super().columns(), **scalars}
 
     def _array_names(self) -> tuple[str, ...]:
-        """Names of the constructor's arrays with a row for each light."""
+        """Names of the constructor's arrays with a row per light."""
         names = (each.name for each in fields(self) if each.init)
         arrays = (name for name in names if name not in _NO_ARRAYS)
         return tuple(name for name in arrays if getattr(self, name) is not None)
@@ -383,5 +383,5 @@ def _from_dict(data: dict[str, Any]) -> DetectedLights:
 
 
 def _plain(value: Any) -> Any:
-    """`value` as a number of Python if it is one of NumPy."""
+    """`value` as a Python number if it is a NumPy scalar."""
     return value.item() if isinstance(value, np.generic) else value

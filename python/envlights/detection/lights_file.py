@@ -1,4 +1,4 @@
-"""Reader of a file of a rig, of lights or of detected lights."""
+"""Reader for files of a rig, of lights or of detected lights."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from envlights.export.formats.csv_table import read_csv
 from envlights.rigs.lights import Lights
 from envlights.rigs.rig import Rig
 
-#: Suffixes of the package's own files.
+#: Suffixes of the native file formats.
 SUFFIXES = (".json", ".csv")
-#: Readers by the format in the file.
+#: Readers by the value of `format` in the file.
 _READERS: dict[str, Callable[[str | os.PathLike[str]], Lights]] = {
     "envlights lights": Lights.load,
     "envlights detected lights": DetectedLights.load,
@@ -25,7 +25,7 @@ _READERS: dict[str, Callable[[str | os.PathLike[str]], Lights]] = {
 
 
 def load_lights(path: str | os.PathLike[str]) -> Rig | Lights:
-    """Rig or lights of a file; `Rig.load` refuses all other files."""
+    """Rig or lights of a file; raises an error for other files."""
     suffix = as_path(path).suffix.lower()
     if suffix in MAPS:
         raise FileError(

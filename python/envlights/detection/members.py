@@ -1,4 +1,4 @@
-"""Pixels of the lights."""
+"""Pixels that belong to detected lights."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from envlights.environment.files.images import MOST_PIXELS
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Members(Result):
-    """Pixels or samples of the lights, in the reduced map of the report."""
+    """Pixels or samples of the lights, in the reduced map on which they were detected."""
 
     pixel: NDArray[np.int64]
     """Row and column in the reduced map, shape (k, 2)."""
@@ -25,14 +25,14 @@ class Members(Result):
     """Index of the light of each pixel, shape (k,)."""
 
     others: NDArray[np.int64] = field(default_factory=lambda: np.zeros((0, 2), int), compare=False)
-    """Pixels of lights outside a slice, shape (j, 2); files do not hold them."""
+    """Pixels of lights that a slice omitted, shape (j, 2); not stored in files."""
 
     def in_short(self) -> str:
         """Number of pixels or samples."""
         return f"{len(self.pixel)} pixels or samples"
 
     def of(self, kept: NDArray[np.intp], lights: int) -> Members:
-        """Members of the `kept` lights, in this order, out of `lights` lights."""
+        """Members of the `kept` lights, renumbered; `lights` is the original number."""
         place = np.full(lights, -1)
         place[kept] = np.arange(len(kept))
         light = place[self.light]
@@ -44,7 +44,7 @@ class Members(Result):
         return replace(self, light=seal(rank[self.light]))
 
     def to_runs(self) -> list[list[int]]:
-        """Light, row, first column and length of each run of pixels, in their order.
+        """Rows (light, row, first column, length) for each run of pixels, in order.
 
         See Also
         --------
@@ -61,7 +61,7 @@ class Members(Result):
 
     @classmethod
     def from_runs(cls, runs: list[list[int]], lights: int, size: tuple[int, int]) -> Members:
-        """Members of `lights` lights in an image of the given height and width."""
+        """Members of `lights` lights, from runs in an image of this height and width."""
         light, row, column, length = np.reshape(np.asarray(runs, np.int64), (-1, 4)).T
         if length.sum() > MOST_PIXELS:
             raise EnvLightsError(
@@ -81,7 +81,7 @@ class Members(Result):
 
 
 class LeftOut(Members):
-    """Stand-in for members that a pickle or a file does not hold; its arrays are refused."""
+    """Placeholder for omitted members; access to its arrays raises an error."""
 
     def __init__(self) -> None:
         pass
@@ -98,13 +98,13 @@ class LeftOut(Members):
         return LeftOut, ()
 
     def in_short(self) -> str:
-        """Remark that the pixels were left out."""
+        """Text that says that the pixels were left out."""
         return "left out"
 
     def of(self, kept: NDArray[np.intp], lights: int) -> Members:
-        """The stand-in itself."""
+        """The placeholder itself."""
         return self
 
     def renumbered(self, rank: NDArray[np.intp]) -> Members:
-        """The stand-in itself."""
+        """The placeholder itself."""
         return self

@@ -1,4 +1,4 @@
-"""Sentences of detection reports."""
+"""Sentences for detection reports."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from envlights.kernels.angles import place_of
 
 
 def reason_of_tree(detection: _native.TreeDetection) -> str:
-    """Rule that set the threshold, with its numbers."""
+    """Rule that determined the threshold, with its numbers."""
     if detection.threshold_rule is None:
         return "set by the caller"
     factor, fraction, light_share = detection.threshold_rule
@@ -36,13 +36,13 @@ def dropped_by_tree(detection: _native.TreeDetection) -> tuple[str, ...]:
 
 
 def left_out(number: int) -> str:
-    """Sentence on the weaker lights beyond the largest number."""
+    """Sentence on weaker lights that exceed the requested number."""
     lights = "light is" if number == 1 else "lights are"
     return f"{number} weaker {lights} left in the map (option lights)"
 
 
 def joined_panes(detection: _native.TreeDetection) -> list[str]:
-    """Windows that were joined from panes."""
+    """Sentences on windows that were merged from panes."""
     return [
         f"the light at {place_of(direction)} is a window joined from {panes} panes"
         for panes, direction in zip(detection.panes, detection.direction, strict=True)
@@ -51,7 +51,7 @@ def joined_panes(detection: _native.TreeDetection) -> list[str]:
 
 
 def cut_lights(detection: _native.TreeDetection) -> list[str]:
-    """Note on lights at the border of the seen part of the map."""
+    """Note on lights at the border of the visible part of the map."""
     cut = int(detection.is_cut.sum())
     if not cut:
         return []
@@ -102,7 +102,7 @@ def _tiles(detection: _native.TreeDetection) -> list[str]:
 
 
 def reason_of_article(relative: str, level: float, clip_level: float | None, code: float) -> str:
-    """Origin of the article's threshold, and its code in an 8-bit file.
+    """Rule that determined the article's threshold, with its code in an 8-bit file.
 
     `relative` is the rule of a relative threshold, and empty for an absolute one.
     """

@@ -1,4 +1,4 @@
-"""The environment map, and all that turns a picture into one.
+"""The environment map, and the conversion of pictures to it.
 
 | step                                                   | place                          |
 |--------------------------------------------------------|--------------------------------|

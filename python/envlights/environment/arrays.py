@@ -19,13 +19,13 @@ from envlights.environment.picture_files import faces_of_mapping
 
 
 class _Samples(NamedTuple):
-    """Samples of an image as they were given, with three channels."""
+    """Samples of an image as given, with three channels."""
 
     samples: NDArray[Any]
     """Red, green and blue, (height, width, 3) or (6, n, n, 3)."""
 
     coverage: NDArray[np.float32] | None
-    """Share of each pixel that alpha and mask show, without channels; None if all is seen."""
+    """Coverage of each pixel by alpha and mask, 0 to 1, (height, width); None if complete."""
 
 
 def image_of_array(
@@ -35,7 +35,7 @@ def image_of_array(
     known_level: float | None = None,
     what: str = "a map",
 ) -> Image:
-    """Linear image of an array, or of six by the names of their faces.
+    """Linear image of an array, or of six arrays by the names of their faces.
 
     Parameters
     ----------
@@ -66,16 +66,16 @@ def image_of_array(
     return Image(linear, False, tuple(notes), clip_level, seen, hints)
 
 
-#: Fewest different values of a picture of codes, and the least median of codes in floats with fewer
-#: values: maps that are made by hand are often 0 or 1, with a lamp.
+#: Smallest number of different values in an array of 8-bit codes, and the smallest median if floats
+#: have fewer values: maps made by hand often contain only 0 and 1, and a lamp.
 _VALUES, _MEDIAN = 32, 4
 
 
 def _codes_of_floats(samples: NDArray[Any], notes: list[str]) -> NDArray[Any]:
-    """Codes from 0 to 255, or divided by 255, in floats as uint8; other samples as they are."""
+    """Samples as uint8 if floats hold 8-bit codes, scaled to 255 or 1; others unchanged."""
     if samples.dtype.kind != "f" or not samples.size:
         return samples
-    # Some pixels suffice for nearly every map, which is read as a whole only for the others.
+    # For nearly every map a few pixels rule this out; only the others are read completely.
     step = max(samples.shape[-2] // 64, 1)
     some = samples[..., ::step, ::step, :]
     for scale, name in ((1, "whole numbers from 0 to 255"), (255, "multiples of 1/255 up to 1")):
@@ -97,7 +97,7 @@ def _codes_of_floats(samples: NDArray[Any], notes: list[str]) -> NDArray[Any]:
 
 
 def _are_codes(samples: NDArray[Any], scale: int) -> bool:
-    """True if all samples times `scale` are whole numbers from 0 to 255, some above 1."""
+    """True if all samples times `scale` are whole numbers from 0 to 255, and some exceed 1."""
     scaled = samples.astype(np.float64) * scale
     tolerance = 0 if scale == 1 else 1e-4
     if not (scaled.min() >= 0 and 1 < scaled.max() <= 255 + tolerance):
@@ -116,7 +116,7 @@ def _linear(samples: NDArray[Any], notes: list[str]) -> NDArray[np.float32]:
 
 
 def _samples_of(image: ArrayLike, notes: list[str], what: str) -> _Samples:
-    """`image` as an array (height, width, 3), or a refusal that says `what` it must be.
+    """`image` as an array (height, width, 3); raises an error that says `what` is required.
 
     Grey arrays and arrays with alpha are converted like files; `notes` says so. Six squares stay an
     array (6, n, n, 3).
@@ -157,7 +157,7 @@ def _rgb(array: NDArray[Any], notes: list[str], what: str) -> _Samples:
 
 
 def _share_of_alpha(alpha: NDArray[Any]) -> NDArray[np.float32] | None:
-    """Alpha from 0 to 1; None if all is opaque. NaN is opaque."""
+    """Alpha from 0 to 1; None if all pixels are opaque. NaN counts as opaque."""
     if alpha.dtype.kind == "f":
         fraction = np.nan_to_num(alpha.astype(np.float32), nan=1.0).clip(0, 1)
     else:
@@ -168,8 +168,8 @@ def _share_of_alpha(alpha: NDArray[Any]) -> NDArray[np.float32] | None:
 def _without_masked(
     radiance: ArrayLike, coverage: NDArray[np.float32] | None
 ) -> NDArray[np.float32] | None:
-    """Share of each pixel, 0 where a channel of a masked array is masked."""
-    # `numpy.ma` would load a module that only masked arrays need.
+    """Coverage of each pixel, 0 where a channel of a masked array is masked."""
+    # Importing `numpy.ma` would load a module that only masked arrays need.
     mask = np.asarray(isinstance(radiance, np.ndarray) and getattr(radiance, "mask", False))
     if not mask.any():
         return coverage

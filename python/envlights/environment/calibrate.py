@@ -1,4 +1,4 @@
-"""Calibration of a map: candela per square metre from readings of a meter or an exposure."""
+"""Calibration of a map to candela per square metre, by a light meter or an exposure."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _NOTE = "calibrated to cd/m2"
 
 
 class Readings(NamedTuple):
-    """Arguments of `EnvMap.calibrated`, with None where nothing was measured."""
+    """Arguments of `EnvMap.calibrated`; values that were not measured are None."""
 
     lux: float | None
     normal: ArrayLike | None
@@ -41,7 +41,7 @@ class Readings(NamedTuple):
     ev100: float | None
 
     def check(self) -> None:
-        """Refuse readings of several kinds, and arguments of another kind."""
+        """Raise an error for several kinds of readings, or arguments of another kind."""
         kinds = [name for name in ("lux", "nits", "ev100") if getattr(self, name) is not None]
         if len(kinds) > 1:
             raise EnvLightsError(
@@ -57,13 +57,13 @@ class Readings(NamedTuple):
             )
 
     def of_lux(self) -> tuple[float, NDArray[np.float64]]:
-        """Measured illuminance, and the unit vector that the surface faces."""
+        """Measured illuminance, and the unit normal of the measured surface."""
         normal = reals("normal", _UP if self.normal is None else self.normal, 1)
-        sphere.direction_to_uv(normal[None])  # refuses a vector that is not of length 1
+        sphere.direction_to_uv(normal[None])  # raises an error for a vector whose length is not 1
         return _reading("lux", self.lux), normal
 
     def ratio(self, lux: float) -> float | None:
-        """Illuminance over that with the sun shaded; None without a second reading."""
+        """Ratio of the illuminance to that with the sun shaded; None without a second reading."""
         if self.shaded is None:
             return None
         shaded = _reading("shaded", self.shaded)
@@ -87,7 +87,7 @@ def calibrate(pixels: MapPixels, readings: Readings, patch: float, fill: Fill) -
 
 
 def _by_lux(pixels: MapPixels, readings: Readings, fill: Fill) -> MapPixels:
-    """Pixels whose irradiance has the luminance that a lux meter shows."""
+    """Pixels scaled so that the luminance of their irradiance equals the reading of a lux meter."""
     lux, normal = readings.of_lux()
     ratio = readings.ratio(lux)
     source = f"{lux:g} lux on a surface that faces {_numbers(normal)}"
@@ -100,7 +100,7 @@ def _by_lux(pixels: MapPixels, readings: Readings, fill: Fill) -> MapPixels:
 def _with_sun(
     pixels: MapPixels, ratio: float, normal: NDArray[np.float64], readings: Readings, fill: Fill
 ) -> MapPixels:
-    """Pixels with the clipped light that two readings show; see `EnvMap.repaired`."""
+    """Pixels with clipped light restored from two readings; see `EnvMap.repaired`."""
     if not pixels.clipped_fractions[0]:
         raise EnvLightsError(
             "shaded needs a map with a clipped sun, but no pixel is clipped: its sun has its"
@@ -119,7 +119,7 @@ def _with_sun(
 
 
 def _by_luminance(pixels: MapPixels, nits: float, at: ArrayLike, diameter: float) -> MapPixels:
-    """Pixels whose disc has the luminance that a meter shows."""
+    """Pixels scaled so that a disc has the luminance that a meter shows."""
     height, width, _ = pixels.radiance.shape
     direction = _direction_at(at, height, width)
     patch = _patch_of(pixels.cells(), pixels.coverage, direction, diameter)
@@ -129,7 +129,7 @@ def _by_luminance(pixels: MapPixels, nits: float, at: ArrayLike, diameter: float
 
 
 def _by_exposure(pixels: MapPixels, ev100: float | None) -> MapPixels:
-    """Pixels in which 1 is the luminance that saturates the sensor."""
+    """Pixels scaled so that the value 1 is the luminance that saturates the sensor."""
     value, source = ev100, f"EV100 {ev100}"
     if value is None:
         if pixels.ev100 is None:
@@ -144,7 +144,7 @@ def _by_exposure(pixels: MapPixels, ev100: float | None) -> MapPixels:
 
 
 def _in_scale(pixels: MapPixels, wanted: float, measured: float, source: str) -> MapPixels:
-    """Pixels in cd/m2, whose own `measured` becomes `wanted`."""
+    """Pixels in cd/m2, scaled so that the luminance `measured` in the map becomes `wanted`."""
     radiance, factor, note = _in_nits(pixels.radiance, wanted, measured, source)
     level = None if pixels.clip_level is None else factor * pixels.clip_level
     notes = [*_other_notes(pixels.notes), note]
@@ -157,7 +157,7 @@ def _numbers(vector: NDArray[np.float64]) -> str:
 
 
 def _reading(name: str, value: object) -> float:
-    """Reading of a meter as a number above 0, or a refusal."""
+    """Reading of a meter as a number above 0; raises an error for other values."""
     number = amount(name, value)
     if number == 0:
         raise EnvLightsError(f"{name} must be above 0; got 0")
@@ -192,12 +192,12 @@ def _in_nits(
 
 
 def _other_notes(notes: tuple[str, ...]) -> list[str]:
-    """Notes without that of an earlier calibration."""
+    """Notes without the note of an earlier calibration."""
     return [note for note in notes if not note.startswith(_NOTE)]
 
 
 class _Patch(NamedTuple):
-    """Disc of a map that a luminance meter sees."""
+    """Disc of a map that a luminance meter measures."""
 
     luminance: float
     """Mean luminance over the solid angle."""
@@ -206,10 +206,10 @@ class _Patch(NamedTuple):
     """Largest sample."""
 
     coverage: float
-    """Least share of a pixel that is seen."""
+    """Smallest coverage of a pixel in the disc."""
 
     def check(self, clip_level: float | None) -> None:
-        """Refuse a disc whose luminance the map does not hold."""
+        """Raise an error if the disc is clipped, or not completely visible in the map."""
         if self.coverage < 1:
             raise EnvLightsError(
                 f"the map does not show all of the disc at `at` ({100 * self.coverage:.3g} % of a"
@@ -223,10 +223,10 @@ class _Patch(NamedTuple):
 
 
 def _direction_at(at: ArrayLike, height: int, width: int) -> NDArray[np.float64]:
-    """Unit vector of a direction (x, y, z), or of a pixel (row, column)."""
+    """Unit vector to a direction (x, y, z) or to a pixel (row, column)."""
     place = reals("at", at, 1)
     if len(place) == 3:
-        sphere.direction_to_uv(place[None])  # refuses a vector that is not of length 1
+        sphere.direction_to_uv(place[None])  # raises an error for a vector whose length is not 1
         return place
     if len(place) != 2:
         raise EnvLightsError(
@@ -249,14 +249,14 @@ def _patch_of(
     direction: NDArray[np.float64],
     diameter: float,
 ) -> _Patch:
-    """Pixels of a cell-centred map in a disc of a diameter in degrees; one pixel at least."""
+    """Pixels of a cell-centred map in a disc, whose diameter is in degrees; at least one pixel."""
     height, width, _ = cells.shape
     radius = math.radians(diameter) / 2
     theta = math.acos(min(max(direction[1], -1.0), 1.0))
     first = max(math.floor((theta - radius) / math.pi * height), 0)
     rows = slice(first, min(math.ceil((theta + radius) / math.pi * height) + 1, height))
     forward = sphere.row_directions(height, rows) @ direction
-    # Keep the nearest pixel of a disc that holds no centre.
+    # If the disc contains no pixel centre, take the nearest pixel.
     is_in = forward >= min(math.cos(radius), float(forward.max()))
     weight = sphere.pixel_solid_angles(height, 2)[rows, :1].repeat(width, axis=1)[is_in]
     pixels = cells[rows][is_in]

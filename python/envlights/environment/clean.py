@@ -1,4 +1,4 @@
-"""Linear radiance without samples that are not radiance.
+"""Linear radiance without invalid samples.
 
 Infinite samples are light beyond the format, so they lie above all finite ones: at 65504, the
 largest half float, if all finite samples are below it, else at twice the largest. A pixel whose
@@ -13,15 +13,15 @@ from numpy.typing import NDArray
 
 from envlights import _native
 
-#: Numbers of NaN, infinite and negative samples, the level of infinite ones, and true for a NaN in
-#: the brightest light.
+#: Numbers of NaN, infinite and negative samples, the replacement for infinite samples, and True if
+#: a NaN lay in the brightest light.
 Cleaned = tuple[int, int, int, float | None, bool]
 
 
 def clean(
     radiance: NDArray[np.float32], notes: list[str], *, wrap: bool = True
 ) -> tuple[NDArray[np.float32], float | None]:
-    """Radiance without NaN, negative and infinite samples, and the clip level of infinite ones.
+    """Radiance without NaN, negative and infinite samples, and the clip level of the infinite ones.
 
     The outer pixels of a row are neighbours if `wrap` is true, as in a map.
     """

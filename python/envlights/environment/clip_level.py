@@ -1,4 +1,4 @@
-"""Clip level of a picture of integer codes, by its own histogram."""
+"""Clip level of a picture of integer codes, from its histogram."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from envlights._common.check import amount
 from envlights._common.srgb import decode_srgb
 from envlights._native import EnvLightsError
 
-#: Codes from this one on are the largest value of the format, which JPEG compression blurs.
+#: Codes from here on count as the largest value of the format, which JPEG compression blurs.
 _FULL = 254
 
 
 class CodeHistogram:
-    """Solid angle of each code of the largest channel, as 8 bits; rows are added in any order."""
+    """Histogram of the brightest channel, by solid angle and 8-bit code; rows come in any order."""
 
     def __init__(self, height: int) -> None:
         edges = np.cos(np.linspace(0, np.pi, height + 1))
@@ -25,7 +25,7 @@ class CodeHistogram:
         self.sums = np.zeros(256)
 
     def add(self, codes: NDArray[Any], top: int = 0) -> None:
-        """Add rows of uint8 or uint16 codes, (rows, width, channels), from the row `top` on."""
+        """Add uint8 or uint16 codes, (rows, width, channels); `top` is the first row's index."""
         weights = np.ascontiguousarray(self._weights[top : top + len(codes)])
         if codes.dtype.itemsize == 1:
             self.sums += _native.code_histogram_8(codes.astype(np.uint8, copy=False), weights)
@@ -33,7 +33,7 @@ class CodeHistogram:
             self.sums += _native.code_histogram_16(codes.astype(np.uint16, copy=False), weights)
 
     def white_code(self) -> int:
-        """Code of 255 at which the picture is clipped; 255 if nothing is."""
+        """Code from 0 to 255 at which the picture is clipped; 255 if it is not clipped."""
         code = _native.white_code(self.sums)
         return 255 if code is None or code >= _FULL else code
 
@@ -54,7 +54,7 @@ def white_of(histogram: CodeHistogram, table: NDArray[np.float32]) -> tuple[floa
 def clip_level_of_codes(
     codes: NDArray[Any], coverage: NDArray[np.float32] | None, notes: list[str]
 ) -> float:
-    """Linear clip level of sRGB codes, (..., height, width, 3), with a note if it is below 1.
+    """Linear clip level of sRGB codes, (..., height, width, 3); adds a note if it is below 1.
 
     Pixels with a `coverage` share of 0 do not count.
     """
@@ -69,7 +69,7 @@ def clip_level_of_codes(
 
 
 def checked_clip_level(clip_level: float) -> float:
-    """Clip level as a number above 0, or a refusal."""
+    """Clip level as a float; raises an error unless it is above 0."""
     value = amount("clip_level", clip_level)
     if value == 0:
         raise EnvLightsError("clip_level must be above 0; got 0")

@@ -1,4 +1,4 @@
-"""A map in another form: rotated, resized, limited, as a picture in any projection, in a file."""
+"""Conversion of a map: rotation, size, limit, projection, file."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from envlights.environment.pixels import PROJECTION, MapPixels
 
 
 def checked_width(width: int) -> int:
-    """Columns of a map, or a refusal."""
+    """Number of columns as an int; raises an error unless it is even, and at most 32768."""
     columns = count("width", width, least=4)
     if columns % 2 or columns * columns > 2 * MOST_PIXELS:
         raise EnvLightsError(f"width must be an even number of columns, up to 32768; got {columns}")
@@ -58,7 +58,7 @@ def resize(pixels: MapPixels, width: int) -> MapPixels:
 
 
 def limit(pixels: MapPixels, maximum: float) -> MapPixels:
-    """Pixels without samples above a maximum; see `EnvMap.limited`."""
+    """Pixels limited to a maximum; see `EnvMap.limited`."""
     level = amount("maximum", maximum)
     is_border, coverage = pixels.is_border_sampled, pixels.coverage
     radiance, notes = spread_peaks(pixels.radiance, level, is_border, coverage)
@@ -120,7 +120,7 @@ def _below_clip_level(
     coverage: NDArray[np.float32] | None,
     is_border: bool,
 ) -> MapPixels:
-    """Other pixels of the same world."""
+    """Pixels with resampled radiance, limited to the clip level of the map."""
     if pixels.clip_level is not None:
         radiance = np.minimum(radiance, np.float32(pixels.clip_level))
     return pixels.changed(radiance, coverage, pixels.notes, is_border_sampled=is_border)
@@ -146,7 +146,7 @@ def _in_layout_of_source(pixels: MapPixels) -> Picture:
         return _picture(pixels, layout, source.faces)
     if layout.kind == "equirectangular":
         layout = layout._replace(border_sampled=False)
-    if layout.kind == "cube":  # Wide faces come back with 90 degrees.
+    if layout.kind == "cube":  # Cube faces wider than 90 degrees are written with 90 degrees.
         layout = layout._replace(field_of_view=0.0)
     if source.faces in CROSSES:
         return straight(_picture(pixels, layout, "opengl", source.faces))
@@ -155,13 +155,13 @@ def _in_layout_of_source(pixels: MapPixels) -> Picture:
 
 
 def _width_of(pixels: MapPixels, layout: Layout) -> int:
-    """Columns of a picture whose mean pixel is as large as a cell of the equator."""
+    """Columns of a picture whose mean pixel is as large as a map pixel on the equator."""
     trial = 64
     width = trial * int(pixels.radiance.shape[1]) / resample.default_width(_target(layout, trial))
     return max(2 * round(width / 2), 2)
 
 
 def _target(layout: Layout, width: int) -> PictureLayout:
-    """Layout of a picture with a number of columns."""
+    """Complete layout of a picture with this number of columns."""
     rows = PROJECTIONS[layout.projection or ""].rows(width, layout)
     return place(layout, (rows, width))[0]

@@ -12,7 +12,7 @@ from envlights.kernels.sphere import pixel_solid_angles
 
 
 def checked_coverage(coverage: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float32] | None:
-    """Coverage of each pixel as an array from 0 to 1, or a refusal; None if all is seen."""
+    """Coverage from 0 to 1, (height, width); None if complete. Raises an error if invalid."""
     try:
         fraction = np.array(coverage, dtype=np.float32)
     except (TypeError, ValueError):
@@ -35,7 +35,7 @@ def checked_coverage(coverage: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.
 def multiply_by_coverage(
     radiance: NDArray[np.float32], fraction: NDArray[np.float32]
 ) -> NDArray[np.float32]:
-    """Radiance multiplied by its coverage; 0 where nothing is seen, whatever the sample."""
+    """Radiance multiplied by its coverage; 0 where the coverage is 0, whatever the sample."""
 
     def block(rows: slice) -> NDArray[np.float32]:
         part = fraction[rows][..., None]
@@ -53,5 +53,5 @@ def fraction_of_sphere(fraction: NDArray[np.float32], border_sampled: bool) -> f
 
 
 def note_of_coverage(fraction_of_sphere: float) -> str:
-    """Note on the fraction of the sphere that is not seen."""
+    """Note on the fraction of the sphere that is not visible in the map."""
     return f"{100 * (1 - fraction_of_sphere):.2g} % of the sphere is not seen"

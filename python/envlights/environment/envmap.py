@@ -1,4 +1,4 @@
-"""The environment map: radiance from every direction, and the layout of its pixels."""
+"""The environment map: radiance from every direction, and its pixel layout."""
 
 from __future__ import annotations
 
@@ -136,7 +136,7 @@ class EnvMap:
 
     @classmethod
     def _of(cls, pixels: MapPixels) -> Self:
-        """Map of pixels that are known to be usable."""
+        """Map of pixels that are already checked."""
         env = cls.__new__(cls)
         env._pixels = pixels
         return env
@@ -156,7 +156,7 @@ class EnvMap:
         max_pixels: int = MOST_PIXELS,
         any_format: bool = False,
     ) -> EnvMap:
-        """Read a map from a file, or a cube from six.
+        """Read a map from one file, or from the six files of a cube map.
 
         Parameters
         ----------
@@ -269,7 +269,7 @@ class EnvMap:
 
     @property
     def radiance(self) -> NDArray[np.float32]:
-        """Linear RGB, (height, width, 3), read-only; ``radiance.copy()`` can be written."""
+        """Linear RGB, (height, width, 3), read-only; ``radiance.copy()`` is writable."""
         return self._pixels.radiance
 
     @property
@@ -279,12 +279,12 @@ class EnvMap:
 
     @property
     def source(self) -> Origin:
-        """Picture from which the map was made: its layout, and how it was recognised."""
+        """Original picture of the map: its layout, and how it was recognised."""
         return self._pixels.source
 
     @property
     def registration(self) -> str:
-        """Layout of the pixels: "cell-centred" or "border-sampled"."""
+        """Positions of the pixels: "cell-centred" or "border-sampled"."""
         return self._pixels.registration
 
     @property
@@ -294,7 +294,7 @@ class EnvMap:
 
     @property
     def notes(self) -> tuple[Note, ...]:
-        """Remarks on samples that were changed and on assumptions; `code` has the kind of each."""
+        """Notes on changed samples and on assumptions; `Note.code` is the kind of a note."""
         return tuple(map(Note, self._pixels.notes))
 
     @property
@@ -304,7 +304,7 @@ class EnvMap:
 
     @property
     def units(self) -> str:
-        """Unit of the radiance: "cd/m2" for its luminance, or "the map's own scale".
+        """Unit of the radiance: "cd/m2" or "the map's own scale".
 
         `calibrated` sets it. Irradiance of a map in cd/m2 has a luminance in lux.
         """
@@ -338,26 +338,26 @@ class EnvMap:
 
     @property
     def coverage(self) -> NDArray[np.float32] | None:
-        """Share of each pixel that is seen, (height, width); None if all is."""
+        """Coverage of each pixel, 0 to 1, (height, width); None if the map is complete."""
         return self._pixels.coverage
 
     @property
     def coverage_fraction(self) -> float:
-        """Fraction of the sphere that is seen."""
+        """Fraction of the sphere that the map covers."""
         return self._pixels.coverage_fraction
 
     @property
     def height(self) -> int:
-        """Rows."""
+        """Number of rows."""
         return int(self.radiance.shape[0])
 
     @property
     def width(self) -> int:
-        """Columns."""
+        """Number of columns."""
         return int(self.radiance.shape[1])
 
     def cells(self) -> NDArray[np.float32]:
-        """Radiance of a cell-centred map of the same size and flux."""
+        """Radiance resampled to a cell-centred map of the same size and flux."""
         return self._pixels.cells()
 
     def probe(self, normals: ArrayLike, *, fill: Fill = None) -> NDArray[np.float64]:
@@ -438,7 +438,7 @@ class EnvMap:
 
     @former_arguments(unseen="fill")
     def filled(self, fill: Fill = None, *, albedo: float = 0.25) -> Self:
-        r"""Map with radiance where it shows nothing: its unseen part is filled.
+        r"""Map with radiance filled in where nothing is visible.
 
         Parameters
         ----------
@@ -571,7 +571,7 @@ class EnvMap:
         ev100: float | None = None,
         fill: Fill = None,
     ) -> Self:
-        r"""Map in photometric units: the luminance of its radiance is in cd/m2.
+        r"""Map in photometric units: its luminance is in cd/m2.
 
         Give one reading: `lux`, `nits` with `at`, or `ev100`. Without any, the exposure in the EXIF
         of the file gives the scale; see `ev100`.
@@ -644,7 +644,7 @@ class EnvMap:
         frame: str | None = None,
         camera: ArrayLike | None = None,
     ) -> Self:
-        """Rotate the map, so that the radiance from d comes from ``matrix @ d``.
+        """Rotate the map: the radiance from direction d moves to ``matrix @ d``.
 
         Parameters
         ----------
@@ -681,7 +681,7 @@ class EnvMap:
         return self._changed(convert.rotate(self._pixels, turn_of(matrix, frame, camera)))
 
     def levelled(self, up: ArrayLike) -> Self:
-        """Rotate the map by the smallest angle, so that a direction becomes the zenith.
+        """Rotate the map by the smallest angle that brings a direction to the zenith.
 
         Parameters
         ----------
@@ -698,7 +698,7 @@ class EnvMap:
         return self.rotated(turn_upright(up))
 
     def resized(self, width: int) -> Self:
-        """Map of another size, with the same flux.
+        """Map of another size with the same flux.
 
         Parameters
         ----------
@@ -719,7 +719,7 @@ class EnvMap:
         return self._changed(convert.resize(self._pixels, width))
 
     def limited(self, maximum: float) -> Self:
-        """Map without samples above a maximum, for formats and displays that have one.
+        """Map limited to a maximum, for formats and displays that have one.
 
         The excess of each light is spread over the pixels around it, so that flux and direction of
         the light stay. `envlights.limit` returns the excess as lights instead.
@@ -795,7 +795,7 @@ class EnvMap:
         width: int = 800,
         height: int | None = None,
     ) -> Picture:
-        """Picture that a level camera takes in the map.
+        """Picture by a level camera inside the map.
 
         Parameters
         ----------
@@ -852,7 +852,7 @@ class EnvMap:
     def with_radiance(
         self, radiance: NDArray[np.float32], notes: Iterable[str], *, keeps_clip_level: bool = True
     ) -> Self:
-        """Map of other samples at the same places.
+        """Map with other samples in the same layout.
 
         Parameters
         ----------
@@ -873,7 +873,7 @@ class EnvMap:
         return self._of(changed)
 
     def _changed(self, pixels: MapPixels) -> Self:
-        """Map of other pixels; this one if they are its own."""
+        """Map with other pixels; the same object if they did not change."""
         return self if pixels is self._pixels else self._of(pixels)
 
     def __repr__(self) -> str:
@@ -889,7 +889,7 @@ class EnvMap:
         return text.block(self._pixels, type(self).__name__)
 
     def __eq__(self, other: object) -> bool:
-        """True if radiance, units, layout, clip level and seen share are equal."""
+        """True if radiance, units, layout, clip level and coverage are equal."""
         return (
             are_equal(self._pixels, other._pixels) if isinstance(other, EnvMap) else NotImplemented
         )

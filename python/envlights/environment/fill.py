@@ -1,4 +1,4 @@
-"""Radiance for the part of the sphere that a map does not show."""
+"""Radiance for the part of the sphere that a map does not cover."""
 
 from __future__ import annotations
 
@@ -16,27 +16,27 @@ from envlights.kernels.image import LUMINANCE
 from envlights.kernels.probe import irradiance
 from envlights.kernels.sphere import pixel_directions, pixel_solid_angles
 
-#: Fills by name; a radiance is the other choice.
+#: Names of fills; a radiance can be given instead.
 FILLS = ("black", "harmonic", "ground")
 #: Name of a fill, a radiance, or None for the default.
 Fill = str | ArrayLike | None
 
-#: Seen fraction of the sphere from which a fill is harmonic without a request. Without the part
-#: below -60 degrees (0.93 seen) the probe of 8 real maps was off by at most 0.004. A hole of a
-#: panorama's tripod may reach up to -45 degrees (0.854 seen).
+#: Covered fraction of the sphere from which the default fill is harmonic. Without the part below
+#: -60 degrees (0.93 covered), the probe of 8 real maps was off by at most 0.004. A tripod hole may
+#: reach up to -45 degrees (0.854 covered).
 ENOUGH_SEEN = 0.85
-#: Columns in which a fill is solved, because it is smooth. With 1024, the probe of maps without
-#: nadir differs by 3e-4, and the fill takes four times as long.
+#: Columns of the grid on which a fill is solved, because it is smooth. With 1024, the probe of maps
+#: without nadir differs by 3e-4, and the fill takes four times as long.
 _COLUMNS = 256
-#: Limit of the luminance that "ground" continues above the horizon, in medians of what is seen.
-#: Without limit and ground, the worst probe error of 8 upper halves is 0.66 instead of 0.43.
+#: Largest luminance that "ground" extrapolates above the horizon, relative to the median. Without
+#: limit and ground, the worst probe error of 8 upper halves is 0.66 instead of 0.43.
 _MOST_OVER_MEDIAN = 8.0
-#: Pixels of an image that is sampled for the median.
+#: Columns of the regular sample from which the median is computed.
 _MEDIAN_COLUMNS = 512
 
 
 class PartialMap(NamedTuple):
-    """Radiance multiplied by the share of each pixel that is seen."""
+    """Map with its radiance multiplied by the coverage."""
 
     radiance: NDArray[np.float32]
     coverage: NDArray[np.float32]
@@ -44,12 +44,12 @@ class PartialMap(NamedTuple):
 
     @property
     def fraction(self) -> float:
-        """Fraction of the sphere that is seen."""
+        """Fraction of the sphere that is covered."""
         return fraction_of_sphere(self.coverage, self.border_sampled)
 
 
 def checked_unseen(fill: Fill) -> str | list[float] | None:
-    """Name of a fill, its radiance as RGB, or None; refuse anything else."""
+    """Name of a fill, radiance as RGB, or None; raises an error for anything else."""
     if fill is None:
         return None
     if isinstance(fill, str):
@@ -61,7 +61,7 @@ def checked_unseen(fill: Fill) -> str | list[float] | None:
 
 
 def choice_of(fill: Fill, fraction: float) -> str | list[float]:
-    """Checked fill of a map that shows this `fraction`; harmonic by default if that is enough."""
+    """Fill of a map with this covered `fraction`; by default harmonic if that suffices."""
     choice = checked_unseen(fill)
     if choice is not None:
         return choice
@@ -75,7 +75,7 @@ def choice_of(fill: Fill, fraction: float) -> str | list[float]:
 
 
 def fill_part(part: PartialMap, choice: str | list[float], albedo: float) -> NDArray[np.float32]:
-    """Radiance of all pixels of a map after a fill."""
+    """Radiance of all pixels after the fill."""
     if not isinstance(choice, str):
         return _with_radiance(part, np.array(choice), slice(None))
     if choice == "black":
@@ -86,7 +86,7 @@ def fill_part(part: PartialMap, choice: str | list[float], albedo: float) -> NDA
 
 
 def note_of_fill(choice: str | list[float], fraction: float, albedo: float) -> str:
-    """Note on a fill of a map that shows this `fraction` of the sphere."""
+    """Note on the fill of a map with this covered `fraction`."""
     words = {
         "black": "counts as black",
         "harmonic": "was filled from its border by Laplace's equation",
@@ -101,12 +101,12 @@ def note_of_fill(choice: str | list[float], fraction: float, albedo: float) -> s
 
 
 def _harmonic(part: PartialMap, most: float) -> NDArray[np.float32]:
-    """Harmonic fill that continues radiance up to the luminance `most`."""
+    """Harmonic fill, whose boundary values are limited to the luminance `most`."""
     return _native.fill_unseen(part.radiance, part.coverage, part.border_sampled, _COLUMNS, most)
 
 
 def _with_ground(part: PartialMap, albedo: float) -> NDArray[np.float32]:
-    """Harmonic fill with dimmed lights above the horizon, and ground that reflects it below."""
+    """Harmonic fill with dimmed lights above the horizon, and reflecting ground below it."""
     sky = _harmonic(part, _MOST_OVER_MEDIAN * _median_luminance(part))
     received = irradiance(sky, [[0.0, 1.0, 0.0]], border_sampled=part.border_sampled)[0]
     below = _first_row_below(part)
@@ -118,7 +118,7 @@ def _with_ground(part: PartialMap, albedo: float) -> NDArray[np.float32]:
 def _with_radiance(
     part: PartialMap, radiance: NDArray[np.float64], rows: slice
 ) -> NDArray[np.float32]:
-    """Rows whose unseen part has one radiance."""
+    """Rows with a constant radiance in their uncovered part."""
     coverage, known, rgb = part.coverage[rows], part.radiance[rows], radiance.astype(np.float32)
     return in_blocks(
         known.shape, lambda at: known[at] + (np.float32(1) - coverage[at][..., None]) * rgb
@@ -126,13 +126,13 @@ def _with_radiance(
 
 
 def _first_row_below(part: PartialMap) -> int:
-    """First row whose pixels have their centres below the horizon."""
+    """Index of the first row whose pixel centres lie below the horizon."""
     forward = pixel_directions(len(part.coverage), 2, border_sampled=part.border_sampled)
     return int(np.count_nonzero(forward[:, 0, 1] >= 0))
 
 
 def share_above_horizon(part: PartialMap) -> float:
-    """Fraction of the upper half of the sphere that is seen."""
+    """Covered fraction of the upper hemisphere."""
     below = _first_row_below(part)
     height, width = part.coverage.shape
     weights = pixel_solid_angles(height, width, border_sampled=part.border_sampled)[:below]
@@ -140,7 +140,7 @@ def share_above_horizon(part: PartialMap) -> float:
 
 
 def _median_luminance(part: PartialMap) -> float:
-    """Median luminance of what is seen by solid angle, from a regular sample of pixels."""
+    """Median luminance of the covered part by solid angle, from a regular sample of pixels."""
     step = max(part.coverage.shape[1] // _MEDIAN_COLUMNS, 1)
     at = (slice(None, None, step), slice(None, None, step))
     fraction = part.coverage[at].astype(np.float64)

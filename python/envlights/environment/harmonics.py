@@ -15,22 +15,22 @@ from envlights.kernels.ambient import turned_ambient
 FACTORS = np.array(_native.HARMONIC_FACTORS)
 
 _SAME = None
-#: Our x is mirrored, as by the importers of glTF of left-handed programs.
+#: Frame with mirrored x, as in glTF importers of left-handed programs.
 _MIRRORED = FRAMES["unity"].matrix
-#: Signs of the basis of Babylon.js, which is negative for odd orders.
+#: Signs of the basis of Babylon.js, which is negative for odd degrees.
 _ODD = np.array([1, -1, 1, -1, 1, -1, 1, -1, 1.0])
-#: Irradiance over radiance in each degree, over pi.
+#: Ratio of irradiance to radiance in each degree, divided by pi.
 _LAMBERT = np.array([1, *[2 / 3] * 3, *[1 / 4] * 5])
 
-#: Axes of each program, rows in our frame, and the factor of each coefficient.
+#: Axes of each program as rows in our frame, and a factor for each coefficient.
 _PROGRAMS: dict[str, tuple[Any, Any]] = {
     "envlights": (_SAME, 1.0),
     "ramamoorthi": (_SAME, 1.0),
     "three": (FRAMES["three"].matrix, 1.0),
-    # These hold the factors of the polynomials in irradiance over pi.
+    # Coefficients include the polynomial factors of irradiance, divided by pi.
     "unity": (_MIRRORED, FACTORS / np.pi),
     "filament": (_SAME, FACTORS / np.pi),
-    # Babylon.js multiplies its basis in, `SphericalHarmonics.preScaleForRendering`.
+    # Babylon.js multiplies by its basis first, in `SphericalHarmonics.preScaleForRendering`.
     "babylon": (_MIRRORED, _LAMBERT * _ODD),
 }
 CONVENTIONS = tuple(_PROGRAMS)
@@ -42,7 +42,7 @@ def map_harmonics(radiance: NDArray[np.float32], border_sampled: bool) -> NDArra
 
 
 def in_convention(harmonics: NDArray[np.float64], convention: str) -> NDArray[np.float64]:
-    """Coefficients, (9, 3), of our axes as a program has them."""
+    """Coefficients, (9, 3), converted from our axes to the convention of a program."""
     axes, factors = _PROGRAMS[convention]
     turned = harmonics if axes is None else turned_ambient(harmonics, axes)
     scaled: NDArray[np.float64] = np.broadcast_to(factors, 9)[:, None] * turned

@@ -1,4 +1,4 @@
-"""Light of a map: its probe and its harmonics, and radiance for what it does not show."""
+"""Light of a map: irradiance and harmonics, with a fill for uncovered parts."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ from envlights.kernels.image import LUMINANCE
 from envlights.kernels.probe import irradiance
 from envlights.kernels.sphere import pixel_solid_angles
 
-#: Vector that an upward surface faces.
+#: Upward unit normal.
 _UP = np.array([0.0, 1.0, 0.0])
 
 
 def probe(pixels: MapPixels, normals: ArrayLike, fill: Fill) -> NDArray[np.float64]:
-    """Irradiance of surfaces that face `normals`; see `EnvMap.probe`."""
+    """Irradiance of surfaces with the given `normals`; see `EnvMap.probe`."""
     rows, is_one = one_or_more("normals", normals)
     radiance = with_fill(pixels, fill).radiance
     values = irradiance(radiance, rows, border_sampled=pixels.is_border_sampled)
@@ -46,7 +46,7 @@ def harmonics(pixels: MapPixels, degree: int, convention: str, fill: Fill) -> ND
 def mean_radiance(
     radiance: NDArray[np.float32], border_sampled: bool, coverage_fraction: float = 1.0
 ) -> NDArray[np.float64]:
-    """Mean radiance over the seen part of the sphere, (3,)."""
+    """Mean radiance over the covered part of the sphere, (3,)."""
     height, width, _ = radiance.shape
     rows = pixel_solid_angles(height, 2, border_sampled=border_sampled).sum(axis=1)
     columns = np.ones(width)
@@ -58,7 +58,7 @@ def mean_radiance(
 
 
 def with_fill(pixels: MapPixels, fill: Fill, albedo: float = 0.25) -> MapPixels:
-    """Pixels with radiance where nothing is seen; see `EnvMap.filled`."""
+    """Pixels with radiance filled in where the map shows nothing; see `EnvMap.filled`."""
     amount("albedo", albedo, most=1.0)
     if pixels.coverage is None:
         checked_unseen(fill)
@@ -75,7 +75,7 @@ def with_fill(pixels: MapPixels, fill: Fill, albedo: float = 0.25) -> MapPixels:
 def from_unseen(
     pixels: MapPixels, fill: Fill, normal: NDArray[np.float64] | None = None
 ) -> tuple[float, list[str]]:
-    """Luminance of the irradiance that a fill adds to a surface of a clipped map, and notes.
+    """Luminance of the irradiance that a fill adds in a clipped map, and notes.
 
     The surface faces a unit vector; up when left out.
     """

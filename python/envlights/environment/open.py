@@ -1,4 +1,4 @@
-"""The way of a picture to a map, in six steps.
+"""Conversion of a picture to a map, in six steps.
 
 | step         | of a file                     | of an array        |
 |--------------|-------------------------------|--------------------|
@@ -52,7 +52,7 @@ def open_map(
     clip_level: float | None,
     **options: Any,
 ) -> MapPixels:
-    """Map of a file, or of six; see `EnvMap.open`, whose other options are `options`."""
+    """Map of one file or six; see `EnvMap.open`, whose other arguments are `options`."""
     wanted = layout_of(layout)
     level = None if clip_level is None else checked_clip_level(clip_level)
     image = read_picture(path, **options)  # bytes, samples, linear light
@@ -101,7 +101,7 @@ def map_of_array(
     notes: list[str],
     units: str,
 ) -> MapPixels:
-    """Map of an array, or of six; see `EnvMap`."""
+    """Map of an array, or of six arrays; see `EnvMap`."""
     wanted = layout_of(layout)
     level = None if clip_level is None else checked_clip_level(clip_level)
     image = image_of_array(array, coverage, known_level=level)
@@ -118,7 +118,7 @@ def map_of_exposures(pictures: Any, times: Any, response: Any) -> MapPixels:
 
 
 def unchecked_map(array: ArrayLike) -> MapPixels:
-    """Map of an array whose samples a kernel checks; other layouts are recognised as usual.
+    """Map of an array whose samples a kernel will check; layouts are recognised as usual.
 
     `doubts_of_array` examines the overview that the kernel makes of a panorama.
     """
@@ -134,7 +134,7 @@ def unchecked_map(array: ArrayLike) -> MapPixels:
 
 
 def doubts_of_array(pixels: MapPixels, overview: NDArray[np.float32]) -> tuple[str, ...]:
-    """Notes on a map of `unchecked_map`, or a refusal; nothing that the notes of a map have."""
+    """Notes on an unchecked map that may not be a panorama, except notes that it already has."""
     source = pixels.source
     if source.recognised_by != "shape" or source.projection != PROJECTION:
         return ()
@@ -143,14 +143,14 @@ def doubts_of_array(pixels: MapPixels, overview: NDArray[np.float32]) -> tuple[s
 
 
 def _seen(picture: ArrangedPicture) -> NDArray[np.float32]:
-    """Samples that are black where nothing is seen."""
+    """Samples set to black where the coverage is 0."""
     if picture.coverage is None or (picture.coverage == 1).all():
         return picture.samples
     return multiply_by_coverage(picture.samples, np.float32(1) * (picture.coverage > 0))
 
 
 def _doubts(radiance: NDArray[np.float32], picture: ArrangedPicture) -> tuple[str, ...]:
-    """Notes on a picture that only its shape makes a panorama, or a refusal."""
+    """Notes on a picture that only its shape suggests to be a panorama."""
     layout = picture.layout
     if not layout.is_whole_sphere or picture.source.recognised_by != "shape":
         return ()
@@ -159,7 +159,7 @@ def _doubts(radiance: NDArray[np.float32], picture: ArrangedPicture) -> tuple[st
 
 
 def _on_sphere(pixels: MapPixels, picture: ArrangedPicture, columns: int | None) -> MapPixels:
-    """Map of a picture in its own layout; a whole panorama stays as it is."""
+    """Picture resampled to a map; a complete panorama is unchanged."""
     image, coverage, is_border = resample.on_sphere(
         pixels.radiance, picture.coverage, picture.layout, columns
     )
@@ -173,6 +173,6 @@ def _on_sphere(pixels: MapPixels, picture: ArrangedPicture, columns: int | None)
 
 
 def _note_of_conversion(source: Origin, image: NDArray[np.float32]) -> str:
-    """Note on the layout and the size of the picture from which a map was made."""
+    """Note on the layout and size of the original picture."""
     (rows, columns), (height, width) = source.size, image.shape[:2]
     return f"{source.projection} of {columns}x{rows} pixels, converted to {width}x{height} cells"

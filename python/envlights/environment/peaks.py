@@ -1,4 +1,4 @@
-"""Radiance above a maximum, spread over the pixels around it."""
+"""Spread of radiance above a maximum over the surrounding pixels."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from envlights._native import EnvLightsError
 from envlights.kernels.image import LUMINANCE
 from envlights.kernels.sphere import pixel_directions, pixel_solid_angles
 
-#: Growth of the radius of a cap that is too small for the excess of its pixels.
+#: Growth factor for the radius of a cap that is too small for its excess.
 _GROWTH = 1.25
 
 
 class PixelIntegrals:
-    """Integrals of the direction and of 1 over each pixel."""
+    """Integrals of the direction vector, and of 1, over each pixel."""
 
     def __init__(self, height: int, width: int, border_sampled: bool) -> None:
         theta = np.pi * _edges(height, border_sampled)
@@ -28,12 +28,12 @@ class PixelIntegrals:
         self._columns = np.stack([-cosines, widths, -sines, widths], axis=1)
 
     def of(self, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> NDArray[np.float64]:
-        """Integrals of x, y, z and 1 over some pixels, (..., 4)."""
+        """Integrals of x, y, z and 1 over the given pixels, (..., 4)."""
         integrals: NDArray[np.float64] = self._rows[rows] * self._columns[columns]
         return integrals
 
     def of_luminance(self, radiance: NDArray[np.float32]) -> NDArray[np.float64]:
-        """Integrals of x, y, z and 1 times the luminance of a whole map, (4,)."""
+        """Integrals of x, y, z and 1 times the luminance, over the whole map, (4,)."""
         sums = np.zeros(4)
         for rows in blocks(radiance.shape):
             sums += (self._rows[rows] * (radiance[rows] @ LUMINANCE @ self._columns)).sum(axis=0)
@@ -41,7 +41,7 @@ class PixelIntegrals:
 
 
 def float32_at_most(maximum: float) -> np.float32:
-    """Largest number of single precision that is not above a maximum."""
+    """Largest float32 that does not exceed a maximum."""
     limit = np.float32(maximum)
     return np.nextafter(limit, np.float32(0)) if float(limit) > maximum else limit
 
@@ -52,7 +52,7 @@ def spread_peaks(
     border_sampled: bool,
     coverage: NDArray[np.float32] | None = None,
 ) -> tuple[NDArray[np.float32], list[str]]:
-    """Radiance of at most a maximum, with the flux of each light around it, and a note.
+    """Radiance limited to a maximum, with the flux of each light spread around it, and a note.
 
     The excess of all pixels in a cap is distributed over the same cap in proportion to the room
     below the maximum, tilted so that its direction stays. The cap grows until that is possible.
@@ -89,7 +89,7 @@ def spread_peaks(
 
 
 class _Sphere:
-    """Directions and solid angles of all pixels, and their largest radiance."""
+    """Directions, solid angles and largest allowed radiance of all pixels."""
 
     def __init__(
         self,
@@ -109,7 +109,7 @@ class _Sphere:
         self.pixel = math.pi / height
 
     def rows(self, centre: NDArray[np.float64], radius: float) -> slice:
-        """Rows that a cap touches."""
+        """Rows that overlap a cap."""
         height = len(self.angles)
         theta = math.acos(float(np.clip(centre[1], -1, 1)))
         first = int((theta - radius) / self.pixel) - 1
@@ -117,7 +117,7 @@ class _Sphere:
 
 
 def _edges(samples: int, border_sampled: bool) -> NDArray[np.float64]:
-    """Edges of the pixels along one side, from 0 to 1."""
+    """Edges of the pixels along an axis, from 0 to 1."""
     inner = (np.arange(samples - 1) + (0.5 if border_sampled else 1)) / (
         samples - 1 if border_sampled else samples
     )
@@ -137,7 +137,7 @@ def _check_mean(radiance: NDArray[np.float64], sphere: _Sphere, maximum: float) 
 def _spread(
     radiance: NDArray[np.float64], sphere: _Sphere, centre: NDArray[np.float64], maximum: float
 ) -> tuple[float, float, slice]:
-    """Spread the excess around a pixel; return the moved flux, and radius and rows of its cap."""
+    """Spread the excess around a pixel; return its flux, and the radius and rows of the cap."""
     radius = 1.5 * sphere.pixel
     while True:
         rows = sphere.rows(centre, radius)
@@ -146,7 +146,7 @@ def _spread(
         light, angle = part[inside], angles[inside][:, None]
         excess = (np.maximum(light - maximum, 0) * angle).sum(axis=0)
         room = np.maximum(sphere.ceiling[rows][inside][:, None] - light, 0)
-        # A channel without excess needs no room.
+        # Channels without excess need no room.
         directions, is_last = sphere.means[rows][inside], radius >= math.pi
         if is_last or (excess <= (room * angle).sum(axis=0)).all():
             levels = [
@@ -170,7 +170,7 @@ def _level(
     maximum: float,
     is_last: bool,
 ) -> NDArray[np.float64] | None:
-    """One channel without samples above the maximum, with the flux and the direction of before.
+    """Channel without samples above the maximum, whose flux and direction are preserved.
 
     Each pixel gets a fraction of its room, which is linear in the tangent plane of the excess. None
     if that leaves 0 to 1; in the last cap all pixels get the same fraction instead.
@@ -198,7 +198,7 @@ def _centroid(
     maximum: float,
     centre: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """Centroid of the excess in a cap; its centre if there is none."""
+    """Centroid of the excess in a cap; the cap's centre if there is no excess."""
     weights = (np.maximum(light - maximum, 0) * angle).sum(axis=1)
     vector = weights @ directions
     length = float(np.linalg.norm(vector))

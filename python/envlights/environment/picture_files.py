@@ -1,4 +1,4 @@
-"""One picture, or six pictures of the faces of a cube: a list, a mapping, a folder, a pattern."""
+"""Picture sources: one picture, or six cube faces as list, mapping, folder or pattern."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ from envlights.environment.files.images import MOST_PIXELS, Image, read_image
 from envlights.environment.layouts.face_names import order_of_names
 from envlights.environment.layouts.faces import check_square
 
-#: Suffixes of the files of a folder that are faces.
+#: Suffixes of face files in a folder.
 _SUFFIXES = {".hdr", ".exr", ".png", ".jpg", ".jpeg", ".tif", ".tiff", ".pic", ".rgbe"}
-#: Parts of a pattern that stand for the name of a face; "%" is of exrenvmap.
+#: Wildcards for the face name in a pattern; "%" is used by exrenvmap.
 _WILDCARDS = ("{face}", "%", "*")
 
-#: One file, or six: a sequence, a mapping from names to files, a folder, or a name with "{face}",
-#: "*" or "%".
+#: One file, or six files: a sequence, a mapping from names, a folder, or a name with "{face}", "*"
+#: or "%".
 PictureSource: TypeAlias = AnySource | Sequence[AnySource] | Mapping[str, AnySource]
 
 
 class _Files(NamedTuple):
-    """Six files, their names without suffixes, and a common name."""
+    """Six files, with their names without suffixes, and a name for messages."""
 
     name: str
     stems: list[str]
@@ -38,7 +38,7 @@ class _Files(NamedTuple):
 
 
 def is_picture_source(value: Any) -> bool:
-    """True for anything that is read as a file, or as six files of a cube."""
+    """True for anything that is read as one file, or as six files of a cube."""
     if isinstance(value, Mapping):
         return bool(value) and all(map(is_source, value.values()))
     if isinstance(value, list | tuple):
@@ -47,7 +47,7 @@ def is_picture_source(value: Any) -> bool:
 
 
 def read_picture(source: Any, **options: Any) -> Image:
-    """Read one picture in any projection, or six as the stack of the faces of a cube.
+    """Read one picture in any projection, or six as a stack of cube faces.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def read_picture(source: Any, **options: Any) -> Image:
 
 
 def faces_of_mapping(faces: Mapping[str, Any]) -> tuple[NDArray[Any], str]:
-    """Six arrays by the names of their faces as one array, (6, n, n, ...), and its order.
+    """Six arrays by face name as one array, (6, n, n, ...), and the order of its faces.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def faces_of_mapping(faces: Mapping[str, Any]) -> tuple[NDArray[Any], str]:
 
 
 def _six_files(source: Any) -> _Files | None:
-    """Six files of a source; None for one file."""
+    """Six files of a source; None if the source is a single file."""
     if isinstance(source, Mapping):
         return _six_of("the mapping", [str(key) for key in source], list(source.values()))
     if isinstance(source, str | os.PathLike):
@@ -116,7 +116,7 @@ def _six_files(source: Any) -> _Files | None:
 
 
 def _files_of_path(text: str | bytes) -> _Files | None:
-    """Six files of a folder or of a pattern; None for the path of one file."""
+    """Six files of a folder or pattern; None for the path of a single file."""
     text = os.fsdecode(text)
     if not text or "\0" in text:
         return None
@@ -137,7 +137,7 @@ def _files_of_path(text: str | bytes) -> _Files | None:
 
 
 def _pattern(name: str) -> str:
-    """Pattern of `Path.glob`, whose other special characters are those of the name."""
+    """Glob pattern for a file name with wildcards; `[` and `?` in the name are literal."""
     marked = name
     for mark in _WILDCARDS:
         marked = marked.replace(mark, "\0")
@@ -156,12 +156,12 @@ def _six_of(name: str, stems: list[str], files: list[AnySource]) -> _Files:
 
 
 def _stem(file: Any) -> str:
-    """Name of a file without folder and suffix; empty for bytes."""
+    """File name without folder and suffix; empty for bytes."""
     return Path(os.fsdecode(file)).stem if isinstance(file, str | os.PathLike) else ""
 
 
 def _order(files: _Files) -> tuple[str, tuple[int, ...]]:
-    """Convention that the names determine, and the position of each of its faces."""
+    """Convention that the names imply, and the file index of each of its faces."""
     named = order_of_names(files.stems)
     if named:
         return named.order, named.positions
@@ -176,7 +176,7 @@ def _no_order(name: str, stems: list[str]) -> str:
 
 
 def _stack_of(name: str, order: str, images: list[Image]) -> Image:
-    """Stack of six images, (6 n, n, 3)."""
+    """Six images as a stack, (6 n, n, 3)."""
     first = images[0]
     notes = dict.fromkeys(note for image in images for note in image.notes)
     coverage = None
@@ -196,7 +196,7 @@ def _stack_of(name: str, order: str, images: list[Image]) -> Image:
 
 
 def _units(images: list[Image]) -> str:
-    """Unit of all images, or a refusal of several units."""
+    """Common unit of all images; raises an error if they differ."""
     units = {image.units for image in images}
     if len(units) > 1:
         raise EnvLightsError(
@@ -211,6 +211,6 @@ def _share(image: Image) -> NDArray[np.float32]:
 
 
 def _clip_level(images: list[Image]) -> float | None:
-    """Lowest clip level; None if one of the faces has none."""
+    """Lowest clip level of the faces; None if a face has no clip level."""
     known = [image.clip_level for image in images if image.clip_level is not None]
     return min(known) if len(known) == len(images) else None

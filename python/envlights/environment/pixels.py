@@ -1,4 +1,4 @@
-"""Pixels of an equirectangular map, and what is known about them: what an `EnvMap` holds."""
+"""Pixels of an equirectangular map with their properties: the content of an `EnvMap`."""
 
 from __future__ import annotations
 
@@ -24,31 +24,31 @@ from envlights.environment.layouts.picture_layout import PictureLayout, equirect
 from envlights.environment.layouts.projections import REGISTRATIONS
 from envlights.environment.layouts.records import Origin
 
-#: Projection of the pixels of every map.
+#: Projection of every map.
 PROJECTION = "equirectangular"
 
 
 @dataclass(frozen=True, eq=False)
 class MapPixels:
-    """Radiance of a map with its layout, coverage, clip level, notes and scale."""
+    """Radiance of a map with its layout, coverage, clip level, notes and units."""
 
     radiance: NDArray[np.float32]
-    """Linear RGB, (height, 2 height, 3), black where nothing is seen; read-only."""
+    """Linear RGB, (height, 2 height, 3), black where not covered; read-only."""
 
     is_border_sampled: bool
     """True if the outer pixels lie on the seam and the poles."""
 
     source: Origin
-    """Picture from which the map was made."""
+    """Original picture of the map."""
 
     coverage: NDArray[np.float32] | None = None
-    """Share of each pixel that is seen, (height, width); None if all is."""
+    """Coverage of each pixel, 0 to 1, (height, width); None if the map is complete."""
 
     clip_level: float | None = None
     """Largest value that the radiance can hold; None if unknown."""
 
     notes: tuple[str, ...] = ()
-    """Remarks on changes and assumptions."""
+    """Notes on changes and assumptions."""
 
     units: str = OWN_SCALE
     """Unit of the radiance; see `EnvMap.units`."""
@@ -67,43 +67,43 @@ class MapPixels:
 
     @property
     def registration(self) -> str:
-        """Layout of the pixels: "cell-centred" or "border-sampled"."""
+        """Positions of the pixels: "cell-centred" or "border-sampled"."""
         return REGISTRATIONS[self.is_border_sampled]
 
     @property
     def layout(self) -> PictureLayout:
-        """Layout of the pixels for the kernels."""
+        """Pixel layout for the kernels."""
         size = self.radiance.shape[:2]
         return equirectangular(*size, border_sampled=self.is_border_sampled)
 
     @property
     def coverage_fraction(self) -> float:
-        """Fraction of the sphere that is seen."""
+        """Covered fraction of the sphere."""
         if self.coverage is None:
             return 1.0
         return fraction_of_sphere(self.coverage, self.is_border_sampled)
 
     @cached_property
     def clipped_fractions(self) -> tuple[float, float]:
-        """Fractions of the sphere, and of the luminance flux, of clipped pixels."""
+        """Fractions of the sphere, and of the luminance flux, in clipped pixels."""
         return _native.clipped_fraction(self.radiance, self.is_border_sampled, self.clip_level)
 
     @property
     def found_clip_level(self) -> float | None:
-        """Clip level: the known one, or the largest sample if it is a flat top; None without."""
+        """Clip level if known, or the largest sample if many pixels have it; otherwise None."""
         if self.clip_level is None and self.clipped_fractions[0]:
             return float(self.radiance.max())
         return self.clip_level
 
     @property
     def clip_level_of_picture(self) -> float | None:
-        """Clip level: the known one, or the flat top of floats that are decoded 8-bit codes."""
+        """Clip level if known, or the largest sample of floats decoded from 8-bit codes."""
         if self.clip_level is not None or not are_decoded_codes(self.radiance):
             return self.clip_level
         return self.found_clip_level
 
     def cells(self) -> NDArray[np.float32]:
-        """Radiance of a cell-centred map of the same size and flux."""
+        """Radiance resampled to a cell-centred map of the same size and flux."""
         if self.is_border_sampled:
             return resample.cells_of_borders(self.radiance)
         return self.radiance
@@ -115,7 +115,7 @@ class MapPixels:
         notes: Iterable[str],
         **others: Any,
     ) -> MapPixels:
-        """Pixels of another radiance and coverage; `others` are fields that change as well."""
+        """Pixels with another radiance and coverage; `others` are further fields to replace."""
         if coverage is not None:
             radiance = multiply_by_coverage(radiance, np.float32(1) * (coverage > 0))
         pixels = replace(self, radiance=radiance, notes=tuple(notes), **others)
@@ -123,19 +123,19 @@ class MapPixels:
 
 
 def are_decoded_codes(radiance: NDArray[np.float32]) -> bool:
-    """True if floats are values of many 8-bit sRGB codes, by some of their rows and columns."""
+    """True if the floats are values of many 8-bit sRGB codes; checks a sample of the pixels."""
     rows, columns = (max(side // 64, 1) for side in radiance.shape[:2])
     some = radiance[::rows, ::columns]
     if some.max(initial=0) > 1:
         return False
     codes = 255 * encode_srgb(some)
     whole = np.round(codes)
-    # A lamp of radiance 1 in the dark has the codes 0 and 255 alone.
+    # A lamp of radiance 1 in the dark has only the codes 0 and 255.
     return bool(np.abs(codes - whole).max(initial=0) < 0.01 and len(np.unique(whole)) > 8)
 
 
 def with_coverage(pixels: MapPixels, coverage: NDArray[np.float32] | None) -> MapPixels:
-    """Pixels with a coverage, and a note on it; None if all is seen."""
+    """Pixels with the given coverage and a note on it, or without coverage for None."""
     if coverage is not None:
         coverage = checked_coverage(coverage, pixels.radiance.shape[:2])
     pixels = replace(pixels, coverage=coverage)

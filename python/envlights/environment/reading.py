@@ -1,4 +1,4 @@
-"""Maps of arguments: files, arrays and maps, and the options on how they are read."""
+"""Conversion of arguments (files, arrays, maps) to maps, with reading options."""
 
 from __future__ import annotations
 
@@ -18,32 +18,32 @@ _T = TypeVar("_T")
 
 #: Map, its file as path, bytes or file object, six files of a cube, or radiance as an array.
 AnyMap: TypeAlias = EnvMap | PictureSource | ArrayLike
-#: Options on how a file is read: arguments of `EnvMap.open`, `levelled`, `calibrated`, `rotated`.
+#: Options for reading a file: arguments of `EnvMap.open`, `levelled`, `calibrated`, `rotated`.
 Reading: TypeAlias = Mapping[str, Any]
-#: Methods that follow the opening of a file.
+#: Methods that are called after opening a file.
 _STEPS = ("levelled", "calibrated", "rotated")
 
 
 def as_envmap(env: Any, reading: Reading | None = None) -> EnvMap:
-    """Map of an `AnyMap`, read with the options of `reading`; a map is returned as it is."""
+    """Map of an `AnyMap`, read with the options `reading`; a map is returned unchanged."""
     if isinstance(env, EnvMap):
         return env
     is_file = is_picture_source(env)
     opened, *steps = _steps(reading, EnvMap.open if is_file else EnvMap)
     world = EnvMap.open(env, **opened) if is_file else EnvMap(env, **opened)
     for name, given in zip(_STEPS, steps, strict=True):
-        if given.keys() - {"fill"}:  # a fill alone is no reading of a meter
+        if given.keys() - {"fill"}:  # a fill without a meter reading does not calibrate
             world = getattr(world, name)(**given)
     return world
 
 
 def check_reading(reading: Reading | None) -> None:
-    """Refuse names that are no options on how a file is read, before a file is read."""
+    """Raise an error for unknown reading options, before a file is read."""
     _steps(reading, EnvMap.open)
 
 
 def _steps(reading: Reading | None, opener: Callable[..., Any]) -> list[dict[str, Any]]:
-    """Arguments of the opener and of each method of `as_envmap`, or a refusal of others."""
+    """Arguments of the opener and of each method; raises an error for unknown options."""
     if reading is None:
         return [{}, *({} for _ in _STEPS)]
     if not isinstance(reading, Mapping):

@@ -1,4 +1,4 @@
-"""Reduction of the rows of a file to the cells of a fit, without the whole map in memory.
+"""Reduction of a file to the cells of a fit, row by row, without the whole map in memory.
 
 It is for files whose rows are the rows of the map: no alpha, no crop, no orientation, no primaries
 to be converted. All others are left to `EnvMap.open`.
@@ -22,26 +22,26 @@ from envlights.environment.layouts.panorama_check import notes_on_panorama
 
 
 class ReducedFile(NamedTuple):
-    """A reduced map, and what a report says about the file."""
+    """Reduced map, and facts about the file for the report."""
 
     cells: ReducedMap
-    """Cells, and the pixels of bright ones."""
+    """Cells, with exact pixels of the bright ones."""
 
     width: int
-    """Columns of the map."""
+    """Columns of the map in the file."""
 
     notes: tuple[str, ...]
-    """Remarks on assumptions and on ignored content."""
+    """Notes on assumptions and on ignored content."""
 
     clipped_flux_fraction: float
-    """Fraction of the flux in clipped pixels; 0 for a file without a clip level."""
+    """Fraction of the flux in clipped pixels; 0 if the file has no clip level."""
 
     units: str
     """Unit of the cells; see `EnvMap.units`."""
 
 
 class _Cells(NamedTuple):
-    """Size of the reduced map."""
+    """Parameters of the reduction."""
 
     columns: int
     source_fraction: float
@@ -51,7 +51,7 @@ class _Cells(NamedTuple):
 def reduce_file(
     source: AnySource, columns: int, source_fraction: float, floor: bool, least_width: int
 ) -> ReducedFile | None:
-    """Reduce the rows of a file; None if the whole map is needed.
+    """Reduce a file row by row; None if the whole map is needed.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def reduce_file(
 
 
 def _doubts(file: OpenImage, reduced: ReducedFile) -> tuple[str, ...]:
-    """Notes on a picture that only its shape makes a panorama, or a refusal."""
+    """Notes on a picture that only its shape suggests to be a panorama."""
     if file.hints.environment or file.hints.projection:
         return ()
     size = file.raw.header.height, file.raw.header.width
@@ -86,7 +86,7 @@ def _doubts(file: OpenImage, reduced: ReducedFile) -> tuple[str, ...]:
 
 
 def _is_plain(file: OpenImage, least_width: int) -> bool:
-    """True if the rows of a file are those of a map, after a look-up of each sample."""
+    """True if the rows of a file are those of a map, except for a look-up table of samples."""
     header, colour = file.raw.header, file.colour
     return (
         header.width == 2 * header.height
@@ -104,7 +104,7 @@ def _is_plain(file: OpenImage, least_width: int) -> bool:
 
 
 def _table(file: OpenImage) -> NDArray[np.float32] | None:
-    """Linear value of each code, empty for floats; None if values do not grow with codes."""
+    """Linear value of each code, empty for floats; None if values do not increase with codes."""
     header = file.raw.header
     if header.dtype.kind == "f":
         return np.zeros(0, np.float32)
@@ -114,7 +114,7 @@ def _table(file: OpenImage) -> NDArray[np.float32] | None:
 
 
 def _of_rows(file: OpenImage, cells: _Cells, table: NDArray[np.float32]) -> ReducedFile:
-    """Reduction of the rows in their own type, as the reader gives them."""
+    """Reduction of the rows, read in their own sample type."""
     header = file.raw.header
     size = (header.height, header.width, header.border_sampled)
     reducer = RowReducer(size, cells, header.dtype.name, table)
@@ -129,7 +129,7 @@ def _of_rows(file: OpenImage, cells: _Cells, table: NDArray[np.float32]) -> Redu
 
 
 def _finish(file: OpenImage, reducer: RowReducer) -> tuple[ReducedMap, Cleaned, float]:
-    """Reduced map, what was replaced in it, and the fraction of the flux in infinite samples."""
+    """Reduced map, counts of replaced samples, and the fraction of the flux in infinite samples."""
     try:
         return reducer.finish()
     except EnvLightsError as refusal:  # no sample is finite
@@ -148,7 +148,7 @@ def _clipped(
 
 
 def _rows(file: OpenImage) -> Iterator[NDArray[Any]]:
-    """Samples of some rows at a time, three for each pixel."""
+    """Blocks of rows as flat arrays, three samples per pixel."""
     height, step = file.raw.header.height, file.raw.rows_at_once
     for top in range(0, height, step):
         rows = file.raw.rows(top, min(top + step, height))
@@ -156,7 +156,7 @@ def _rows(file: OpenImage) -> Iterator[NDArray[Any]]:
 
 
 def _whole_blocks(parts: Iterator[NDArray[Any]], block: int) -> Iterator[NDArray[Any]]:
-    """Samples of whole rows of blocks, and the rest at the end."""
+    """Samples regrouped into whole row blocks, with a smaller one at the end."""
     rest: NDArray[Any] | None = None
     for part in parts:
         rows = part if rest is None else np.concatenate([rest, part])

@@ -1,4 +1,4 @@
-"""Repair of a clipped map: an estimate of the clipped flux, and its distribution.
+"""Repair of a clipped map: estimate of the clipped flux, and its distribution.
 
 The ground is the light meter of the scene. Under all light, with the clipped light, a ground of
 albedo a has the radiance a / pi times its irradiance. So with the mean luminance L_ground of the
@@ -31,27 +31,28 @@ from envlights.kernels.image import LUMINANCE
 from envlights.kernels.probe import irradiance as surface_irradiance
 from envlights.kernels.sphere import pixel_solid_angles
 
-#: Albedo of the ground.
+#: Assumed albedo of the ground.
 _ALBEDO = 0.2
-#: Ratio of the missing flux to the missing irradiance of an upward surface.
+#: Ratio of the missing flux to the missing irradiance of a horizontal surface.
 _FLUX_PER_IRRADIANCE = 3.0
 #: Largest ratio of the missing flux to the unclipped flux.
 _MOST_OF_UNCLIPPED = 3.0
-#: Largest luminance of the missing light, in units of the clip level.
+#: Largest luminance of the missing light, as a multiple of the clip level.
 _MOST_LUMINANCE = 400.0
 
 #: Sine of the elevation below which pixels count as ground.
 _GROUND = -math.sin(math.radians(3.0))
-#: Smallest seen fraction of the ground, and smallest unclipped fraction of that, for an estimate.
+#: Smallest visible fraction of the ground, and smallest unclipped fraction of that, for an
+#: estimate.
 _LEAST_GROUND = 0.1
-#: Range of albedos, under the light in the map, that a white floor would explain too.
+#: Range of apparent albedos that a white floor could explain as well.
 _WHITE_FLOOR = 0.7, 1.1
 
-#: Columns of the image in which clipped regions are separated, and the largest gap in radians that
-#: joins them; the defaults of `detect` for clipped maps.
+#: Columns of the image in which clipped regions are separated, and the largest gap that joins two
+#: regions, in radians; equal to the defaults of `detect` for clipped maps.
 PLATEAU_COLUMNS, PLATEAU_GAP = 512, math.radians(0.8)
 
-#: Rows of a block; the arrays for a block take more memory than its pixels.
+#: Number of rows that are processed at once, to limit memory.
 _ROWS = 128
 
 
@@ -60,9 +61,9 @@ class Repair(NamedTuple):
 
     radiance: NDArray[np.float32]
     note: str
-    """Factor by which the flux was raised, or the reason why it was not."""
+    """Factor by which the flux was raised, or the reason why it was not raised."""
     is_open: bool
-    """True if an estimate added nothing, so that clipped light may still be missing."""
+    """True if nothing was added, so that clipped light may still be missing."""
 
 
 def with_estimate(
@@ -119,32 +120,32 @@ def repair(
 
 @dataclass(frozen=True)
 class _Light:
-    """Flux and irradiance of a clipped map, in luminance."""
+    """Flux and irradiance of a clipped map, as luminance."""
 
     flux: float
     unclipped_flux: float
     upward: float
-    """Irradiance of an upward surface."""
+    """Irradiance of a horizontal surface."""
     upward_unclipped: float
-    """Irradiance of an upward surface without the clipped pixels."""
+    """Irradiance of a horizontal surface, without the clipped pixels."""
     upward_share: float
-    """Irradiance of an upward surface for a flux of 1 in the clipped pixels."""
+    """Irradiance of a horizontal surface per unit of flux in the clipped pixels."""
     clipped: float
-    """Clipped solid angle."""
+    """Clipped solid angle, in steradians."""
     ground: float
     """Mean luminance of the unclipped ground."""
     unclipped_ground: float
-    """Unclipped fraction of the seen ground."""
+    """Unclipped fraction of the visible ground."""
     seen_ground: float
-    """Fraction of the ground that is seen."""
+    """Visible fraction of the ground."""
 
     def with_upward(self, irradiance: float) -> _Light:
-        """Light with more irradiance of an upward surface, from what is not seen."""
+        """Light with the irradiance of uncovered parts added."""
         upward, unclipped = self.upward + irradiance, self.upward_unclipped + irradiance
         return replace(self, upward=upward, upward_unclipped=unclipped)
 
     def estimate(self, clip_level: float) -> tuple[float, str]:
-        """Estimate of the missing flux from the ground, with its source in words."""
+        """Estimate of the missing flux from the ground, with its source as text."""
         if self.seen_ground < _LEAST_GROUND:
             return 0.0, "the ground is not seen, so there is no estimate; give irradiance or ratio"
         if self.unclipped_ground < _LEAST_GROUND:
@@ -177,7 +178,7 @@ class _Light:
         )
 
     def up_to(self, irradiance: float | None, ratio: float | None) -> tuple[float, str]:
-        """Missing flux for a measured irradiance or ratio, with its source in words."""
+        """Missing flux for a measured irradiance or ratio, with its source as text."""
         name, target, least = "irradiance", irradiance or 0.0, self.upward
         if ratio is not None:
             name, target, least = "ratio", ratio, self.upward / (self.upward_unclipped or math.nan)
@@ -195,12 +196,12 @@ class _Light:
 
 
 def _true_factors(factor: float) -> tuple[float, float]:
-    """Interval that holds the true factor of two in three maps, for a `factor` of 1 or more."""
+    """Interval of the true factor in two of three maps, for a `factor` of 1 or more."""
     low, high = _TWO_THIRDS
     return max(1.0, low * factor), high * factor
 
 
-#: Quantiles 1/6 and 5/6 of the true factor over the estimate.
+#: Quantiles 1/6 and 5/6 of the ratio of true to estimated factor.
 _TWO_THIRDS = 0.8, 2.3
 
 
@@ -211,10 +212,10 @@ def _measure(
     border_sampled: bool,
     coverage: NDArray[np.float32] | None,
 ) -> _Light:
-    """Measure flux, irradiance and solid angle of clipped and of unclipped pixels that are seen."""
+    """Measure flux, irradiance and solid angle of visible pixels, clipped and unclipped."""
     height, width, _ = radiance.shape
     solid_angles = pixel_solid_angles(height, width, border_sampled=border_sampled)
-    # Cosines at the edges of rows, and the mean cosine of each row above the horizon.
+    # Compute cosines at row edges, and the mean cosine of each row above the horizon.
     edges = 1 - np.concatenate([[0.0], np.cumsum(solid_angles.sum(axis=1))]) / (2 * np.pi)
     above = np.maximum(edges, 0) ** 2
     cosine = (above[:-1] - above[1:]) / (2 * (edges[:-1] - edges[1:]))
@@ -264,7 +265,7 @@ def _as_seen_from(
     clip_level: float,
     border_sampled: bool,
 ) -> _Light:
-    """Measurements of a surface that faces another direction than up."""
+    """Measurements for a surface with another normal than up."""
     is_whole = (radiance < _native.LEAST_WHITE * clip_level).all(axis=2, keepdims=True)
 
     def on_surface(image: NDArray[np.float32]) -> float:
@@ -283,7 +284,7 @@ def _as_seen_from(
 def _raise_clipped(
     radiance: NDArray[np.float32], fraction: NDArray[np.float32], missing: float
 ) -> NDArray[np.float32]:
-    """Add the flux `missing` to the clipped pixels, each in its own colour."""
+    """Add the flux `missing` to the clipped pixels, keeping their colours."""
     raised = radiance.copy()
     for top in range(0, len(radiance), _ROWS):
         rows = raised[top : top + _ROWS]

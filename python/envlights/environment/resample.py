@@ -1,4 +1,4 @@
-"""Resampling of maps: other layouts, rotation, and cells in place of samples on the border.
+"""Resampling of maps: other layouts, rotation, and conversion of border samples to cells.
 
 A map is constant in each pixel, as in the exact probe. Flux is preserved, and so are the flux and
 the direction of each bright pixel.
@@ -15,13 +15,13 @@ from envlights.environment.layouts import picture_layout as layouts
 from envlights.environment.layouts.picture_layout import PictureLayout
 from envlights.kernels import sphere
 
-#: Rotation that leaves everything in its place.
+#: Identity rotation.
 UNTURNED = np.eye(3)
 
-#: Most columns of a map of a photograph or a disc, unless a width is given: 400 MB of radiance.
+#: Default limit on the columns of a map made from a photograph or disc: 400 MB of radiance.
 _MOST_COLUMNS = 8192
 
-#: Tolerance of a rotation by whole columns.
+#: Tolerance for a rotation by whole columns.
 _TOLERANCE = 1e-6
 
 
@@ -32,7 +32,7 @@ def rotate(
     *,
     border_sampled: bool,
 ) -> tuple[NDArray[np.float32], NDArray[np.float32] | None, bool]:
-    """Rotated radiance and seen share, and True if the outer pixels still lie on seam and poles."""
+    """Rotated radiance and coverage, and True if the map is still border-sampled."""
     shifted = turned_by_columns(radiance, matrix, border_sampled=border_sampled)
     if shifted is not None:
         fraction = None
@@ -51,7 +51,7 @@ def resample(
     target: PictureLayout,
     matrix: NDArray[np.float64] = UNTURNED,
 ) -> tuple[NDArray[np.float32], NDArray[np.float32] | None]:
-    """Picture in another layout, with light from d coming from ``matrix @ d``.
+    """Picture in another layout, rotated so that the light from d comes from ``matrix @ d``.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def resample(
 
 
 def _share_cells(source: PictureLayout, target: PictureLayout) -> bool:
-    """True for two parts of a panorama, or a part and the whole, with the same cells."""
+    """True if both are panoramas, complete or cropped, on the same pixel grid."""
     if source.kind != "equirectangular" or target.kind != source.kind or source.axes != target.axes:
         return False
     wholes = [layout.whole or (layout.height, layout.width) for layout in (source, target)]
@@ -95,7 +95,7 @@ def _same_cells(
     source: PictureLayout,
     target: PictureLayout,
 ) -> tuple[NDArray[np.float32], NDArray[np.float32] | None]:
-    """Cells of a part of a panorama in another part, unchanged."""
+    """Pixels of a panorama crop copied into another crop, unchanged."""
     columns = (source.whole or (source.height, source.width))[1]
     row = np.arange(target.height) + target.corner[0] - source.corner[0]
     column = (np.arange(target.width) + target.corner[1] - source.corner[1]) % columns
@@ -109,7 +109,7 @@ def _same_cells(
 
 
 def default_width(layout: PictureLayout) -> int:
-    """Columns of a map whose cells on the equator are as large as the mean pixel of a picture.
+    """Columns of a map whose equator pixels are as large as the mean pixel of a picture.
 
     Photographs and discs give at most 8192: a camera's 24 megapixels would give a map of 6 GB.
     """
@@ -129,7 +129,7 @@ def on_sphere(
     layout: PictureLayout,
     width: int | None,
 ) -> tuple[NDArray[np.float32], NDArray[np.float32] | None, bool]:
-    """Equirectangular radiance and seen share of any picture, and True if it is border-sampled.
+    """Equirectangular radiance and coverage of any picture, and True if border-sampled.
 
     A whole equirectangular picture stays as it is, unless another `width` is given.
     """
@@ -144,10 +144,10 @@ def on_sphere(
 def turned_by_columns(
     radiance: NDArray[np.float32], matrix: NDArray[np.float64], *, border_sampled: bool
 ) -> NDArray[np.float32] | None:
-    """Map after a rotation about the pole by whole columns, without loss; None for others."""
+    """Map rotated about the pole by whole columns, without loss; None for other rotations."""
     if abs(matrix[1, 1] - 1) > _TOLERANCE**2:
         return None
-    # The first and last column of a border-sampled map are the same.
+    # Drop the last column of a border-sampled map, which equals the first.
     own = radiance[:, :-1] if border_sampled else radiance
     ((u, _),) = sphere.direction_to_uv([matrix @ [0, 0, -1]])
     columns = round(u * own.shape[1])
@@ -158,7 +158,7 @@ def turned_by_columns(
 
 
 def cells_of_borders(radiance: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Convert a border-sampled map of any number of channels to cells, the means over their areas.
+    """Convert a border-sampled map with any number of channels to cells, by means over areas.
 
     Rows and columns are averaged one after the other, over the cosine and over the azimuth.
     """
@@ -186,7 +186,7 @@ def _average(
 
 
 def _border_edges(samples: int) -> NDArray[np.float64]:
-    """Edges of the cells of samples from 0 to 1; the first and the last cell are halves."""
+    """Edges between border samples, from 0 to 1; the first and last cell have half the width."""
     between = (np.arange(samples - 1) + 0.5) / (samples - 1)
     return np.concatenate([[0.0], between, [1.0]])
 
@@ -196,7 +196,7 @@ def _cell_edges(cells: int) -> NDArray[np.float64]:
 
 
 def _shares(old: NDArray[np.float64], new: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Fraction of each new interval in the old interval before, at and after it, (n, 3).
+    """Weights of the old intervals before, at and after each new interval, (n, 3).
 
     No new interval overlaps other old ones.
     """

@@ -1,4 +1,4 @@
-"""Text of a map: one line, a paragraph, and a block of HTML."""
+"""Text for a map: one line, a paragraph, and HTML."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from envlights.kernels.image import LUMINANCE
 
 
 def line(pixels: MapPixels, name: str) -> str:
-    """Size, layout, units, clipped part and notes, in brackets after a name."""
+    """Name of a map followed by its size, layout, units, clipped part and notes in brackets."""
     notes = f", notes: {'; '.join(pixels.notes)}" if pixels.notes else ""
     unit = in_nits(pixels.units)
     units = f",{unit}" if unit else ""
@@ -47,7 +47,7 @@ def _layout(pixels: MapPixels, of_size: str) -> str:
 
 
 def _clipped(pixels: MapPixels) -> str:
-    """Clipped fractions of the sphere and of the flux, of a map with a clip level."""
+    """Clipped fractions of the sphere and of the flux; empty for a map without clip level."""
     if pixels.clip_level is None or not pixels.clipped_fractions[0]:
         return ""
     fraction, of_flux = pixels.clipped_fractions

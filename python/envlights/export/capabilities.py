@@ -1,4 +1,4 @@
-"""Capabilities of a target, and the error of a rig that it shows."""
+"""Capabilities of a target, and the resulting error of a rig."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from envlights.environment.envmap import EnvMap
 from envlights.kernels import probe, sampling
 from envlights.kernels.ambient import ambient_rows
 
-#: Rows of the map for an ambient term that is not constant; it changes slowly over the sphere.
+#: Rows of the map for a non-constant ambient term, which varies slowly over the sphere.
 ROWS = 128
-#: Normals of the comparison: the irradiance of a rig is smooth.
+#: Number of normals for the comparison, because the irradiance of a rig is smooth.
 _FACES = 5120
 #: Constant term of the harmonics.
 HARMONIC_MEAN = 0.5 / np.sqrt(np.pi)
 
-#: Loss of sizes alone, for which `fit` measures the error.
+#: Loss of sizes only, for which `fit` reports the error.
 _AS_POINTS = "lights as points"
 
 
@@ -27,39 +27,39 @@ class Capabilities(NamedTuple):
     """Parts of a rig that a target can show."""
 
     sizes: str = "spread"
-    """Effect of an angular radius. "spread": light of a disc on every normal. "soften": soft edges
-    of shadows alone. "none": no effect."""
+    """Effect of an angular radius. "spread": light from a disc at every normal. "soften": only soft
+    shadow edges. "none": no effect."""
 
     harmonics: str = "exact"
-    """Form of nine harmonics. "exact": as they are. "map": radiance, cut off where negative.
-    "none": their mean radiance."""
+    """Form of nine harmonics. "exact": unchanged. "map": radiance, clipped where negative. "none":
+    mean radiance only."""
 
     floor: bool = True
-    """True if ambient light from above the horizon alone can be shown."""
+    """True if ambient light can be restricted to directions above the horizon."""
 
     environment: bool = True
     """True if a map can replace the ambient term."""
 
     lights: int | None = None
-    """Largest number of lights; None: any number."""
+    """Largest number of lights; None if unlimited."""
 
     casters: int | None = None
-    """Largest number of lights that cast shadows; None: any number."""
+    """Largest number of lights with shadows; None if unlimited."""
 
     cards: bool = False
     """True if cards are planes in space; False if they are discs like other lights."""
 
     uniform_cards: tuple[str, ...] = ()
-    """Shapes of cards that light with one radiance, without their texture."""
+    """Shapes of cards that have uniform radiance instead of a texture."""
 
     remark: str = ""
-    """Losses in other words, and settings to make by hand."""
+    """Other losses, and manual settings."""
 
     source: str = ""
-    """Document or source code that these fields are from."""
+    """Document or source code that proves these fields."""
 
     def in_short(self) -> str:
-        """Parts of a rig that it shows, in words."""
+        """Supported parts of a rig, as text."""
         sizes = {"spread": "sizes", "soften": "sizes in shadows alone", "none": "no sizes"}
         harmonics = {
             "exact": "harmonics",
@@ -78,11 +78,11 @@ class Capabilities(NamedTuple):
         return ", ".join(shown)
 
     def ambients(self) -> tuple[str, ...]:
-        """Ambient terms that a fit may choose, the simplest first."""
+        """Ambient terms that a fit may choose, simplest first."""
         return ("none", "constant", *(("sh2",) if self.harmonics == "exact" else ()))
 
     def losses(self, rig: Any) -> tuple[str, ...]:
-        """Parts of a rig, or of lights, that are shown in another way."""
+        """Descriptions of the parts of a rig or of lights that the target changes."""
         ambient = _ambient(rig)
         harmonics = {
             "exact": "",
@@ -99,19 +99,19 @@ class Capabilities(NamedTuple):
         return tuple(filter(None, lost))
 
     def _surplus(self, rig: Any) -> str:
-        """Loss of the lights beyond the limit; empty if there are none."""
+        """Description of the loss of surplus lights; empty if there are none."""
         if self.lights is None or len(_lights(rig)) <= self.lights:
             return ""
         shown = f"the {self.lights} brightest of {len(_lights(rig))} lights"
         return f"{shown}, the others as ambient light"
 
     def irradiance(self, rig: Any, normals: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Irradiance at `normals` as the target shows a rig, or lights, (n, 3)."""
+        """Irradiance at `normals` as the target renders a rig or lights, (n, 3)."""
         every = _lights(rig)
         most = len(every) if self.lights is None else self.lights
         lights, surplus = every[:most], every[most:]
         radii = lights.angular_radius * (self.sizes == "spread")
-        # Averaged over all normals, a light gives a quarter of its irradiance.
+        # Averaged over all normals, the irradiance of a light is a quarter of its value.
         mean = surplus.irradiance.sum(axis=0) / (4 * np.pi)
         parts = normals, mean, lights.direction, lights.irradiance, radii
         return probe.rig_irradiance(*parts) + self._ambient_irradiance(rig, normals)
@@ -127,7 +127,7 @@ class Capabilities(NamedTuple):
         return probe.rig_irradiance(normals, ambient, none, none, floor=floor)
 
     def change(self, rig: Any) -> float:
-        """Relative RMS difference between the irradiance that is shown and that of the rig."""
+        """Relative RMS difference between the rendered irradiance and that of the rig."""
         if not self.losses(rig):
             return 0.0
         normals, weights = sampling.icosphere(_FACES)
@@ -135,7 +135,7 @@ class Capabilities(NamedTuple):
         return probe.relative_rms(shown, Capabilities().irradiance(rig, normals), weights)
 
     def error(self, rig: Any) -> float:
-        """Relative RMS error of the irradiance that is shown.
+        """Relative RMS error of the rendered irradiance.
 
         It is exact if sizes are all that is lost. Otherwise, or without a fit, it assumes that the
         change is independent of the error of the rig. Lights alone, and rigs that were not
@@ -149,13 +149,13 @@ class Capabilities(NamedTuple):
         return float(np.hypot(rig.error, self.change(rig)))
 
 
-#: Order of sizes and of harmonics, from those that show least.
+#: Values of sizes and harmonics, least capable first.
 _SIZES = ("none", "soften", "spread")
 _HARMONICS = ("none", "map", "exact")
 
 
 def common(capabilities: Iterable[Capabilities]) -> Capabilities:
-    """Parts of a rig that several targets can all show."""
+    """Capabilities that several targets have in common."""
     each = (*capabilities, Capabilities())
     return Capabilities(
         sizes=min((one.sizes for one in each), key=_SIZES.index),
@@ -167,7 +167,7 @@ def common(capabilities: Iterable[Capabilities]) -> Capabilities:
 
 
 def _lights(rig: Any) -> Any:
-    """Lights of a rig, or lights themselves, as discs."""
+    """Lights of a rig, or the given lights, as discs."""
     return getattr(rig, "lights", rig).discs()
 
 

@@ -1,4 +1,4 @@
-"""Discs in the map, for targets whose lights have no size or only small ones."""
+"""Discs drawn into the map, for targets whose lights have no size, or only small ones."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ _DISC_ROWS, _LEAST_ROWS, MOST_ROWS = 8, 256, 1024
 
 
 def split_by_size(lights: Discs, least: float) -> tuple[Discs, Discs]:
-    """Discs with a smaller angular radius than `least` in radians, and all others."""
+    """Discs with an angular radius below `least` in radians, and all others."""
     is_wide = lights.angular_radius >= least
     return lights[~is_wide], lights[is_wide]
 
 
 def with_discs(scene: Scene, discs: Discs) -> Scene:
-    """Scene without lights, with the `discs` drawn into its map."""
+    """Scene with all lights removed, and `discs` drawn into its map."""
     others = scene._replace(lights=discs[:0])
     if not len(discs):
         return others
     rows = rows_for(discs)
     around: Any = scene.constant
     if scene.environment is not None:
-        # Divide each pixel into a whole number of pixels.
+        # Subdivide each pixel by a whole number.
         times = -(-rows // scene.environment.height)
         rows = times * scene.environment.height
         around = scene.environment.radiance.repeat(times, axis=0).repeat(times, axis=1)
@@ -37,6 +37,6 @@ def with_discs(scene: Scene, discs: Discs) -> Scene:
 
 
 def rows_for(discs: Discs) -> int:
-    """Rows of a map that shows the smallest disc as a disc."""
+    """Number of map rows in which the smallest disc is still a disc."""
     rows = int(_DISC_ROWS * np.pi / discs.angular_radius.min())
     return min(max(rows, _LEAST_ROWS), MOST_ROWS)

@@ -1,4 +1,4 @@
-"""Writer of a scene and its textures; the scene comes last."""
+"""Writer for a scene and its textures; the scene is written last."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ CONTROLS = tuple(map(chr, (*range(32), *range(127, 160))))
 
 
 def check_link(name: str, target: str, refused: Iterable[str] = ()) -> None:
-    """Refuse the name of a texture that `target` would not read back from a scene.
+    """Raise an error for a texture name that `target` could not read in a scene.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ def check_link(name: str, target: str, refused: Iterable[str] = ()) -> None:
         Characters or words that mean something else in the files of this program. Bytes that are
         not UTF-8 are refused for all programs.
     """
-    # Python keeps undecodable bytes as halves of surrogate pairs.
+    # Undecodable bytes are lone surrogates in Python.
     bad = [letter for letter in name if category(letter) == "Cs"]
     bad += [each for each in refused if each in name]
     if bad:
@@ -74,12 +74,12 @@ def save_scene(
 
 
 def _write_for_radiance(path: Path, radiance: NDArray[np.float32]) -> None:
-    """Write a picture for the programs of Radiance."""
+    """Write a picture for the Radiance programs."""
     write_hdr(path, _dither(radiance), rounds=False)
 
 
 def _dither(radiance: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Add up to half a step of a mantissa, so that the mean of many pixels is not rounded.
+    """Radiance dithered by up to half a mantissa step, so that means over pixels are exact.
 
     Radiance adds half a step to a mantissa. Without the dither, a map from a Radiance file, whose
     mantissas are whole already, was 0.3 % too bright. The additive recurrence R2 of M. Roberts

@@ -1,4 +1,4 @@
-"""Several files of lights and the map around them, with one copy of the map."""
+"""Export of lights and the remaining map to several files that share one copy of the map."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from envlights.export.targets import PANORAMA, Target, target_of
 
 
 class LinkedFile(NamedTuple):
-    """A file to write, and the map that it names."""
+    """File to write, with the map that it references."""
 
     path: Path
     """Path of the file."""
@@ -26,13 +26,13 @@ class LinkedFile(NamedTuple):
     """Target of the lights; None for a file of the map itself."""
 
     texture: Path | None = None
-    """Map that is written with it, in the form of its target."""
+    """Map that is written with the file, in the format of its target."""
 
     link: str | None = None
-    """Relative name of a map that another file brings."""
+    """Relative name of a map that another file provides."""
 
     crops: tuple[Path, ...] = ()
-    """Textures of cards that are written with it."""
+    """Textures of cards that are written with the file."""
 
 
 def save_with_map(
@@ -62,7 +62,7 @@ def save_with_map(
     """
     files = plan(environment, paths, lights)
     check_options((file.target for file in files if file.target), options)
-    # No scene names a missing map: files of the map are written first.
+    # Write map files first, so that no scene references a missing map.
     for file in sorted(files, key=lambda file: file.target is not None):
         if file.target is None:
             environment.save(file.path)
@@ -75,7 +75,7 @@ def save_with_map(
 
 
 class LinkedParts:
-    """Lights, `lights`, and the map around them, `remainder`, saved and shown together."""
+    """Lights (`lights`) and the remaining map (`remainder`), saved and displayed together."""
 
     __slots__ = ()
 
@@ -83,7 +83,7 @@ class LinkedParts:
     remainder: EnvMap
 
     def save(self, *paths: AnyPath, **options: Any) -> tuple[Path, ...]:
-        """Write the lights with the rest around them, for one program or several.
+        """Write the lights and the remaining map, for one or several programs.
 
         A scene loads the rest by a relative name. Blender, OpenUSD, Unity and Unreal name the file
         of the rest among `paths`, or one that is written beside the first scene,
@@ -131,7 +131,7 @@ class LinkedParts:
 
 
 def plan(environment: EnvMap, paths: Iterable[AnyPath], lights: Any = None) -> list[LinkedFile]:
-    """Files of `save_with_map`, checked before the first is written."""
+    """Files for `save_with_map`, all checked before any is written."""
     given = [as_path(path) for path in paths]
     panorama = _panorama(environment, given)
     files: list[LinkedFile] = []
@@ -146,7 +146,7 @@ def plan(environment: EnvMap, paths: Iterable[AnyPath], lights: Any = None) -> l
 
 
 def paths_of(files: Iterable[LinkedFile]) -> Iterator[Path]:
-    """Paths of all files and of the maps written with them."""
+    """Paths of all files and of their maps."""
     for file in files:
         yield file.path
         yield from file.crops
@@ -163,14 +163,14 @@ def _crops(file: LinkedFile, lights: Any) -> tuple[Path, ...]:
 
 
 def _panorama(environment: EnvMap, paths: list[Path]) -> Path | None:
-    """The most exact file of the map that programs read as it is: its pixels are cells."""
+    """Most accurate of the map files that programs can read directly (cell-centred)."""
     cells = MAP_SUFFIXES[environment.is_border_sampled :]
     found = [path for suffix in cells for path in paths if path.suffix.lower() == suffix]
     return found[0] if found else None
 
 
 def _file_at(path: Path, panorama: Path | None) -> LinkedFile:
-    """A file that names `panorama` if its target reads that, or brings its own map."""
+    """File that references `panorama` if its target can read it, otherwise with its own map."""
     if path.suffix.lower() in MAP_SUFFIXES:
         return LinkedFile(path, None)
     target = target_of(path)
@@ -181,7 +181,7 @@ def _file_at(path: Path, panorama: Path | None) -> LinkedFile:
 
 
 def relative_name(file: Path, path: Path) -> str | None:
-    """Name of `file` in a scene at `path`; None if no relative name leads there.
+    """Name of `file` relative to a scene at `path`; None if there is none.
 
     Programs join the names of folders as text, which fails if a folder is a symbolic link. On
     Windows, no relative name leads to another drive.
@@ -194,7 +194,7 @@ def relative_name(file: Path, path: Path) -> str | None:
 
 
 def _check_paths(paths: Iterable[Path]) -> None:
-    """Refuse files that cannot be written, and two files with one path."""
+    """Raise an error for files that cannot be written, and for duplicate paths."""
     seen: set[Path] = set()
     for path in paths:
         target = check_writable(path)

@@ -1,4 +1,4 @@
-"""Panels of an exported scene: cards in space, in front of the map that they hide."""
+"""Panels of an exported scene: cards as planes in front of the map."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from envlights.environment.envmap import EnvMap
 from envlights.export.look_up import looked_up
 from envlights.export.targets import AXES, target_named
 
-#: Least rows and columns of a texture that shows the map behind a card of one colour.
+#: Smallest rows and columns of a texture that shows the map behind a uniform card.
 _HIDDEN_TEXELS = 16
-#: Largest cosine between the sides of a rectangle.
+#: Largest cosine between the sides that counts as a right angle.
 _SQUARE = 1e-6
 #: Vertices of the polygon of a disc; its area is 0.16 % less than that of a circle.
 VERTICES = 64
@@ -37,25 +37,25 @@ class Panel(NamedTuple):
     """"rectangle", "tube", "disc" or "sphere"."""
 
     irradiance: NDArray[np.float64]
-    """Irradiance of a surface that faces its centre at the origin, (3,)."""
+    """Irradiance at the origin for a normal towards the panel's centre, (3,)."""
 
     radiance: NDArray[np.float64]
-    """Uniform radiance of the light alone, (3,)."""
+    """Uniform radiance of the light, without the map behind it, (3,)."""
 
     texture: NDArray[np.float32]
-    """Radiance of the light alone, (rows, columns, 3), row 0 at b = 0."""
+    """Radiance of the light, without the map behind it, (rows, columns, 3), row 0 at b = 0."""
 
     hidden: NDArray[np.float32]
-    """Radiance of the map behind it, of the size of `texture`."""
+    """Radiance of the map behind the panel, in the size of `texture`."""
 
     @property
     def opaque_texture(self) -> NDArray[np.float32]:
-        """Texture for a renderer in which the light hides the map behind it."""
+        """Texture for renderers in which the panel hides the map behind it."""
         return self.texture + self.hidden
 
     @property
     def opaque_radiance(self) -> NDArray[np.float64]:
-        """Uniform radiance for a renderer in which the light hides the map behind it."""
+        """Uniform radiance for renderers in which the panel hides the map behind it."""
         mean: NDArray[np.float64] = self.hidden.mean(axis=(0, 1), dtype=np.float64)
         return self.radiance + mean
 
@@ -107,7 +107,7 @@ class Panel(NamedTuple):
 
 
 def crop_names(panels: tuple[Panel, ...], prefix: str, target: str) -> list[str]:
-    """Name of the texture of each panel in the files of a target; empty if it has none."""
+    """Texture name for each panel in the files of a target; empty if it has no textures."""
     crop = target_named(target).crop
     return [] if crop is None else crop.names(prefix, (each.shape for each in panels))
 
@@ -151,7 +151,7 @@ def _panel(j: int, card: Any, environment: EnvMap | None, factor: float) -> Pane
 
 
 def _behind(card: Any, texture: NDArray[np.float32], env: EnvMap) -> NDArray[np.float32]:
-    """Radiance of the map in the direction of each texel."""
+    """Radiance of the map in the direction of each texel of a card."""
     rows, columns, _ = texture.shape
     b, a = np.meshgrid(
         (np.arange(rows) + 0.5) / rows, (np.arange(columns) + 0.5) / columns, indexing="ij"

@@ -1,4 +1,4 @@
-"""Writer of a rig in the format of a suffix, with a warning about losses."""
+"""Writer for a rig in the format of a suffix, with a warning about losses."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from envlights.export.targets import TARGETS, Target, target_of
 from envlights.kernels.probe import relative_rms
 from envlights.kernels.sampling import icosphere
 
-#: Error in a file up to which `save` does not warn, and largest ratio to the error of the rig: a
-#: tenth is the accuracy at which stated errors are compared with files.
+#: Error in a file below which `save` does not warn, and largest ratio to the error of the rig
+#: without a warning: stated errors are compared with files to a tenth.
 _SMALL_ERROR, _SAME_ERROR = 1e-3, 1.1
 
 
@@ -51,7 +51,7 @@ def save(rig: Any, path: AnyPath, environment: AnyMap | None = None, **options: 
 
 
 def check_options(targets: Iterable[Target], options: Iterable[str]) -> None:
-    """Refuse an option that no writer of the targets accepts."""
+    """Raise an error for an option that no writer of the targets accepts."""
     each = list(targets)
     for name in options:
         if not any(name in target.options for target in each):
@@ -64,7 +64,7 @@ def check_options(targets: Iterable[Target], options: Iterable[str]) -> None:
 def save_for(
     target: Target, rig: Any, path: AnyPath, environment: AnyMap | None = None, **options: Any
 ) -> None:
-    """Write a file for a target, with a warning if it shows the rig with a larger error."""
+    """Write a file for a target; warns if the target shows the rig with a larger error."""
     shown = getattr(rig, "distant", rig) if target.shows.cards else rig
     if shown is not rig:
         _warn_of_uniform_cards(rig, target, environment)
@@ -72,15 +72,15 @@ def save_for(
         _warn_of_losses(shown, target)
         target.save(rig, path, **options)
     else:
-        # The map replaces the ambient term, so only the lights can change.
+        # If the map replaces the ambient term, compare only the lights.
         _warn_of_losses(getattr(shown, "lights", shown), target)
         target.save(rig, path, environment, **options)
 
 
 def _warn_of_losses(rig: Any, target: Target) -> None:
-    """Warn if the error in the file is larger than that of the rig, with both figures."""
+    """Warn if the error in the file exceeds that of the rig, stating both."""
     if not hasattr(getattr(rig, "lights", rig), "discs"):
-        return  # The writer refuses it.
+        return  # the writer raises an error
     losses, stated = target.shows.losses(rig), getattr(rig, "error", None) or 0.0
     if not losses:
         return
@@ -107,7 +107,7 @@ def _warn_of_uniform_cards(cards: Any, target: Target, environment: AnyMap | Non
 
 
 def _figures(rig: Any, target: Target, error: float) -> str:
-    """Error in the file, that of the rig, and that of a fit for the target."""
+    """Text with the error in the file, that of the rig, and that of a fit for the target."""
     if getattr(rig, "error", None) is None:
         return f"the irradiance changes by {_percent(error)}"
     fitted = rig.report.fitted_points_error

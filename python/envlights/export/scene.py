@@ -1,4 +1,4 @@
-"""Parts of a rig that every exporter writes: lights, and a constant or a map around them."""
+"""Scene content for all exporters: lights, and a constant or a map around them."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from envlights.export.targets import TARGETS, target_named
 from envlights.kernels.ambient import ambient_rows
 from envlights.kernels.sphere import pixel_solid_angles
 
-#: Targets that show cards as planes in space.
+#: Targets that support cards as planes in space.
 PANELS = tuple(target.name for target in TARGETS if target.shows.cards)
 
 
 class Discs(Protocol):
-    """Discs and points at infinity, brightest first, such as `Lights`."""
+    """Protocol of discs and points at infinity, brightest first, such as `Lights`."""
 
     @property
     def direction(self) -> NDArray[np.float64]:
@@ -45,7 +45,7 @@ class Discs(Protocol):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Remarks on estimates."""
+        """Notes on estimates."""
 
     def __len__(self) -> int: ...
 
@@ -57,49 +57,49 @@ class Discs(Protocol):
 
 
 class AnyLights(Protocol):
-    """Lights of any kind: given, detected or removed."""
+    """Protocol of lights of any kind: given, detected or removed."""
 
     def discs(self) -> Discs:
         """Discs of the same flux and solid angle."""
 
 
 class HasLights(Protocol):
-    """A rig or cards."""
+    """Protocol of a rig or cards."""
 
     @property
     def lights(self) -> AnyLights:
         """Lights without the ambient term."""
 
 
-#: Things that can be exported: `Lights`, `Rig` and `Cards`.
+#: Exportable types: `Lights`, `Rig` and `Cards`.
 Exportable = AnyLights | HasLights
 
 
 class Scene(NamedTuple):
-    """Content of an exported scene, in the frame of envlights and the units of the target."""
+    """Content of an exported scene, in our frame, and in the units of the target."""
 
     lights: Discs
     """Discs and points, brightest first; irradiance at normal incidence."""
 
     ambient: NDArray[np.float64] | None
-    """Radiance of a constant environment, (3,); None if there is none, or if there is a map."""
+    """Radiance of a constant environment, (3,); None if there is none, or a map instead."""
 
     environment: EnvMap | None
     """Cell-centred map that replaces the constant."""
 
     statement: str
-    """Sentence for the file on the units of all numbers, and on estimates among them.
+    """Sentence for the file about units and estimates.
 
     One line without control characters; each writer quotes it by the syntax of its format."""
 
     term: NDArray[np.float64]
-    """Ambient term of the rig, (3,) or harmonics, (9, 3); zeros if there is a map in its place."""
+    """Ambient term of the rig, (3,) or harmonics, (9, 3); zeros if a map replaces it."""
 
     floor: bool
     """True if a floor hides the ambient term from below."""
 
     panels: tuple[Panel, ...] = ()
-    """Cards as planes in space; the `lights` are without them."""
+    """Cards as planes in space, which are not in `lights`."""
 
     @property
     def has_map(self) -> bool:
@@ -156,7 +156,7 @@ def statement_of(lights: Discs, units: str, target: str) -> str:
 
 
 def _environment(lights: Discs, environment: AnyMap) -> EnvMap:
-    """Cell-centred map around the lights, or a refusal if its scale is not theirs."""
+    """Cell-centred map around the lights; raises an error if its units differ from theirs."""
     if not isinstance(environment, EnvMap) and not is_source(environment):
         array: Any = environment
         return EnvMap(array, units=lights.units)
@@ -172,7 +172,7 @@ def _environment(lights: Discs, environment: AnyMap) -> EnvMap:
 def _surroundings(
     term: NDArray[np.float64], floor: bool
 ) -> tuple[NDArray[np.float64] | None, EnvMap | None]:
-    """Radiance of a constant ambient term, or a small map of another one."""
+    """Radiance of a constant ambient term, or a small map for other ambient terms."""
     if not term.any():
         return None, None
     if term.ndim == 1 and not floor:
@@ -181,7 +181,7 @@ def _surroundings(
 
 
 def _times(scene: Scene, factor: float) -> Scene:
-    """Scene with all numbers times `factor`."""
+    """Scene with all radiometric values multiplied by `factor`."""
     if factor == 1:
         return scene
     lights: Any = scene.lights
@@ -195,7 +195,7 @@ def _times(scene: Scene, factor: float) -> Scene:
 
 
 def at_most(scene: Scene, count: int | None) -> Scene:
-    """Scene with its `count` brightest lights; the others become part of the ambient term.
+    """Scene with its `count` brightest lights; all others become ambient light.
 
     Averaged over all normals, a light gives a quarter of its irradiance, as a constant radiance of
     1 / (4 pi) of it does.
@@ -211,7 +211,7 @@ def at_most(scene: Scene, count: int | None) -> Scene:
 
 
 def mean_radiance(scene: Scene) -> NDArray[np.float64]:
-    """Mean radiance of a map, or of the ambient term, (3,); that over a floor is whole."""
+    """Mean radiance of a map or of the ambient term, (3,), ignoring a floor."""
     if not scene.has_map or scene.environment is None:
         return HARMONIC_MEAN * scene.term[0] if scene.term.ndim == 2 else scene.term
     radiance = scene.environment.cells()
@@ -221,7 +221,7 @@ def mean_radiance(scene: Scene) -> NDArray[np.float64]:
 
 
 def check_rig(rig: Exportable) -> AnyLights:
-    """Lights of a rig, or lights themselves; a refusal of anything else."""
+    """Lights of a rig, or the given lights; raises an error for other values."""
     lights: Any = getattr(rig, "lights", rig)
     if not hasattr(lights, "discs"):
         raise EnvLightsError(f"only a rig or lights can be exported; got {describe(rig)}")

@@ -1,4 +1,4 @@
-"""Textures beside a scene: their names, and the files of a scene with them."""
+"""Texture files of a scene: their names, and writing them with the scene."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from envlights.export.targets import PANORAMA, TARGETS
 
 
 class Beside(NamedTuple):
-    """Names of the textures of a scene."""
+    """Names of the texture files of a scene."""
 
     map: str
     """Name of the map."""
 
     prefix: str = ""
-    """First part of the names of the textures of cards."""
+    """Prefix for the names of card textures."""
 
 
 def _cells(scene: Scene) -> NDArray[np.float32] | None:
@@ -39,7 +39,7 @@ def save_beside(
     map_of: Callable[[Scene], NDArray[Any] | None] = _cells,
     crop_of: Callable[[Panel], NDArray[Any]] | None = None,
 ) -> None:
-    """Write a scene, and its textures beside it.
+    """Write a scene together with its textures.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Units of a target: the one place where numbers in lux and cd/m2 are converted.
+"""Units of a target: the only place where lux and cd/m2 are converted.
 
 A calibrated map has RGB whose luminance (Rec.709) is in cd/m2, and its lights have irradiance whose
 luminance is in lux. Programs that count in W/m2 have a convention for the lumens in a watt. The
@@ -13,10 +13,10 @@ from envlights._common.units import PHOTOMETRIC, statement
 
 
 class TargetUnits(NamedTuple):
-    """Units of the numbers in the file of a target."""
+    """Units of the numbers in a target's file."""
 
     source: str
-    """Document that says so."""
+    """Document that states the units."""
 
     irradiance: str = "lux"
     """Unit of the irradiance of a light."""
@@ -25,18 +25,18 @@ class TargetUnits(NamedTuple):
     """Unit of the radiance of an ambient term or a map."""
 
     lumens: float = 1.0
-    """Lumens in the target's unit of flux: numbers in lux and cd/m2 are divided by it."""
+    """Lumens per unit of flux in the target; values in lux and cd/m2 are divided by it."""
 
     def factor_of(self, units: str) -> float:
-        """Factor of all numbers of a map in `units`."""
+        """Factor on all values of a map in `units`."""
         return 1.0 / self.lumens if units == PHOTOMETRIC else 1.0
 
     def in_short(self) -> str:
-        """Words for the table of targets."""
+        """Text for the table of targets."""
         return f"{self.irradiance} and {self.radiance} of a calibrated map"
 
     def statement(self, units: str) -> str:
-        """Sentence for the file of a map in `units`."""
+        """Sentence for the file about a map in `units`."""
         if units != PHOTOMETRIC:
             return statement(units)
         said = f"irradiance is in {self.irradiance}, radiance in {self.radiance}"

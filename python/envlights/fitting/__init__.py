@@ -1,4 +1,4 @@
-"""Fit of a rig to a map, or to a measured probe.
+"""Fit of a rig to a map, or to measured irradiance.
 
 | step                                                                | file         |
 |---------------------------------------------------------------------|--------------|

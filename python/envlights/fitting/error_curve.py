@@ -1,4 +1,4 @@
-"""Errors of fits with several numbers of lights."""
+"""Errors of fits with different numbers of lights."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _COLUMNS = ("lights", "used", "objective", "probe", "shadows", "gloss")
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ErrorCurve(TableResult):
-    """Errors of a map's rigs with at most each of some numbers of lights.
+    """Errors of the rigs of a map for different limits on the number of lights.
 
     Errors are fractions: 0.01 is 1 %. Printed tables hold them in percent, with `probe` as the
     column "shading". `to_frame` and `to_csv` have the columns ``lights``, ``used``, ``objective``,
@@ -39,30 +39,30 @@ class ErrorCurve(TableResult):
     """
 
     lights: tuple[int, ...]
-    """Largest number of lights of each rig."""
+    """Limit on the number of lights for each rig."""
 
     used: tuple[int, ...]
-    """Lights that each rig has; fewer if no fit with more has a lower error."""
+    """Number of lights in each rig; lower than the limit if more lights do not reduce the error."""
 
     objective: tuple[float, ...]
-    """Relative RMS error that the fits minimise; `FitReport.objective_error`.
+    """Relative RMS error that the fits minimise; see `FitReport.objective_error`.
 
     It never rises from one number of lights to a larger one."""
 
     probe: tuple[float, ...]
-    """Relative RMS error of shading; `Rig.error`."""
+    """Relative RMS error of shading; see `Rig.error`."""
 
     shadows: tuple[float, ...]
-    """Relative RMS error with shadows; `FitReport.shadow_error`."""
+    """Relative RMS error with shadows; see `FitReport.shadow_error`."""
 
     gloss: tuple[float, ...]
-    """Relative RMS error on metal of this `roughness`; `FitReport.gloss_error`."""
+    """Relative RMS error on metal of this `roughness`; see `FitReport.gloss_error`."""
 
     roughness: float
     """Roughness of the metal."""
 
     seconds: float = field(compare=False)
-    """Wall time of reading the map and of all fits, which share most of their work."""
+    """Wall time of reading the map and of all fits, which share most of the work."""
 
     rigs: tuple[Rig, ...] = ()
     """Rig of each row."""
@@ -72,11 +72,11 @@ class ErrorCurve(TableResult):
         return fields_of(self, "rigs")
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Columns with a row for each number of lights; errors are fractions."""
+        """Columns with a row per number of lights; errors are fractions."""
         return {name: np.array(getattr(self, name)) for name in _COLUMNS}
 
     def to_csv(self) -> str:
-        """Lossless table with a row for each number of lights; errors are fractions."""
+        """Lossless CSV table with a row per number of lights; errors are fractions."""
         return csv_of(self.columns())
 
     def save(self, path: str | os.PathLike[str]) -> None:
@@ -84,7 +84,7 @@ class ErrorCurve(TableResult):
         save_table(path, {".csv": self.to_csv, ".json": lambda: json_text(self.to_dict())})
 
     def in_short(self) -> str:
-        """Range of the numbers of lights, and all errors at its end."""
+        """Range of the numbers of lights, and the errors for the largest."""
         if not self.lights:
             return "no fit"
         each = ", ".join(
@@ -109,7 +109,7 @@ class ErrorCurve(TableResult):
         return [f"gloss: metal of roughness {self.roughness:g}", *notes]
 
     def _rises(self) -> list[tuple[int, float, int, float]]:
-        """Neighbouring numbers of lights between which the printed error with shadows rises."""
+        """Successive numbers of lights between which the displayed error with shadows increases."""
         rows = sorted(set(zip(self.lights, self.shadows, strict=True)))
         return [
             (*row, *following)
@@ -118,7 +118,7 @@ class ErrorCurve(TableResult):
         ]
 
     def table(self) -> Table:
-        """Table with a row for each number of lights; errors are in percent."""
+        """Table with a row per number of lights; errors are in percent."""
         names = ["lights", "used", "objective", "shading", "shadows", "gloss"]
         errors = (self.objective, self.probe, self.shadows, self.gloss)
         columns = zip(self.lights, self.used, *errors, strict=True)
@@ -213,7 +213,7 @@ def error_curve(
 
 
 def _better(rig: Rig, more: Rig) -> Rig:
-    """Rig with the lower error that the fits minimise; `rig` if both are equal."""
+    """Rig with the smaller objective error; `rig` if both are equal."""
     return more if _objective_error(more) < _objective_error(rig) else rig
 
 

@@ -1,4 +1,4 @@
-"""Fit of a rig to a map, or to a measured probe."""
+"""Fit of a rig to a map, or to measured irradiance."""
 
 from __future__ import annotations
 
@@ -266,7 +266,7 @@ def fit_probe(
     weights = np.ones(len(normals)) if weights is None else reals("weights", weights, 1)
     if len(weights) and not weights.any():
         raise EnvLightsError("weights must not all be 0")
-    # Scale irradiance to about 1, because the kernel sums its fourth powers, which could overflow.
+    # Scale irradiance to about 1, because the kernel sums fourth powers, which could overflow.
     brightest = float(np.abs(irradiance).max(initial=0.0))
     scale = brightest if 0 < brightest < np.inf else 1.0
     clock = Clock()
@@ -280,7 +280,7 @@ def fit_probe(
         request,
         scale=scale,
         notes=black_note(irradiance, "measured irradiance"),
-        # The report shares this dictionary, which gets its last entry below.
+        # The report holds this dictionary by reference; its last entry is added below.
         seconds=clock.laps,
         measured_on=f"the {len(normals)} fitted normals",
         ambient=ambient,

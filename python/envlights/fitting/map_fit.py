@@ -37,14 +37,14 @@ from envlights.rigs.lights import Lights, brightest_first
 from envlights.rigs.report import FitReport
 from envlights.rigs.rig import Rig
 
-#: Errors that lights with sizes can minimise.
+#: Objectives for fits of lights with sizes.
 OBJECTIVES = ("mixed", "shadows", "probe")
 
-#: Relative RMS error of the reduced map's irradiance: 3e-5 to 1.4e-4 on 14 real maps. Lights that
-#: lower the error further would only fit the error of the reduction.
+#: Relative RMS error of the irradiance of a reduced map: 3e-5 to 1.4e-4 on 14 real maps. Lights
+#: that reduce the error further would only fit errors of the reduction.
 RENDERING_ERROR = 1e-4
 
-#: Results of the kernel by ambient term.
+#: Result of the kernel for each ambient term.
 Answers = dict[str, FitAnswer]
 
 
@@ -53,7 +53,7 @@ class _Plan(NamedTuple):
 
     request: Request
     ambients: tuple[str, ...]
-    """Ambient terms that compete."""
+    """Ambient terms to compare."""
     is_auto: bool
     """True for ``ambient="auto"``, also if there is one choice."""
     of_discs: str | None
@@ -116,7 +116,7 @@ def fit_map(env: AnyMap, arguments: FitArguments) -> Rig:
 
 
 def fit_map_by_count(env: AnyMap, arguments: FitArguments, counts: list[int]) -> list[Rig]:
-    """Rigs for one map with at most each of some numbers of lights; equal to those of `fit_map`.
+    """Rigs for a map for several limits on the number of lights, equal to results of `fit_map`.
 
     The arguments have the start "greedy", and no error or fixed lights. The rigs share all work on
     the map and the forward selection.
@@ -134,7 +134,7 @@ def fit_map_by_count(env: AnyMap, arguments: FitArguments, counts: list[int]) ->
 
 
 def _clocked_rig(plan: _Plan, reduction: Reduction, answers: Answers, clock: Clock) -> Rig:
-    """Rig of the best result, with the times of the steps of all."""
+    """Rig of the best result, with the total times of all steps."""
     for answer in answers.values():
         clock.add(answer.seconds)
     rig = _rig(plan, reduction, answers, clock.laps)
@@ -159,7 +159,7 @@ def _plan(arguments: FitArguments) -> _Plan:
 
 
 def _answers(env: AnyMap, plan: _Plan, clock: Clock) -> tuple[Reduction, list[Answers]]:
-    """Reduced map, and the result with each ambient term; no result without these."""
+    """Reduced map, and for each limit the results with each ambient term."""
     request, floor, counts = plan.request, plan.arguments.floor, [plan.request.lights]
 
     def under_map(world: EnvMap) -> tuple[Reduction, list[Answers]]:
@@ -184,7 +184,7 @@ def _answers(env: AnyMap, plan: _Plan, clock: Clock) -> tuple[Reduction, list[An
 def _under(
     reduction: Reduction, plan: _Plan, first: NDArray[np.float64], counts: list[int]
 ) -> list[Answers]:
-    """Best rigs with each kind of ambient term, for each of some numbers of lights."""
+    """Best results with each kind of ambient term, for each limit on the number of lights."""
     options = {name: _options(reduction, plan, first, name) for name in plan.ambients}
     fits = [_native.fit_reduced(reduction.cells, one, counts) for one in options.values()]
     return [dict(zip(options, row, strict=True)) for row in zip(*fits, strict=True)]
@@ -222,7 +222,7 @@ def _rig(plan: _Plan, reduction: Reduction, answers: Answers, seconds: dict[str,
         units=reduction.units,
         floor=floor,
         sized_error=answer.error if plan.has_sized_error and answer.lights else None,
-        # The report shares this dictionary, which may get its last entry afterwards.
+        # The report holds this dictionary by reference; an entry may be added later.
         seconds=seconds,
         measured_on=wording.measured_on("all", floor),
         shadow_error=answer.shadow_error,
@@ -249,7 +249,7 @@ def _notes(reduction: Reduction, light: NDArray[Any], floor: bool) -> tuple[str,
 def continue_rig(
     reduction: Reduction, arguments: FitArguments, lights: Lights, ambient: str
 ) -> tuple[Rig, MapSamples]:
-    """Rig of the minimum near `lights` with sizes, and the irradiance under the map.
+    """Rig refined from `lights` with sizes to the nearest minimum, and the irradiance of the map.
 
     No other lights are searched for, and those that are black there are left out. The report holds
     the errors alone.

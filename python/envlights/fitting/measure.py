@@ -1,4 +1,4 @@
-"""Errors of any rig on any map, as a fit reports those of its own."""
+"""Errors of any rig under any map, as reported for fits."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Maps reduced to few cells for a fit: of arrays, and of files that are never whole in memory."""
+"""Reduction of maps to few cells for a fit: arrays, and files that are read row by row."""
 
 from __future__ import annotations
 
@@ -26,25 +26,25 @@ from envlights.kernels.probe import WORKING_COLUMNS, relative_rms, working_irrad
 from envlights.kernels.sampling import icosphere
 from envlights.kernels.sphere import pixel_directions
 
-#: Normals at which the probes under two fills are compared.
+#: Number of normals at which the irradiance under two fills is compared.
 _NORMALS = 320
 
 
 class FilledMap(NamedTuple):
-    """A map that shows the whole sphere, and what is known about its fill."""
+    """Map with its uncovered part filled, and facts about the fill."""
 
     env: EnvMap
-    """Map without a `coverage` share."""
+    """Map without `coverage`."""
 
     coverage_fraction: float
-    """Fraction of the sphere that was seen; over a floor, of its upper half."""
+    """Covered fraction of the sphere; over a floor, of the upper hemisphere."""
 
     unseen_spread: float
-    """Relative RMS difference of the probe between a black and a harmonic fill."""
+    """Relative RMS difference of irradiance between a black and a harmonic fill."""
 
 
 def fill_for_fit(env: EnvMap, floor: bool, fill: Fill) -> FilledMap:
-    """Fill a map; a floor hides the lower half of the sphere, so nothing there is missing."""
+    """Fill a map for a fit; over a floor, only the upper hemisphere needs to be covered."""
     checked_unseen(fill)
     if env.coverage is None:
         return FilledMap(env, 1.0, 0.0)
@@ -57,7 +57,7 @@ def fill_for_fit(env: EnvMap, floor: bool, fill: Fill) -> FilledMap:
 
 
 def _difference(env: EnvMap, reference: EnvMap, floor: bool) -> float:
-    """Relative RMS difference of the probes of two maps."""
+    """Relative RMS difference of irradiance between two maps."""
     normals, solid_angles = icosphere(_NORMALS)
     probe, reference_probe = (
         working_irradiance(
@@ -71,8 +71,8 @@ def _difference(env: EnvMap, reference: EnvMap, floor: bool) -> float:
 
 
 def above_horizon(env: EnvMap) -> EnvMap:
-    """`env`, black below the horizon."""
-    # All columns have the same heights, so compute one.
+    """Map set to black below the horizon."""
+    # Elevation depends only on the row, so two columns suffice.
     towards = pixel_directions(env.height, 2, border_sampled=env.is_border_sampled)[:, :1]
     radiance = in_blocks(
         env.radiance.shape,
@@ -82,21 +82,23 @@ def above_horizon(env: EnvMap) -> EnvMap:
     return EnvMap(radiance, layout=layout, clip_level=env.clip_level, coverage=env.coverage)
 
 
-#: Fraction of the flux of a channel from which a cell of the reduced map becomes a point source.
+#: Fraction of the flux of a channel from which a cell of the reduced map is split into point
+#: sources.
 POINT_SHARE = 5e-3
-#: Columns into which smaller maps are divided: the bright pixels of a reduced map are points. A
-#: bright pixel of 64 columns as one point hid an error of 1.6 %, and of 512 columns 0.02 %.
+#: Columns to which smaller maps are subdivided, because bright pixels of a reduced map become
+#: points. A bright pixel of a map with 64 columns as a single point caused an error of 1.6 %, with
+#: 512 columns 0.02 %.
 LEAST_COLUMNS = 512
 
 
 class Reduction(NamedTuple):
-    """A reduced map, and what a report says about the whole one."""
+    """Reduced map, and facts about the whole map for the report."""
 
     cells: ReducedMap
-    """Cells, and the pixels of bright ones."""
+    """Cells, with exact pixels of the bright ones."""
 
     width: int
-    """Columns of the map."""
+    """Columns of the original map."""
 
     notes: tuple[str, ...]
     """Notes of the map."""
@@ -109,21 +111,21 @@ class Reduction(NamedTuple):
     """
 
     coverage_fraction: float = 1.0
-    """Fraction of the sphere that the map shows; over a floor, of its upper half."""
+    """Covered fraction of the sphere; over a floor, of the upper hemisphere."""
 
     unseen_spread: float = 0.0
-    """Relative RMS difference of the probe between two fills of the unseen part."""
+    """Relative RMS difference of irradiance between two fills of the uncovered part."""
 
     units: str = OWN_SCALE
     """Unit of the map; see `EnvMap.units`."""
 
 
 def reduction_of(env: EnvMap, floor: bool, fill: Fill = None) -> Reduction:
-    """Reduction of a map in memory, after its unseen part is filled."""
+    """Reduction of a map in memory, after filling its uncovered part."""
     part = fill_for_fit(env, floor, fill)
     env = part.env
     times = 1 if env.is_border_sampled else -(-LEAST_COLUMNS // env.width)
-    # A repetition once would copy the map: 9 % of a fit to 1024 columns.
+    # Do not repeat pixels once, because a copy of the map takes 9 % of a fit to 1024 columns.
     radiance = env.radiance
     if times > 1:
         radiance = radiance.repeat(times, axis=0).repeat(times, axis=1)
@@ -134,14 +136,14 @@ def reduction_of(env: EnvMap, floor: bool, fill: Fill = None) -> Reduction:
 
 
 def is_file(env: AnyMap) -> TypeGuard[str | os.PathLike[str] | bytes]:
-    """True for a file on disk or its bytes, which can be read again if the whole map is needed."""
+    """True for a path or bytes, which can be read again if the whole map is needed."""
     if isinstance(env, str | os.PathLike):
         return os.path.isfile(env)  # noqa: PTH113, which refuses bytes in names
     return isinstance(env, bytes)
 
 
 def reduction_of_file(path: str | os.PathLike[str] | bytes, floor: bool) -> Reduction | None:
-    """Reduction of the rows of a file; None for files that need the whole map.
+    """Reduction of a file row by row; None if the whole map is needed.
 
     It equals that of `EnvMap.open`.
     """

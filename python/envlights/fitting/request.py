@@ -1,4 +1,4 @@
-"""Request of a fit: number of lights, accepted errors, start and fixed directions."""
+"""Checked request of a fit: number of lights, accepted errors, start and fixed directions."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from envlights.rigs.lights import Lights
 from envlights.rigs.report import SHOWN_ROUGHNESS
 from envlights.rigs.rig import Rig
 
-#: Steps after which a descent gives up.
+#: Limit on the steps of a descent.
 MAX_STEPS = 100
 
 
@@ -32,36 +32,36 @@ class FitOptions(NamedTuple):
     ambient: int
     """Number of ambient coefficients in each channel: 0, 1 or 9."""
     start: NDArray[np.float64]
-    """Initial directions of the first lights, the fixed ones before the others."""
+    """Initial directions of the first lights; fixed directions come first."""
     fixed: int
-    """Number of these that keep their directions."""
+    """Number of fixed directions."""
     lights: int
-    """Greatest number of lights."""
+    """Largest number of lights."""
     error: float | None = None
-    """Relative RMS error that is good enough."""
+    """Relative RMS error at which the fit may stop."""
     shadow_error: float | None = None
-    """Relative RMS error with shadows that is good enough."""
+    """Relative RMS error with shadows at which the fit may stop."""
     gloss_error: float | None = None
-    """Relative RMS error of a shiny object that is good enough."""
+    """Relative RMS error of a glossy object at which the fit may stop."""
     gloss_factors: Sequence[float] = ()
-    """Factors of that object by degree."""
+    """Factors of the glossy object by degree."""
     sizes: str | None = None
-    """Comparison that gives the lights their sizes; points if absent."""
+    """Objective for lights with sizes; None for points."""
     max_radius: float | None = None
-    """Greatest angular radius of a light in radians; 75 degrees if absent."""
+    """Largest angular radius of a light in radians; None for 75 degrees."""
     max_steps: int = MAX_STEPS
-    """Greatest number of steps of one descent."""
+    """Limit on the steps of a descent."""
     floor: bool = False
     """True if a floor hides the light from below the horizon."""
     error_floor: float = 0.0
     """Error below which no light is added."""
     is_plain: bool = False
-    """True for forward selection and eight plain starts: the comparison of benchmarks."""
+    """True for forward selection with eight plain starts, for comparison in benchmarks."""
 
 
 @dataclass(frozen=True)
 class FitArguments:
-    """Arguments of `fit`, as they were given; its signature has their defaults."""
+    """Arguments of `fit` as given; for defaults see its signature."""
 
     lights: int | None
     error: float | None
@@ -79,18 +79,19 @@ class FitArguments:
     target: str | Iterable[str] | None
 
 
-#: Names of starts for a map, and for a measured probe.
+#: Names of starts; the first two need a map.
 STARTS = ("greedy", "detect", "even")
 STARTS_WITHOUT_MAP = ("greedy", "even")
 
-#: Lights when neither `lights` nor `error` is set, and the limit when only `error` is.
+#: Default number of lights, and limit if only `error` is given.
 LIGHTS = 4
 MOST_LIGHTS = 32
 
-#: Limit on even starts, because the kernel refuses more lights than that under a map.
+#: Limit on the number of even start directions, which is the limit of the kernel for a map.
 MOST_EVEN_STARTS = 10240
 
-#: Relative difference below which two errors are equal, so that the simpler ambient term wins.
+#: Relative difference below which errors count as equal, so that the simpler ambient term is
+#: preferred.
 SAME_ERROR = 1e-3
 
 _NO_DIRECTIONS = np.zeros((0, 3))
@@ -110,51 +111,51 @@ class Request(NamedTuple):
     roughness: float
     """Roughness of the metal."""
     fixed: NDArray[np.float64]
-    """Directions of lights that do not move, (k, 3)."""
+    """Directions of fixed lights, (k, 3)."""
     start_directions: NDArray[np.float64]
-    """Directions where the first free lights start, brightest first, (n, 3)."""
+    """Start directions of the first free lights, brightest first, (n, 3)."""
     start: str
-    """One of `STARTS`, for free lights without a start direction."""
+    """Start for free lights without a start direction: one of `STARTS`."""
 
     @property
     def has_goal(self) -> bool:
-        """True if an error was requested."""
+        """True if an accepted error was given."""
         return any(most is not None for most in (self.error, self.shadow_error, self.gloss_error))
 
     @property
     def gloss_factors(self) -> list[float]:
-        """Factors of the metal by degree; none without a requested error."""
+        """Factors of the metal by degree; empty unless a gloss error was requested."""
         if self.gloss_error is None:
             return []
         factors: list[float] = gloss.factors(self.roughness, "metal", GLOSS_DEGREE).tolist()
         return factors
 
     def first_directions(self, most: int) -> NDArray[np.float64]:
-        """Start directions of free lights without a map, at most `most`."""
+        """Start directions for free lights without a map, at most `most`."""
         free = self.lights - len(self.fixed)
         if len(self.start_directions):
             return self.start_directions[:free]
-        # The kernel refuses more than `most` lights, so place no more.
+        # Stay within the limit `most` of the kernel.
         return _native.even_sphere(min(free, most)) if self.start == "even" else _NO_DIRECTIONS
 
     @property
     def needs_map(self) -> bool:
-        """True if the pixels of the whole map are needed for the start."""
+        """True if the start needs the pixels of the whole map."""
         return self.start == "detect" and self.lights > len(self.fixed)
 
     def first_directions_under(self, env: EnvMap | None, has_floor: bool) -> NDArray[np.float64]:
-        """Start directions of free lights under a map; over a floor, above the horizon."""
+        """Start directions for free lights under a map; over a floor, above the horizon."""
         free = self.lights - len(self.fixed)
         if env is not None and self.needs_map:
             return detect(above_horizon(env) if has_floor else env, max_lights=free).direction
         if self.start == "even" and has_floor:
-            # Points are sorted by height, so the first half lies above the horizon.
+            # Points are sorted by height, so the first half is above the horizon.
             count = min(free, MOST_EVEN_STARTS)
             return _native.even_sphere(2 * count)[:count]
         return self.first_directions(MOST_EVEN_STARTS)
 
     def is_reached(self, answer: FitAnswer) -> bool:
-        """True if an error was requested and all requested errors are low enough."""
+        """True if all requested errors are reached, and there is at least one."""
         limits = (
             (self.error, answer.error),
             (self.shadow_error, answer.shadow_error),
@@ -163,13 +164,13 @@ class Request(NamedTuple):
         return self.has_goal and all(most is None or value <= most for most, value in limits)
 
     def _gloss_error_of(self, answer: FitAnswer) -> float:
-        """Error of the requested metal; 0 without a requested error."""
+        """Gloss error for the requested metal; 0 if not requested."""
         if self.gloss_error is None:
             return 0.0
         return gloss.error(answer.bands, self.roughness) or 0.0
 
     def best_of(self, answers: Mapping[str, FitAnswer], accuracy: float) -> str:
-        """Name of the ambient term with the fewest lights that suffice, or with the least error.
+        """Ambient term with the fewest lights for the requested errors, or the smallest error.
 
         `answers` hold the simplest first, which wins if several are equal. Errors below the
         `accuracy` are equal.
@@ -182,7 +183,7 @@ class Request(NamedTuple):
         return next(name for name, answer in answers.items() if answer.error <= enough)
 
     def check_above_horizon(self) -> None:
-        """Refuse lights that a floor would hide."""
+        """Raise an error for lights that a floor would hide."""
         for name, towards in (("fixed", self.fixed), ("start", self.start_directions)):
             below = np.flatnonzero(towards[:, 1] < 0)
             if len(below):
@@ -193,7 +194,7 @@ class Request(NamedTuple):
 
 
 def request_for(arguments: FitArguments, most_lights: int | None = None) -> Request:
-    """Check what the arguments of a fit to a map request; see `request_of`."""
+    """Checked request of a fit to a map; see `request_of`."""
     return request_of(
         arguments.lights,
         arguments.error,
@@ -255,18 +256,18 @@ def request_of(
 
 
 def _fixed(fixed: ArrayLike | Lights | None) -> NDArray[np.float64]:
-    """Directions of the lights that do not move."""
+    """Directions of fixed lights as an array, after checks."""
     if fixed is None:
         return _NO_DIRECTIONS
     if isinstance(fixed, Lights):
         return fixed.direction
     directions = reals("fixed", fixed, 2)
-    sphere.direction_to_uv(directions)  # refuses a vector that is not of length 1
+    sphere.direction_to_uv(directions)  # raises an error for a vector whose length is not 1
     return directions
 
 
 def _most_lights(lights: int | None, has_goal: bool, fixed: int, placed: int) -> int:
-    """Limit on the number of lights; `placed` lights have a direction, and `fixed` do not move."""
+    """Limit on the number of lights; `placed` have directions, `fixed` do not move."""
     if lights is not None:
         if count("lights", lights) < fixed:
             raise EnvLightsError(f"lights must be at least the {fixed} fixed ones; got {lights}")
@@ -277,7 +278,7 @@ def _most_lights(lights: int | None, has_goal: bool, fixed: int, placed: int) ->
 
 
 def check_radius(max_radius: float | None, sizes: bool) -> None:
-    """Refuse a largest radius that no disc can have, or one of points."""
+    """Raise an error for a largest radius that is impossible, or given for points."""
     if max_radius is None:
         return
     amount("max_radius", max_radius, most=np.pi / 2)
@@ -292,14 +293,14 @@ def check_radius(max_radius: float | None, sizes: bool) -> None:
         )
 
 
-#: Ambient terms with their number of coefficients in each channel, the simplest first.
+#: Number of coefficients per channel for each ambient term, simplest first.
 AMBIENTS = {"none": 0, "constant": 1, "sh2": 9}
 #: Name for the best ambient term.
 AUTO = "auto"
 
 
 def ambient_for(ambient: str | None, has_target: bool, shows: Capabilities) -> str:
-    """Checked name of an ambient term, or the default for a target."""
+    """Checked name of an ambient term, or the default for a target program."""
     if ambient is None:
         return AUTO if has_target and shows.harmonics == "exact" else "constant"
     check_choice("ambient", ambient, (*AMBIENTS, AUTO))
@@ -309,12 +310,12 @@ def ambient_for(ambient: str | None, has_target: bool, shows: Capabilities) -> s
 
 
 def ambient_names(floor: bool, shows: Capabilities) -> tuple[str, ...]:
-    """Ambient terms that "auto" compares, the simplest first."""
+    """Ambient terms that "auto" compares, simplest first."""
     return tuple(name for name in shows.ambients() if not (floor and name == "sh2"))
 
 
 def check_over_floor(ambient: str, request: Request, shows: Capabilities) -> None:
-    """Refuse arguments that a floor makes impossible."""
+    """Raise an error for arguments that a floor makes impossible."""
     if not shows.floor:
         raise EnvLightsError(
             "floor must be False for a target that shows no light from above alone"

@@ -1,4 +1,4 @@
-"""Rig and report from the answer of a kernel."""
+"""Rig and report from the result of a kernel."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ def rig_of(
     has_max_radius: bool = False,
     **report_fields: Any,
 ) -> Rig:
-    """Build the rig of an `answer` whose irradiance is in units of `scale`.
+    """Rig from a kernel result, whose irradiance is in units of `scale`.
 
     `report_fields` are the fields of the report that the answer does not hold.
     """
     irradiance = answer.irradiance * scale
-    # Sort in the final units: rounding in other units could exchange nearly equal lights.
+    # Sort in final units, because rounding could swap nearly equal lights in other units.
     order = brightest_first(irradiance)
     ambient = answer.ambient * scale
     report = FitReport(
@@ -63,7 +63,7 @@ def rig_of(
 
 
 def _on_demand(answer: FitAnswer) -> dict[str, Any]:
-    """Fields of a report that take as long as a fit, as functions that hold the reduced map."""
+    """Report fields that take as long to compute as a fit, as functions of the reduced map."""
 
     def gloss_bands() -> tuple[tuple[float, ...], ...]:
         return tuple(map(tuple, answer.bands))
@@ -76,21 +76,21 @@ def _rows(lights: list[int], order: NDArray[np.intp]) -> tuple[int, ...]:
 
 
 def _reorder(values: list[float], order: NDArray[np.intp]) -> tuple[float, ...]:
-    """One value for each light, in the `order` of the lights; empty if there are no values."""
+    """Per-light values in the new `order` of the lights; empty if there are none."""
     return tuple(values[light] for light in order) if values else ()
 
 
 def _reorder_rgb(
     values: list[list[float]], order: NDArray[np.intp], scale: float
 ) -> tuple[tuple[float, float, float], ...]:
-    """Three values for each light, in units of `scale`, in the `order` of the lights."""
+    """Per-light RGB values times `scale`, in the new `order` of the lights."""
     if not values:
         return ()
     return tuple((red * scale, g * scale, b * scale) for red, g, b in (values[i] for i in order))
 
 
 def _stop_reason(answer: FitAnswer, request: Request) -> StopReason:
-    """Reason why the fit stopped, with the requested errors taken into account."""
+    """Reason why the fit stopped, considering the requested errors."""
     if answer.error == 0 and not answer.ambient.any() and not answer.irradiance.any():
         return StopReason.NOTHING_TO_FIT
     if request.has_goal and not request.is_reached(answer):

@@ -1,4 +1,4 @@
-"""Fit of a rig that holds the sun as one light: the other lights are fitted to the sky without it.
+"""Fit of a rig that contains the sun as a light; all other lights are fitted to the remaining sky.
 
 Rig and truth have the same sun, so the difference of their irradiance is that of the fit to the
 sky. The errors against sky and sun are therefore those of the fit, times the ratio of the RMS
@@ -29,8 +29,8 @@ from envlights.rigs.report import FitReport
 from envlights.rigs.rig import Rig, error_of
 from envlights.sun.sun_split import SunSplit
 
-#: Columns of the sky for the ratios of RMS irradiance. The sky has no sun, so that 64 columns give
-#: them to 0.1 %.
+#: Columns of the sky for ratios of RMS irradiance. Without the sun, 64 columns are accurate to 0.1
+#: %.
 _COLUMNS = 64
 
 _NOTE = (
@@ -40,30 +40,30 @@ _NOTE = (
 
 
 class Ratios(NamedTuple):
-    """RMS irradiance of the sky alone over that of sky and sun."""
+    """Ratios of the RMS irradiance of the sky to that of sky and sun."""
 
     probe: float
-    """Irradiance of a white probe."""
+    """Ratio for a white probe."""
 
     channels: tuple[float, ...]
-    """Irradiance of a probe in red, green and blue."""
+    """Ratio for a probe in red, green and blue."""
 
     shadows: float
-    """Irradiance with everything behind a plane hidden, over all planes."""
+    """Ratio with the light behind a plane blocked, averaged over all planes."""
 
 
 class SkyPixels(NamedTuple):
-    """Light of the sky, pixel by pixel."""
+    """Pixels of the sky as light sources."""
 
     flux: NDArray[np.float64]
     """Radiance times solid angle, (n, 3)."""
 
     towards: NDArray[np.float64]
-    """Unit vectors, (n, 3)."""
+    """Unit vectors to the pixels, (n, 3)."""
 
 
 def fit_with_sun(parts: SunSplit, arguments: FitArguments) -> Rig:
-    """Rig of the sun and of a fit to the sky around it; without a sun, a fit to the map."""
+    """Rig of the sun and of a fit to the remaining sky; without a sun, a fit to the map."""
     if not len(parts.lights):
         return fit_map(parts.remainder, arguments)
     shows = shown_by(target_names(arguments.target))
@@ -86,7 +86,7 @@ def fit_with_sun(parts: SunSplit, arguments: FitArguments) -> Rig:
 def _gloss_of_sky(
     parts: SunSplit, arguments: FitArguments, sky: SkyPixels, roughness: float
 ) -> float | None:
-    """Accepted gloss error of the fit to the sky, from the energies of a fit without lights."""
+    """Gloss error to accept in the fit of the sky, from energies of a fit without lights."""
     if arguments.gloss_error is None:
         return None
     alone = replace(
@@ -106,7 +106,7 @@ def _gloss_of_sky(
 
 
 def _sky(remainder: EnvMap, floor: bool, fill: Fill) -> EnvMap:
-    """Whole sky of a fit, with its unseen part; over a floor, its upper half."""
+    """Filled sky for a fit; over a floor, only its upper hemisphere."""
     filled = fill_for_fit(remainder, flag("floor", floor), fill).env
     return above_horizon(filled) if floor else filled
 
@@ -121,7 +121,7 @@ def pixels_of(sky: EnvMap) -> SkyPixels:
 
 
 def ratios_of(sky: SkyPixels, sun: Lights) -> Ratios:
-    """RMS irradiance of the sky over that of sky and sun, from the closed form for two sources.
+    """Ratios of RMS irradiance of the sky to sky and sun, from the closed form for two sources.
 
     Integrated over all normals, the product of the irradiance of two directions at the angle g is
     G = 2/3 (sin g + (pi - g) cos g) (Cho and Saul 2009); with shadows it is G (1 - g / pi) / 2.
@@ -136,7 +136,7 @@ def ratios_of(sky: SkyPixels, sun: Lights) -> Ratios:
 def bands_with_sun(
     energies: NDArray[np.float64], sky: SkyPixels, sun: Lights
 ) -> NDArray[np.float64]:
-    """Energy of sky and sun in each degree, from that of the sky, summed over channels.
+    """Energy per degree of sky and sun, from that of the sky, summed over channels.
 
     By the addition theorem a point of flux E in the direction w adds (2 l + 1) / (4 pi) times
     E (2 s_l + E) to the degree l, where s_l is the integral of the sky times P_l of the angle to w.
@@ -161,7 +161,7 @@ def _energies(
     sun: Lights,
     shadow: bool,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Squared irradiance of each channel over all normals: of the sky, and of sky and sun."""
+    """Squared irradiance by channel over all normals: of the sky, and of sky and sun."""
     (strength,) = sun.irradiance
     alone = (flux * (_kernel(between, shadow) @ flux)).sum(axis=0)
     both = 2 * strength * (_kernel(to_sun, shadow)[:, 0] @ flux)
@@ -175,7 +175,7 @@ def _kernel(angle: NDArray[np.float64], shadow: bool) -> NDArray[np.float64]:
 
 
 def _lights_of_sky(request: Request, lights: int | None, most_lights: int | None) -> int:
-    """Largest number of lights beside the sun."""
+    """Largest number of lights besides the sun."""
     if lights is not None:
         if count("lights", lights) < 1:
             raise EnvLightsError("lights must be at least 1 with a sun, which is one; got 0")
@@ -200,7 +200,7 @@ def _with_sun(rig: Rig, sun: Lights, ratios: Ratios, pixels: SkyPixels) -> Rig:
         units=sun.units,
         notes=sun.notes,
     )
-    # The lights name the sun themselves.
+    # The lights mention the sun already.
     own = tuple(note for note in rig.notes if not note.endswith(sun.notes[0]))
     report = _report(rig.report, order, ratios)
     energies, difference = rig.report.gloss_bands
@@ -211,7 +211,7 @@ def _with_sun(rig: Rig, sun: Lights, ratios: Ratios, pixels: SkyPixels) -> Rig:
 
 
 def _report(report: FitReport, order: NDArray[np.intp], ratios: Ratios) -> FitReport:
-    """Report of sky and sun; the sun is the last row before the `order`."""
+    """Report for sky and sun; the sun is the last row before reordering by `order`."""
 
     def times(error: float | None, ratio: float = ratios.probe) -> float | None:
         return None if error is None else ratio * error

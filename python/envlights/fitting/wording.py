@@ -1,4 +1,4 @@
-"""Sentences of a fit's report and notes."""
+"""Sentences for reports and notes of a fit."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from envlights.kernels.probe import WORKING_COLUMNS
 
 
 def measured_on(count: int | str, floor: bool) -> str:
-    """Normals on which the error was measured."""
+    """Normals at which the error was measured, as text."""
     return f"{count} normals over a floor" if floor else f"{count} normals"
 
 
@@ -24,13 +24,13 @@ def working_map(width: int, points: int, rendering_error: float) -> tuple[str, .
 
 
 def channels(answer: FitAnswer) -> tuple[str, ...]:
-    """Note on channels that are black or equal to another, so that they need no fit."""
+    """Note on channels that are skipped because they are black or equal to another."""
     skipped = 3 - answer.channels
     return (f"{skipped} of 3 channels skipped: black or equal to another",) if skipped else ()
 
 
 def fewer_lights(answer: FitAnswer, request: Request, rendering_error: float) -> str:
-    """Reason why there are fewer lights than allowed; empty if there are not."""
+    """Reason why fewer lights are used than allowed; empty if all are used."""
     used, most = answer.lights, request.lights
     if used >= most:
         return ""
@@ -61,6 +61,6 @@ def _below(rendering_error: float) -> str:
 
 
 def _power(value: float) -> str:
-    """A small number with one digit: 1e-4."""
+    """Small number with one digit, such as 1e-4."""
     digits, exponent = f"{value:.0e}".split("e")
     return f"{digits}e{int(exponent)}"

@@ -1,4 +1,4 @@
-"""The compiled steps on plain numpy arrays, one function for each step.
+"""Compiled steps on plain NumPy arrays, one function per step.
 
 Directions are unit vectors in the frame of `EnvMap`: right-handed, +y up, the centre of an
 equirectangular image along +z, its left quarter along +x. All arrays are float64 unless a

@@ -9,14 +9,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights.kernels import harmonics, sampling, sphere
 
-#: Evenly spread directions at which rotated harmonics are fitted: more than nine.
+#: Number of evenly spread directions at which rotated harmonics are fitted; nine would suffice.
 _DIRECTIONS = 80
 
 
 def ambient_rows(
     ambient: NDArray[np.float64], height: int, floor: bool
 ) -> Callable[[slice], NDArray[np.float32]]:
-    """Function that gives rows of the radiance of an ambient term, (n, 2 * height, 3)."""
+    """Function that returns rows of the radiance of an ambient term, (n, 2 * height, 3)."""
     if ambient.ndim == 2:
 
         def radiance(rows: slice) -> NDArray[np.float32]:
@@ -27,7 +27,7 @@ def ambient_rows(
         return radiance
     fraction = np.ones((height, 1, 1))
     if floor:
-        # Half of the middle row of an odd number is above the horizon.
+        # If the number of rows is odd, half of the middle row is above the horizon.
         fraction[height // 2 : (height + 1) // 2] = 0.5
         fraction[(height + 1) // 2 :] = 0
     sky = (fraction * ambient).astype(np.float32)
@@ -53,12 +53,13 @@ def turned_ambient(ambient: NDArray[np.float64], matrix: ArrayLike) -> NDArray[n
 def turned_about_pole(
     ambient: NDArray[np.float64], cosine: float, sine: float
 ) -> NDArray[np.float64]:
-    """Ambient term after a turn about +y that raises azimuths, with the same bits everywhere."""
+    """Ambient term rotated about +y towards larger azimuths, bitwise equal on all machines."""
     if ambient.ndim == 1:
         return ambient
     one, y, z, x, xy, yz, zz, xz, xx = ambient
     half, root = 0.5, 0.5 * np.sqrt(3.0)
-    # The pole of 3zz - 1 and xx - yy is +z; their sums 3yy - 1, which stays, and xx - zz have +y.
+    # Rotate about y, although 3zz - 1 and xx - yy are aligned with z: 3yy - 1 is invariant, and xx
+    # - zz rotates.
     pole, level = -half * zz - root * xx, half * xx - root * zz
     double_cosine, double_sine = cosine * cosine - sine * sine, 2.0 * cosine * sine
     level, xz = double_cosine * level - double_sine * xz, double_cosine * xz + double_sine * level

@@ -1,4 +1,4 @@
-"""Azimuth and elevation of directions, as numbers and in words."""
+"""Azimuth and elevation of directions, as numbers and as text."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from numpy.typing import NDArray
 
 from envlights.kernels import sphere
 
-#: Directions without an azimuth, at elevations that are printed as 90 and -90 degrees.
+#: Names for directions without an azimuth, whose elevations are printed as 90 and -90 degrees.
 POLES = ("zenith", "nadir")
 
 
 def place_of(direction: NDArray[np.float64]) -> str:
-    """Azimuth and elevation of a direction, in words."""
+    """Azimuth and elevation of a direction, as text."""
     (azimuth,), (elevation,) = azimuths(direction[None]), elevations(direction[None])
     if round(abs(np.rad2deg(elevation))) == 90:
         return f"the {POLES[int(elevation < 0)]}"
@@ -20,7 +20,7 @@ def place_of(direction: NDArray[np.float64]) -> str:
 
 
 def angle_cells(direction: NDArray[np.float64]) -> tuple[str, str]:
-    """Azimuth and elevation in degrees; at a pole its name in place of the azimuth."""
+    """Azimuth and elevation in degrees; at a pole, the name of the pole replaces the azimuth."""
     (azimuth,), (elevation,) = azimuths(direction[None]), elevations(direction[None])
     height = f"{np.rad2deg(elevation):+.1f}°"
     if height in ("+90.0°", "-90.0°"):
@@ -29,7 +29,7 @@ def angle_cells(direction: NDArray[np.float64]) -> tuple[str, str]:
 
 
 def azimuths(direction: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Radians from -z over +x, in the order of map columns, from 0 to 2 pi, (n,)."""
+    """Radians from -z over +x, increasing with map columns, from 0 to 2 pi, (n,)."""
     radians: NDArray[np.float64] = 2 * np.pi * sphere.direction_to_uv(direction)[:, 0]
     return radians
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 def connected_regions(
     rows: NDArray[np.intp], columns: NDArray[np.intp], size: tuple[int, ...]
 ) -> NDArray[np.intp]:
-    """Number of the connected region of each pixel, across the seam and the poles.
+    """Label of the connected region of each pixel, across the seam and the poles.
 
     The pixels are in the order of memory; `size` is the shape of the image.
     """
@@ -18,7 +18,7 @@ def connected_regions(
     while True:
         low = label[pairs].min(axis=0)
         joined = label.copy()
-        # Join each label to the lowest one beside it, and follow the joints to their ends.
+        # Set each label to the smallest neighbouring label, then follow the links to their ends.
         for end in pairs:
             np.minimum.at(joined, label[end], low)
         while (joined != joined[joined]).any():
@@ -43,7 +43,7 @@ def _pairs(
         at = np.minimum(np.searchsorted(flat, beside), max(len(flat) - 1, 0))
         found = np.flatnonzero((flat[at] == beside) & (rows + down < height))
         pairs.append(np.stack([found, at[found]]))
-    # All pixels at a pole touch there.
+    # Join all pixels at a pole.
     for row in (0, height - 1):
         polar = np.flatnonzero(rows == row)
         pairs.append(np.stack([polar, np.broadcast_to(polar[:1], polar.shape)]))

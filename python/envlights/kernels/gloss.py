@@ -1,4 +1,4 @@
-"""Spectrum of a shiny ball seen from all sides."""
+"""Spectrum of a glossy ball, averaged over all views."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from envlights import _native
 from envlights._common.check import amount, check_choice, count
 from envlights._native import EnvLightsError
 
-#: Least roughness of the quadrature.
+#: Smallest roughness for which the quadrature is accurate.
 LEAST_ROUGHNESS = 0.2
 #: Materials of the ball.
 MATERIALS = ("metal", "plastic")
-#: Least roughness of a surface whose error a fit states.
+#: Smallest roughness of a surface for which a fit reports the error.
 LEAST_FITTED_ROUGHNESS = 0.3
-#: Highest degree; the lobe of the smoothest surface has nothing beyond.
+#: Highest degree; the lobe of the smoothest surface is 0 beyond it.
 _MOST_DEGREES = 500
 
 
 def spectrum(
     roughness: float, degree: int, material: str = "metal", *, base: float = 0.5
 ) -> NDArray[np.float64]:
-    r"""Mean squared pixel of a shiny ball seen from all sides, by degree of its surroundings.
+    r"""Mean squared pixel of a glossy ball over all views, by degree of its surroundings.
 
     With the coefficients :math:`L_{lm}` of the radiance in orthonormal spherical harmonics, the
     mean over all views and all pixels of the ball's image is
@@ -80,7 +80,7 @@ def spectrum(
 
 
 def checked_roughness(roughness: object) -> float:
-    """`roughness` of a shiny object whose error a fit can state, or a refusal."""
+    """`roughness` of a glossy object whose error a fit can report; raises an error otherwise."""
     value = amount("roughness", roughness, most=1.0)
     if value < LEAST_FITTED_ROUGHNESS:
         raise EnvLightsError(
@@ -92,7 +92,7 @@ def checked_roughness(roughness: object) -> float:
 
 @lru_cache(maxsize=64)
 def factors(roughness: float, material: str, degree: int) -> NDArray[np.float64]:
-    """Read-only `spectrum`, computed once; a few hundredths of a second each."""
+    """Read-only result of `spectrum`, cached, because it takes a few hundredths of a second."""
     out = spectrum(roughness, degree, material)
     out.flags.writeable = False
     return out
@@ -101,7 +101,7 @@ def factors(roughness: float, material: str, degree: int) -> NDArray[np.float64]
 def error(
     bands: Sequence[Sequence[float]], roughness: float, material: str = "metal"
 ) -> float | None:
-    """Relative RMS error from the energies of a map and of a difference by degree; None without."""
+    """Relative RMS error, by the energies of a map and a difference per degree; None if empty."""
     check_choice("material", material, MATERIALS)
     energies, differences = bands
     if not len(energies):

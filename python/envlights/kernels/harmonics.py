@@ -1,4 +1,4 @@
-"""Real spherical harmonics: nine up to order 2 with their irradiance, and maps up to any degree."""
+"""Real spherical harmonics: nine up to degree 2 with irradiance, and maps to any degree."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Grey images: luminance, resize, blur, and the pixels of image coordinates."""
+"""Scalar images: luminance, resizing, blur, and conversion of image coordinates to pixels."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from envlights import _native
 from envlights._common.check import amount, count, flag, float_image, reals
 
-#: Rec.709 weights of linear red, green and blue in luminance.
+#: Rec.709 luminance weights of linear red, green and blue.
 LUMINANCE = np.array(_native.LUMINANCE)
 
 
@@ -112,7 +112,7 @@ def reduced_luminance(
 
 
 def area_means(image: ArrayLike, rows: int, columns: int) -> NDArray[np.float64]:
-    """Means of a plane image over equal areas; a pixel between two areas counts in both.
+    """Means of a plane image over equal areas; a pixel on a boundary contributes to both areas.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The steps of Loghin (2021), for maps and for plane images.
+"""Steps of Loghin (2021), for maps and for plane images.
 
 `envlights.papers.loghin.detect` combines them for a map. For a plane image the samples come from
 `halton` instead of the sphere:
@@ -54,7 +54,7 @@ class LineRule(NamedTuple):
 def neighbour_maximum(
     luminance: ArrayLike, pixels: ArrayLike, reach: int, *, sphere: bool = False
 ) -> tuple[NDArray[np.float32], NDArray[np.int64]]:
-    """The brightest pixel around each sample; Loghin (2021), step 5.
+    """Brightest pixel around each sample; Loghin (2021), step 5.
 
     Parameters
     ----------

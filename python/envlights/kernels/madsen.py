@@ -1,4 +1,4 @@
-"""The equations of Madsen, Sørensen and Vittrup (2003), for any least-squares solver."""
+"""Equations of Madsen, Sørensen and Vittrup (2003), for any least-squares solver."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ def pack_lights(
 def unpack_lights(
     x: ArrayLike,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Lights of a vector of unknowns.
+    """Unpack ambient light and M lights from a vector of unknowns.
 
     Parameters
     ----------
@@ -265,5 +265,5 @@ def _surface(
     k_d: object,
     C: ArrayLike,  # noqa: N803, the paper's name
 ) -> tuple[float, float, list[float]]:
-    """Check the surface of the probe."""
+    """Check the reflectance parameters of the probe."""
     return amount("k_a", k_a), amount("k_d", k_d), colour("C", C)

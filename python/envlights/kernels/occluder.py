@@ -1,4 +1,4 @@
-"""Light that balls and convex polyhedra hide, and that they reflect, in closed form."""
+"""Light that balls and convex polyhedra block and reflect, in closed form."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from envlights.kernels.solids import Stage
 def hidden_fractions(
     stage: Stage, directions: ArrayLike, angular_radius: ArrayLike, *, floor: bool = False
 ) -> NDArray[np.float64]:
-    r"""Hidden fractions of an ambient term and of discs, with shadows of all solids together.
+    r"""Fractions of an ambient term and of discs that all solids together hide.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def hidden_fractions(
 
 
 def form_factors(stage: Stage) -> NDArray[np.float64]:
-    r"""Share of each solid in the irradiance of a surface, if all surroundings were equally bright.
+    r"""Fraction of uniform irradiance that arrives from the directions of each solid.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ def form_factors(stage: Stage) -> NDArray[np.float64]:
 
 
 class _Lighting:
-    """Rig and albedos, as the kernel reads them."""
+    """Rig and albedos, in the form that the kernel reads."""
 
     directions: NDArray[np.float64]
     radii: NDArray[np.float64]
@@ -119,7 +119,7 @@ def reflected_irradiance(
     floor_albedo: ArrayLike,
     floor: bool = True,
 ) -> NDArray[np.float64]:
-    r"""Irradiance with shadows, and with light that the floor and the solids reflect.
+    r"""Irradiance with shadows, and with light reflected by the floor and the solids.
 
     Parameters
     ----------
@@ -192,7 +192,7 @@ def _check(stage: object) -> None:
 
 
 def _radii(values: ArrayLike) -> NDArray[np.float64]:
-    """Angular radii, or a refusal."""
+    """Angular radii; raises an error for impossible values."""
     radii = reals("angular_radius", values, 1)
     bad = radii[~((radii >= 0) & (radii <= np.pi / 2))]
     if len(bad):
@@ -201,7 +201,7 @@ def _radii(values: ArrayLike) -> NDArray[np.float64]:
 
 
 def _reflectance(name: str, values: ArrayLike) -> list[float]:
-    """Red, green and blue from 0 to 1, or a refusal."""
+    """Red, green and blue reflectance from 0 to 1; raises an error for other values."""
     channels = colour(name, values)
     if max(channels) > 1:
         raise EnvLightsError(f"{name} must lie from 0 to 1; got {max(channels):g}")

@@ -1,4 +1,4 @@
-"""Irradiance of a white Lambertian probe under a map, under sources and under a rig."""
+"""Irradiance of a white Lambertian probe under a map, discrete sources, or a rig."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from envlights import _native
 from envlights._common.check import amount, colour, count, flag, float_image, reals
 from envlights._native import EnvLightsError
 
-#: Default width of the map that `working_irradiance` makes.
+#: Default width of the working map in `working_irradiance`.
 WORKING_COLUMNS = 256
 
 
@@ -227,7 +227,7 @@ def disc_map(
 
 
 def coefficients(ambient: ArrayLike) -> NDArray[np.float64]:
-    """Check the coefficients of an ambient term, and return them as rows of RGB."""
+    """Coefficients of an ambient term as rows of RGB, after a check."""
     try:
         array = np.asarray(ambient)
     except ValueError as error:

@@ -1,4 +1,4 @@
-"""Points that fill a square or the sphere evenly."""
+"""Evenly distributed points in a square or on the sphere."""
 
 from __future__ import annotations
 
@@ -104,7 +104,7 @@ def uniform_sphere(uv: ArrayLike) -> NDArray[np.float64]:
 
 
 def icosphere(faces: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Faces of a subdivided icosahedron: even normals for a probe, or sources of a scene.
+    """Face normals of a subdivided icosahedron, evenly spread, and their solid angles.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Solids that hide light: balls, boxes and convex polyhedra, and the points that they shade.
+"""Solids that cast shadows (balls, boxes, convex polyhedra), and the points that receive light.
 
 The frame is that of `EnvMap`: right-handed, +y up. A floor is the plane y = 0.
 """
@@ -18,9 +18,9 @@ from envlights._common.arrays import freeze
 from envlights._common.check import amount, describe, reals, rotation, whole_numbers
 from envlights._native import EnvLightsError
 
-#: Distance from a surface, over the size of its solid, within which a point lies on it.
+#: Distance from a surface, relative to the size of the solid, within which a point lies on it.
 _ON_SURFACE = 1e-6
-#: Least cosine between the normal of a point and that of the surface on which it lies.
+#: Smallest cosine between the normal of a point and that of the surface on which it lies.
 _LEAST_COSINE = 0.5
 
 Vector = tuple[float, float, float]
@@ -52,7 +52,7 @@ class Ball:
         return self.centre[1] - self.radius
 
     def normals_at(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Outward normals at those of the points that lie on the surface, and NaN elsewhere."""
+        """Outward normals at the points that lie on the surface, NaN at all others."""
         away = points - self.centre
         distance = np.linalg.norm(away, axis=1)
         is_on = np.abs(distance - self.radius) <= _ON_SURFACE * self.radius
@@ -61,7 +61,7 @@ class Ball:
 
 
 class _FlatFaces:
-    """Normals of the flat faces of a solid."""
+    """Normals of a solid with flat faces."""
 
     vertices: tuple[Vector, ...]
     faces: tuple[tuple[int, ...], ...]
@@ -72,7 +72,7 @@ class _FlatFaces:
         return min(vertex[1] for vertex in self.vertices)
 
     def planes(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Outward unit normal of each face, (faces, 3), and its distance from the origin."""
+        """Unit normal of each face, (faces, 3), and distance of its plane from the origin."""
         vertices = np.array(self.vertices)
         centre = vertices.mean(axis=0)
         loops = [vertices[list(face)] for face in self.faces]
@@ -84,7 +84,7 @@ class _FlatFaces:
         return normals, np.einsum("fi,fi->f", normals, middles)
 
     def normals_at(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Outward normals of the faces on which each point lies, (n, faces, 3), NaN elsewhere."""
+        """Outward normals of the faces that contain each point, (n, faces, 3), otherwise NaN."""
         normals, distances = self.planes()
         size = float(np.ptp(np.array(self.vertices), axis=0).max())
         heights = points @ normals.T - distances
@@ -111,7 +111,7 @@ class Box(_FlatFaces):
     """Half of each side, above 0."""
 
     turn: float | tuple[Vector, Vector, Vector] = 0.0
-    """Angle in radians about +y, which turns +z to +x; or a rotation, (3, 3)."""
+    """Rotation: an angle in radians about +y, which turns +z towards +x, or a matrix, (3, 3)."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "centre", _vector("centre", self.centre))
@@ -130,7 +130,7 @@ class Box(_FlatFaces):
 
     @property
     def faces(self) -> tuple[tuple[int, ...], ...]:  # type: ignore[override]
-        """Rows of the corners around each of the six faces."""
+        """Corner indices of each of the six faces, in order."""
         return (0, 1, 3, 2), (4, 5, 7, 6), (0, 1, 5, 4), (2, 3, 7, 6), (0, 2, 6, 4), (1, 3, 7, 5)
 
 
@@ -149,7 +149,7 @@ class Polyhedron(_FlatFaces):
     """Corners, (n, 3), in any unit of length."""
 
     faces: tuple[tuple[int, ...], ...]
-    """Rows of the corners around each face, in either orientation. Each edge joins two faces."""
+    """Corner indices of each face, clockwise or counter-clockwise. Each edge joins two faces."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "vertices", _rows("vertices", self.vertices))
@@ -157,11 +157,11 @@ class Polyhedron(_FlatFaces):
             raise EnvLightsError(f"faces must be rows of vertices; got {describe(self.faces)}")
         loops = [whole_numbers("faces", face) for face in self.faces]
         object.__setattr__(self, "faces", tuple(tuple(face.tolist()) for face in loops))
-        # The kernel refuses what is not convex or not closed.
+        # The kernel raises an error for solids that are not convex or not closed.
         check_solids([self])
 
 
-#: A solid that hides light.
+#: Solid that casts a shadow.
 Solid = Ball | Box | Polyhedron
 
 
@@ -179,17 +179,17 @@ class Stage:
     """
 
     solids: tuple[Solid, ...]
-    """Solids; one alone becomes a tuple."""
+    """Solids; a single solid becomes a tuple."""
 
     points: NDArray[np.float64]
     """Points that receive light, (n, 3)."""
 
     normals: NDArray[np.float64]
-    """Unit normals of their surfaces, (n, 3)."""
+    """Unit surface normals at the points, (n, 3)."""
 
     # The constructor replaces None.
     own: NDArray[np.int64] = None  # type: ignore[assignment]
-    """Row of the solid on whose surface each point lies, or -1, (n,). By default it is found."""
+    """Index of the solid on whose surface each point lies, or -1, (n,). Computed by default."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "solids", solids_of(self.solids))
@@ -204,7 +204,7 @@ class Stage:
         object.__setattr__(self, "own", freeze(own))
 
     def _owners(self) -> NDArray[np.int64]:
-        """Row of the solid on whose surface each point lies, or -1."""
+        """Index of the solid on whose surface each point lies, or -1."""
         own = np.full(len(self.points), -1)
         for row, solid in enumerate(self.solids):
             cosines = np.einsum("nfi,ni->nf", solid.normals_at(self.points), self.normals)
@@ -213,14 +213,14 @@ class Stage:
 
     @classmethod
     def floor(cls, solids: Solid | Iterable[Solid], points: ArrayLike) -> Stage:
-        """Points of a floor, (n, 3), whose normals are +y, on none of the solids."""
+        """Stage with floor points, (n, 3), whose normals are +y, none of them on a solid."""
         rows = _finite("points", points)
         up = np.broadcast_to([0.0, 1.0, 0.0], rows.shape)
         return cls(solids_of(solids), rows, up, np.full(len(rows), -1))
 
 
 def solids_of(solids: Solid | Iterable[Solid]) -> tuple[Solid, ...]:
-    """One solid or several as a tuple, or a refusal."""
+    """One or more solids as a tuple; raises an error for anything else."""
     is_one = isinstance(solids, Solid) or not isinstance(solids, Iterable)
     each: tuple[Any, ...] = (solids,) if is_one else tuple(solids)  # type: ignore[arg-type]
     for solid in each:
@@ -233,7 +233,7 @@ def solids_of(solids: Solid | Iterable[Solid]) -> tuple[Solid, ...]:
 
 
 def check_solids(solids: Iterable[Solid]) -> None:
-    """Refuse solids that the kernel refuses: not convex, not closed, flat."""
+    """Raise an error for invalid solids: not convex, not closed, or flat."""
     from envlights import _native
 
     none = np.zeros((0, 3))
@@ -241,7 +241,7 @@ def check_solids(solids: Iterable[Solid]) -> None:
 
 
 def _finite(name: str, values: ArrayLike) -> NDArray[np.float64]:
-    """Vectors, (n, 3), as a read-only array, or a refusal."""
+    """Vectors, (n, 3), as a read-only array; raises an error unless finite."""
     rows = reals(name, values, 2)
     if rows.shape[1] != 3:
         raise EnvLightsError(f"{name} must have the shape (n, 3); got {rows.shape}")
@@ -275,7 +275,7 @@ def _angle(value: object) -> float:
 
 
 def _matrix(turn: Any) -> NDArray[np.float64]:
-    """Rotation of an angle about +y, or the rotation itself."""
+    """Rotation matrix for an angle about +y, or the given matrix."""
     if np.ndim(turn):
         return np.array(turn)
     cos, sin = math.cos(turn), math.sin(turn)

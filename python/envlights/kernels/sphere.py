@@ -1,4 +1,4 @@
-"""Directions, and the pixels of an equirectangular image on the sphere."""
+"""Directions on the sphere, and pixels of an equirectangular image."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ FRAME = "right-handed, +y up; image centre +z, left quarter +x; towards the ligh
 
 
 def uv_to_direction(uv: ArrayLike) -> NDArray[np.float64]:
-    """Directions of equirectangular image coordinates.
+    """Directions at equirectangular image coordinates.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def direction_to_uv(direction: ArrayLike) -> NDArray[np.float64]:
 def pixel_directions(
     height: int, width: int, *, border_sampled: bool = False
 ) -> NDArray[np.float64]:
-    """Direction of every pixel's sample in an equirectangular image.
+    """Direction of each pixel sample in an equirectangular image.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ def pixel_directions(
 
 
 def samples_at(image: NDArray[np.floating], directions: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Samples of a cell-centred map, (height, width, channels), in unit directions, bilinear."""
+    """Bilinear samples of a cell-centred map, (height, width, channels), at unit directions."""
     height, width, _ = image.shape
     u, v = direction_to_uv(directions).T
     x, y = u * width - 0.5, np.clip(v * height - 0.5, 0, height - 1)
@@ -112,7 +112,7 @@ def samples_at(image: NDArray[np.floating], directions: NDArray[np.float64]) -> 
 def over_map(
     height: int, value: Callable[[NDArray[np.float64]], NDArray[Any]], *, finer: int = 1
 ) -> NDArray[Any]:
-    """Array of the results of `value` for the pixel directions of a map, in blocks of rows.
+    """Results of `value` at the pixel directions of a map, computed in blocks of rows.
 
     `finer` multiplies the resolution at which `value` is called.
     """
@@ -125,14 +125,14 @@ def over_map(
 
 
 def row_directions(height: int, rows: slice) -> NDArray[np.float64]:
-    """Directions of the pixels of some rows of a map of that height, (n, 2 * height, 3)."""
+    """Directions of the pixels in a slice of rows of a map, (n, 2 * height, 3)."""
     return _native.pixel_directions(height, 2 * height, False, rows.start, rows.stop)
 
 
 def pixel_solid_angles(
     height: int, width: int, *, border_sampled: bool = False
 ) -> NDArray[np.float64]:
-    """Exact solid angle of every pixel in an equirectangular image.
+    """Exact solid angle of each pixel in an equirectangular image.
 
     Parameters
     ----------

@@ -12,22 +12,22 @@ from envlights.kernels.image import LUMINANCE
 
 #: Columns of a thumbnail.
 _COLUMNS = 240
-#: Smallest number of sampled rows for the luminance of white.
+#: Smallest number of rows to sample for the display white level.
 _ROWS = 256
-#: Fraction of the sphere below white in a picture of a map.
+#: Fraction of the sphere that is darker than white in a picture of a map.
 _DARKER_THAN_WHITE = 0.98
-#: Smallest ratio of white to the median of the sphere.
+#: Smallest ratio of the white level to the median of the sphere.
 _OVER_MEDIAN = 2.5
-#: 8-bit grey values of the background of lights, and of its horizon.
+#: 8-bit grey values of the background behind lights, and of the horizon line.
 _GROUND, _HORIZON = 40, 84
-#: Size, number and gap of the images in a strip, in pixels.
+#: Image size in pixels, number of images, and gap in pixels, in a strip.
 _SIDE, _IMAGES, _GAP = 96, 4, 4
 #: Largest number of lights in a picture.
 _MOST_LIGHTS = 64
 
 
 def white_of(radiance: NDArray[np.floating], *, is_plane: bool = False) -> tuple[float, float]:
-    """Luminance drawn as white in a picture of a map, and the fraction of the sphere below it.
+    """Luminance to display as white in a picture of a map, and the fraction of the sphere below it.
 
     In a plane picture all pixels count the same.
 
@@ -55,7 +55,7 @@ def white_of(radiance: NDArray[np.floating], *, is_plane: bool = False) -> tuple
 
 
 def shrink(radiance: NDArray[np.floating], columns: int) -> NDArray[np.float64]:
-    """Means over blocks of pixels: at least `columns` wide, less than twice that.
+    """Block means, at least `columns` and less than twice `columns` wide.
 
     A narrower image keeps its size.
     """
@@ -66,12 +66,12 @@ def shrink(radiance: NDArray[np.floating], columns: int) -> NDArray[np.float64]:
 
 
 def expose(radiance: NDArray[np.floating], white: float) -> NDArray[np.uint8]:
-    """Codes of radiance for the luminance drawn as white."""
+    """8-bit sRGB pixels, with the luminance `white` displayed as white."""
     return _codes(encode_srgb(radiance / white))
 
 
 def of_map(radiance: NDArray[np.floating]) -> NDArray[np.uint8]:
-    """Codes of a picture of a map, exposed so that its lamps are visible."""
+    """8-bit pixels of a map, exposed so that its lamps are visible."""
     small = shrink(radiance, _COLUMNS)
     return expose(small, white_of(small)[0])
 
@@ -79,14 +79,14 @@ def of_map(radiance: NDArray[np.floating]) -> NDArray[np.uint8]:
 def of_photograph(
     radiance: NDArray[np.floating], longest: int, white: float | None
 ) -> NDArray[np.uint8]:
-    """Codes of a photograph of at most `longest` pixels; `white` is its clip level, if known."""
+    """8-bit pixels of a photograph, at most `longest` wide or high; `white` is the clip level."""
     step = -(-max(radiance.shape[:2]) // longest)
     small = radiance[::step, ::step]
     return expose(small, white_of(small, is_plane=True)[0] if white is None else white)
 
 
 def nearest_columns(codes: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Codes of a picture at the size of a thumbnail, by every n-th pixel."""
+    """8-bit pixels reduced to thumbnail size, by taking every n-th pixel."""
     step = -(-codes.shape[1] // _COLUMNS)
     return codes[::step, ::step]
 
@@ -96,7 +96,7 @@ def of_lights(
     irradiance: NDArray[np.float64],
     angular_radius: NDArray[np.float64],
 ) -> NDArray[np.uint8]:
-    """Codes of a picture of lights, brightest first: discs in their colour and of their size.
+    """8-bit picture of lights, brightest first: discs with the colour and size of the lights.
 
     Small discs get a visible area that grows with their brightness.
     """
@@ -113,13 +113,13 @@ def of_lights(
 
 
 def of_pairs(direct: NDArray[np.floating], indirect: NDArray[np.floating]) -> NDArray[np.uint8]:
-    """Codes of the first few pairs: direct light above, indirect light below."""
+    """8-bit picture of the first few pairs: direct light above, indirect light below."""
     rows = [[_expose_image(image) for image in images[:_IMAGES]] for images in (direct, indirect)]
     return np.vstack([_strip(images) for images in rows])
 
 
 def of_signed(images: NDArray[np.floating]) -> NDArray[np.uint8]:
-    """Codes of a few images (n, height, width), with grey for zero."""
+    """8-bit picture of a few signed images (n, height, width), with grey for zero."""
     limits = np.abs(images).max(axis=(1, 2), keepdims=True)
     grey = 0.5 + 0.5 * images / np.where(limits > 0, limits, 1)
     return _strip(
@@ -134,7 +134,7 @@ def _expose_image(image: NDArray[np.floating]) -> NDArray[np.uint8]:
 
 
 def _nearest_texels(image: NDArray[np.floating]) -> NDArray[np.floating]:
-    """Nearest texels of an image at the size of a thumbnail."""
+    """Image resized to thumbnail size by nearest-neighbour sampling."""
     height, width = image.shape[:2]
     longest = max(height, width)
     sides = [max(round(_SIDE * side / longest), 1) for side in (height, width)]
@@ -146,7 +146,7 @@ def _nearest_texels(image: NDArray[np.floating]) -> NDArray[np.floating]:
 
 
 def _strip(images: list[NDArray[np.uint8]]) -> NDArray[np.uint8]:
-    """Images in a row, with gaps between them and below."""
+    """Images in a row, with gaps between and below them."""
     framed = [
         np.pad(image, ((0, _GAP), (0, _GAP), (0, 0)), constant_values=128) for image in images
     ]
@@ -154,7 +154,7 @@ def _strip(images: list[NDArray[np.uint8]]) -> NDArray[np.uint8]:
 
 
 def colours_of(irradiance: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Encoded colours of lights at full brightness, (n, 3); a black light is black."""
+    """Colours of lights at full brightness in sRGB, (n, 3); black for a black light."""
     largest = irradiance.max(axis=1, keepdims=True, initial=0.0)
     return np.asarray(
         encode_srgb(np.maximum(irradiance, 0) / np.where(largest > 0, largest, 1)), np.float64

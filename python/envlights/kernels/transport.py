@@ -15,7 +15,7 @@ def transport_plan(
     to_directions: ArrayLike,
     to_weights: ArrayLike,
 ) -> tuple[float, NDArray[np.int64], NDArray[np.float64]]:
-    r"""Movement of weight between directions at the least mean angle.
+    r"""Optimal transport plan between two sets of directions, with the smallest mean angle.
 
     The weights of either set are divided by their sum. The result is exact: all weight is moved,
     split where that is cheaper, and no other plan has a smaller mean angle. Of several such plans,

@@ -1,4 +1,4 @@
-"""Differences between array libraries: constants, loops, closed derivatives, work on the CPU."""
+"""Adapters for array libraries: constants, loops, explicit derivatives, work on the CPU."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Array = Any
 
 
 def namespace(*arrays: Array) -> Any:
-    """Functions of the array API standard for some arrays."""
+    """Array API namespace of the given arrays."""
     try:
         return array_namespace(*arrays)
     except TypeError as error:
@@ -39,7 +39,7 @@ def constant(values: Any, like: Array) -> Array:
 
 
 def scan(step: Callable[..., Any], first: Any, rows: tuple[Any, ...], like: Array) -> list[Array]:
-    """Stacked outputs of ``state, outputs = step(state, row)`` over rows; JAX compiles one step."""
+    """Stacked outputs of ``state, outputs = step(state, row)`` over rows, compiled once by JAX."""
     rows = tuple(constant(each, like) for each in rows)
     if is_jax_array(like):
         import jax
@@ -53,7 +53,7 @@ def scan(step: Callable[..., Any], first: Any, rows: tuple[Any, ...], like: Arra
 
 
 def with_derivatives(function: Callable[..., Any], *arrays: Array) -> Array:
-    """Value of ``value, derivatives = function(xp, *arrays)``, differentiated by these alone."""
+    """Value of ``value, derivatives = function(xp, *arrays)``, with these explicit derivatives."""
     if is_torch_array(arrays[0]):
         return _for_torch(function).apply(*arrays)
     xp = namespace(*arrays)
@@ -92,7 +92,7 @@ def _for_torch(function: Callable[..., Any]) -> Any:
 
 
 def on_host(function: Callable[..., Any], shape: tuple[int, ...], *arrays: Array) -> Array:
-    """Result of a function of NumPy arrays, constant for derivatives; works under `jax.jit`."""
+    """Result of a NumPy function without derivatives; works under `jax.jit`."""
     if not is_jax_array(arrays[0]):
         return constant(function(*map(to_numpy, arrays)), arrays[0])
     import jax

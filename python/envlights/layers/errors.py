@@ -1,4 +1,4 @@
-"""Errors of lights under a map, as losses: the relative errors in the reports of `el.fit`."""
+"""Errors of lights under a map as losses, equal to the relative errors that `el.fit` reports."""
 
 from __future__ import annotations
 
@@ -16,27 +16,27 @@ from envlights.layers.arrays import Array, constant
 from envlights.layers.lights import Lights, check_lights, spread_and_flux
 from envlights.layers.products import expand_lights, mean_distances
 
-#: Weights of the kernels of the probe and of shadows; those of "mixed" are in `fit/settings.rs`.
+#: Weights of the probe and shadow objectives; the weights of "mixed" are in `fit/settings.rs`.
 KINDS = {"shadows": (0.0, 1.0), "probe": (1.0, 0.0), "mixed": (0.973, 0.027)}
 
 
 class MapTerms(NamedTuple):
-    """Arrays of a map: harmonics of its dull cells, and its bright parts as discs."""
+    """Arrays of a map: harmonics of its dim cells, and its bright parts as discs."""
 
     dull: Array
-    """Coefficients of the dull cells, (order, degree, 6), as of `kernels.expand_map`."""
+    """Coefficients of the dim cells, (order, degree, 6), as in `kernels.expand_map`."""
     bright: Array
-    """Coefficients of the bright parts, of the same shape."""
+    """Coefficients of the bright parts, with the same shape."""
     fine: Array
-    """Integral of the squared radiance that the dull coefficients omit, (3,)."""
+    """Integral of the squared radiance that the coefficients of dim cells omit, (3,)."""
     direction: Array
     """Unit vectors to the bright parts, (p, 3)."""
     flux: Array
     """Integral of the radiance of each bright part, (p, 3)."""
     spread: Array
-    """Spread of each bright part as a disc of radius a, sin^2(a/2), (p,)."""
+    """Disc extent of each bright part, sin^2(a/2) for a disc of radius a, (p,)."""
     distances: Array
-    """Mean distances within pairs of bright parts, times both fluxes, summed, (3,)."""
+    """Sum over pairs of bright parts of mean distance times both fluxes, (3,)."""
 
 
 def map_terms(env: AnyMap, degree: int = 40) -> MapTerms:
@@ -63,7 +63,7 @@ def map_terms(env: AnyMap, degree: int = 40) -> MapTerms:
     degree = count("degree", degree, least=40, most=_native.GLOSS_DEGREE)
     reduced = reduction_of(as_envmap(env), False).cells
     dull, fine, direction, flux, spread = _native.expand_reduced(reduced)
-    # Black parts, so that the arrays of all maps have the same shapes.
+    # Add black parts, so that the arrays of all maps have the same shape.
     black = np.zeros((_native.MOST_PARTS - len(spread), 3))
     up = np.tile([0.0, 1.0, 0.0], (len(black), 1))
     direction, flux = np.vstack([direction, up]), np.vstack([flux, black])
@@ -78,7 +78,7 @@ def map_terms(env: AnyMap, degree: int = 40) -> MapTerms:
 
 
 def lighting_error(lights: Lights, terms: MapTerms, kind: str = "shadows") -> Array:
-    r"""Relative RMS error of lights under a map, (...), differentiable in the arrays of the lights.
+    r"""Relative RMS error of lights under a map, (...), differentiable by the arrays of the lights.
 
     Parameters
     ----------
@@ -124,7 +124,7 @@ def lighting_error(lights: Lights, terms: MapTerms, kind: str = "shadows") -> Ar
 def gloss_error(
     lights: Lights, terms: MapTerms, roughness: float = 0.33, material: str = "metal"
 ) -> Array:
-    """Relative RMS error of images of a rough ball from all sides, (...), as of `FitReport`.
+    """Relative RMS error of images of a rough ball over all views, (...), as in `FitReport`.
 
     It needs ``map_terms(env, degree=96)``; fewer degrees show less of bright lights. Roughness and
     material are those of `kernels.gloss.spectrum`, from 0.3 to 1.
@@ -134,7 +134,7 @@ def gloss_error(
     terms = MapTerms(*(constant(each, lights.irradiance) for each in terms))
     degree = terms.dull.shape[0] - 1
     factors = gloss.factors(gloss.checked_roughness(roughness), material, degree)
-    # What the dull cells have beyond degree 40 falls off as the square of the degree.
+    # Beyond degree 40, the energy of the dim cells falls off as the square of the degree.
     fine = xp.sum(terms.fine) * float((factors[41:] / np.arange(41, degree + 1) ** 2).sum() * 40.5)
     both, (sky, direct) = terms.dull + terms.bright, expand_lights(xp, lights, degree)
     squares = both * both, (both - sky - direct) ** 2
@@ -144,7 +144,7 @@ def gloss_error(
 
 @lru_cache
 def _kernel(kind: str, degree: int) -> tuple[Any, Any, float]:
-    """Factors of each degree, the same without the cone, and the factor of the cone."""
+    """Factors per degree, factors without the cone, and the factor of the cone."""
     probe, shadows = _native.kernel_spectra(degree)
     of_probe, of_shadows = KINDS[kind]
     whole = of_probe * probe / probe[0] + of_shadows * shadows / shadows[0]
@@ -153,12 +153,12 @@ def _kernel(kind: str, degree: int) -> tuple[Any, Any, float]:
 
 
 def _weighted_sum(xp: Any, values: Array, factors: Any) -> Array:
-    """Sum of coefficients, (..., order, degree, 6), times a factor of each degree."""
+    """Sum of coefficients, (..., order, degree, 6), weighted by a factor per degree."""
     return xp.sum(values * constant(factors[:, None], values), axis=(-3, -2, -1))
 
 
 def _change_of_distances(xp: Any, lights: Lights, terms: MapTerms) -> Array:
-    """Change of the summed mean distances if the lights are subtracted from the bright parts."""
+    """Change of the summed mean distances when the lights are subtracted from the bright parts."""
     spread, flux = spread_and_flux(xp, lights)
     own = lights.direction, xp.clip(spread, 6e-10, None)
     plain = (terms.direction, terms.spread, -2 * terms.flux)
@@ -170,5 +170,5 @@ def _change_of_distances(xp: Any, lights: Lights, terms: MapTerms) -> Array:
 
 
 def _relative(xp: Any, cost: Array, energy: Array) -> Array:
-    """Root of a cost relative to the energy of the map, bounded, so that its slope is finite."""
+    """Square root of a cost relative to the energy of the map, bounded for a finite gradient."""
     return xp.sqrt(xp.clip(cost / xp.where(energy > 0, energy, 1.0), 1e-16, None))

@@ -1,4 +1,4 @@
-"""Record of lights as arrays of any library, to and from rigs."""
+"""Lights as arrays of any library, with conversion from and to rigs."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from envlights.rigs.rig import Rig
 
 
 class Lights(NamedTuple):
-    """Lights as arrays of NumPy, JAX, torch or CuPy, with any leading axes of a batch.
+    """Lights as arrays of NumPy, JAX, torch or CuPy, with any leading batch axes.
 
     It is a tuple, so `jax.grad`, `jax.vmap` and the loaders of torch accept it. Shapes are checked,
     but not values, because compiled code cannot refuse any.
@@ -28,7 +28,7 @@ class Lights(NamedTuple):
     """
 
     direction: Array
-    """Vectors towards the lights of any length above 0, (..., n, 3): right-handed, +y up."""
+    """Vectors to the lights, of any length above 0, (..., n, 3): right-handed, +y up."""
     irradiance: Array
     """Linear RGB at normal incidence, (..., n, 3)."""
     angular_radius: Array
@@ -36,11 +36,11 @@ class Lights(NamedTuple):
     ambient: Array
     """Radiance of the ambient term, (..., 3), or its harmonics as in `Rig.ambient`, (..., 9, 3)."""
     mask: Array | None = None
-    """Not 0 where there is a light, (..., n), for rigs of several lengths; None: everywhere."""
+    """Nonzero for valid lights, (..., n), if rigs differ in length; None if all are valid."""
 
     @classmethod
     def of(cls, rig: Rig) -> Lights:
-        """Lights of a rig, float64 of NumPy; over a floor, half the sky is one more light."""
+        """Lights of a rig as float64 NumPy arrays; over a floor, the half sky becomes a light."""
         direction, radius = rig.lights.direction, rig.lights.angular_radius
         light, ambient = rig.lights.irradiance, rig.ambient
         if rig.floor:
@@ -58,11 +58,11 @@ class Lights(NamedTuple):
         return cls(labels.direction, labels.irradiance, labels.angular_radius, ambient, mask)
 
     def row(self, index: int) -> Lights:
-        """Lights of one row of a batch."""
+        """Lights in a row of a batch."""
         return Lights(*(each if each is None else each[index] for each in self))
 
     def rig(self, env: AnyMap | None = None) -> Rig:
-        """Rig of one row, without masked lights, such as a prediction.
+        """Rig from a row, for example of a prediction, without masked lights.
 
         `env` is the map on which the rig is measured; by default none, and its error is None.
         An `EnvLightsError` names values that no rig can have.
@@ -79,7 +79,7 @@ class Lights(NamedTuple):
 
 
 def check_lights(lights: Lights) -> tuple[Any, Lights]:
-    """Namespace of lights, and the lights with unit directions and black where they are masked."""
+    """Array namespace, and the lights with unit directions and masked ones set to black."""
     if not isinstance(lights, Lights):
         raise EnvLightsError(f"lights must be el.layers.Lights; got {type(lights).__name__}")
     xp = namespace(*(each for each in lights if each is not None))
@@ -99,19 +99,19 @@ def check_lights(lights: Lights) -> tuple[Any, Lights]:
 
 
 def unit(xp: Any, vectors: Array) -> Array:
-    """Vectors of length 1; zeros stay."""
+    """Normalised vectors; zero vectors stay zero."""
     square = xp.sum(vectors * vectors, axis=-1, keepdims=True)
     return vectors / xp.sqrt(xp.where(square > 0, square, 1.0))
 
 
 def nine_coefficients(lights: Lights) -> Array:
-    """Ambient term as coefficients of nine harmonics, (..., 9, 3), or of the first, (..., 1, 3)."""
+    """Ambient term as nine harmonics, (..., 9, 3), or only the first, (..., 1, 3)."""
     if lights.ambient.ndim == lights.direction.ndim:
         return lights.ambient
     return lights.ambient[..., None, :] * (4 * np.pi) ** 0.5
 
 
 def spread_and_flux(xp: Any, lights: Lights) -> tuple[Array, Array]:
-    """Half the solid angle over 2 pi, sin^2(a/2), and the integral of the radiance of each disc."""
+    """Extent sin^2(a/2) and integral of the radiance of each disc with radius a."""
     spread = xp.sin(lights.angular_radius / 2) ** 2
     return spread, lights.irradiance / (1 - spread)[..., None]

@@ -14,7 +14,7 @@ from envlights.rigs.lobes import SUN_RADIUS, sharpness_of
 
 
 def to_map(lights: Lights, height: int) -> Array:
-    r"""Pixels of lights, (..., height, 2 * height, 3), smooth in directions and radii.
+    r"""Pixels of lights, (..., height, 2 * height, 3), differentiable by directions and radii.
 
     Discs have a soft rim, about a pixel wide. The flux of each light is exact.
 
@@ -49,7 +49,7 @@ def to_map(lights: Lights, height: int) -> Array:
 
 
 class Gaussians(NamedTuple):
-    """Lobes of radiance ``amplitude * exp(sharpness * (cosine - 1))``, in the order of kaolin."""
+    """Gaussians ``amplitude * exp(sharpness * (cosine - 1))``, with the fields of kaolin."""
 
     amplitude: Array
     """Radiance along the axis, linear RGB, (..., n, 3)."""
@@ -60,7 +60,7 @@ class Gaussians(NamedTuple):
 
 
 def to_gaussians(lights: Lights) -> Gaussians:
-    """Lights as spherical Gaussians, by `envlights.Lights.spherical_gaussians`; no ambient term.
+    """Lights as spherical Gaussians, without the ambient term; see `Lights.spherical_gaussians`.
 
     They are the arguments of kaolin's `SgLightingParameters`. PhySG takes one array,
     ``concat([direction, sharpness[..., None], amplitude], axis=-1)``.

@@ -1,4 +1,4 @@
-"""Difference between two sets of lights of different number, by optimal transport."""
+"""Loss between two sets of lights of different sizes, by optimal transport."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from envlights.layers.lights import Lights, check_lights
 
 
 def matching_loss(lights: Lights, target: Lights) -> Array:
-    r"""Difference between lights and a target, (...), of any numbers and orders; 0 if equal.
+    r"""Difference between lights and a target, (...), of any number and order; 0 if equal.
 
     The ambient term does not count. `el.comparison.compare_lights` reports angles of the same plan.
 
@@ -52,7 +52,7 @@ def matching_loss(lights: Lights, target: Lights) -> Array:
 
 
 def _plans(*arrays: NDArray[Any]) -> NDArray[np.float64]:
-    """Plan of each row of a batch, (..., n, m); 0 where either set is black."""
+    """Transport plan for each row of a batch, (..., n, m); 0 if either set is black."""
     one, light, other, other_light = (each.astype(np.float64) for each in arrays)
     out = np.zeros((*one.shape[:-1], other.shape[-2]))
     for row in np.ndindex(one.shape[:-2]):

@@ -1,4 +1,4 @@
-r"""Irradiance under lights, in closed form, with derivatives that have no singular term.
+r"""Irradiance of lights in closed form, with derivatives that are finite everywhere.
 
 A disc of angular radius a, at the cosine c to the normal, has the irradiance F relative to that at
 normal incidence. With :math:`q = c / \sin a` limited to -1 to 1, :math:`s = \sqrt{1 - q^2}`,
@@ -32,7 +32,7 @@ _SERIES = tuple((-1) ** k / (2 * k + 3) for k in range(11))
 
 
 def probe(lights: Lights, normals: Array) -> Array:
-    """Exact irradiance under lights, as of `Rig.probe`; derivatives are finite everywhere.
+    """Exact irradiance of lights, as in `Rig.probe`; derivatives are finite everywhere.
 
     Normals, (..., k, 3) or (k, 3), are vectors of any length above 0, and the result is linear RGB,
     (..., k, 3). The derivative of a point on the horizon is the mean of both sides.
@@ -58,9 +58,9 @@ def probe(lights: Lights, normals: Array) -> Array:
 
 
 def _disc(xp: Any, c: Array, a: Array) -> tuple[Array, tuple[Array, Array]]:
-    """F, and its derivatives by the cosine and by the radius."""
+    """Form factor F of a disc, with derivatives by the cosine and by the radius."""
     eps = float(xp.finfo(c.dtype).eps)
-    # Numbers of a light; sine and cosine stay above 0 at both ends.
+    # Keep sine and cosine of the radius above 0 at both ends of its range.
     sine, cosine = xp.clip(xp.sin(a), eps**2, None), xp.clip(xp.cos(a), eps, None)
     tangent, over = sine / cosine, 1 / (sine * sine)
     q = xp.clip(c / sine, -1.0, 1.0)
@@ -68,7 +68,7 @@ def _disc(xp: Any, c: Array, a: Array) -> tuple[Array, tuple[Array, Array]]:
     across = q * cosine
     phi, h = _angle(xp, s, -across), _angle(xp, s * sine, cosine)
     by_c = phi + s * across / xp.where(s + abs(across) > 0, s * s + across * across, 1.0)
-    # Use a series where g cancels.
+    # Use a series where g suffers from cancellation.
     u = s * tangent
     series = s * s * s / (cosine * cosine) * _polynomial(_SERIES, xp.where(u < 0.2, u * u, 0.0))
     g = xp.where(u < 0.2, series, (s - h / tangent) * over)
@@ -78,7 +78,7 @@ def _disc(xp: Any, c: Array, a: Array) -> tuple[Array, tuple[Array, Array]]:
 
 
 def _angle(xp: Any, y: Array, x: Array) -> Array:
-    """Angle of (x, y) for y from 0 on; in single precision without the slow ``atan2``."""
+    """Angle of (x, y) for y >= 0, avoiding the slow ``atan2`` in single precision."""
     if xp.finfo(x.dtype).bits > 32:
         return xp.atan2(y, x)
     size = abs(x)

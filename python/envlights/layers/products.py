@@ -22,7 +22,7 @@ from envlights.layers.lights import Lights, nine_coefficients, spread_and_flux
 
 
 def expand_lights(xp: Any, lights: Lights, degree: int) -> Array:
-    """Coefficients of the ambient term and of discs: two arrays, (..., order, degree, 6).
+    """Coefficients of the ambient term and of discs as two arrays, (..., order, degree, 6).
 
     The recursion is over degrees. A Legendre function over the sine to the power of its order is a
     polynomial of the height, so there are no poles and no angles.
@@ -36,7 +36,7 @@ def expand_lights(xp: Any, lights: Lights, degree: int) -> Array:
         last, function, cosine, sine, p_last, p, slope_last, slope = state
         k, over, ratio, first = row
         function = function + first
-        # Mean of the Legendre polynomial p over the disc, by its slope.
+        # Compute the mean of the Legendre polynomial over the disc from its derivative.
         factor = xp.where(k > 0, (1 + x) * slope / xp.where(k > 0, k * (k + 1), 1.0), 1.0)
         polynomials = p, ((2 * k + 1) * x * p - k * p_last) / (k + 1)
         slopes = slope, slope_last + (2 * k + 1) * p
@@ -46,7 +46,7 @@ def expand_lights(xp: Any, lights: Lights, degree: int) -> Array:
 
     state = (orders, orders, one, zero, zero, one, zero, zero)
     functions, cosine, sine, factor = scan(step, state, _recurrence(degree), height)
-    # Functions and factors are stacked by degree first, waves by order.
+    # Functions and factors are stacked with the degree first, waves with the order first.
     values = xp.moveaxis(functions * factor[..., None], (-1, 0), (-3, -2))
     waves = xp.stack([cosine, sine], axis=-1)[..., None] * flux[..., None, :]
     waves = xp.reshape(xp.moveaxis(waves, 0, -4), (*flux.shape[:-2], degree + 1, flux.shape[-2], 6))
@@ -58,7 +58,7 @@ def expand_lights(xp: Any, lights: Lights, degree: int) -> Array:
 
 @lru_cache
 def _recurrence(degree: int) -> tuple[NDArray[np.float64], ...]:
-    """Rows l, 1 / a_(l+1), a_l / a_(l+1), and the functions of order l, by order.
+    """Recurrence coefficients by degree, and the functions whose degree equals the order.
 
     They are those of ``x P_l = a_(l+1) P_(l+1) + a_l P_(l-1)``, as in the kernels.
     """
@@ -71,7 +71,7 @@ def _recurrence(degree: int) -> tuple[NDArray[np.float64], ...]:
 
 @lru_cache
 def _nine_to_orders(degree: int) -> NDArray[np.float64]:
-    """Matrix from nine coefficients of an ambient term to those of each order, from points."""
+    """Matrix from nine ambient coefficients to coefficients by order, fitted at points."""
     towards, _ = icosphere(20)
     points = [expand_discs([each], np.ones((1, 3)), [0.0], 2)[..., ::3] for each in towards]
     values = np.reshape(points, (len(towards), -1))
@@ -81,7 +81,7 @@ def _nine_to_orders(degree: int) -> NDArray[np.float64]:
 
 
 def mean_distances(xp: Any, one: Array, spread: Array, other: Array, other_spread: Array) -> Array:
-    """Mean distance of each pair of discs, (..., n, m), from unit vectors and A of both sets."""
+    """Mean distance of each pair of discs, (..., n, m), from unit vectors and extents."""
     away = one[..., :, None, :] - other[..., None, :, :]
     h = xp.sum(away * away, axis=-1) / 4
     a, b = spread[..., :, None], other_spread[..., None, :]
@@ -105,11 +105,11 @@ def _chebyshev(xp: Any, x: Array, count: int) -> Array:
 
 @lru_cache
 def _coefficients() -> NDArray[np.float64]:
-    """Coefficients of rho, within 1e-3 of the series; with 630 of them it would be 3e-3."""
+    """Coefficients of rho, accurate to 1e-3 of the series; 630 coefficients would give 3e-3."""
     orders, nodes, inverse = (14, 6, 8), [], []
     for order in orders:
         x = 0.5 + 0.5 * np.cos(np.pi * (np.arange(2 * order + 4) + 0.5) / (2 * order + 4))
-        # At smaller p the series needs more terms, and rho is linear.
+        # Limit small p, for which the series needs more terms and rho is linear.
         nodes.append(np.maximum(x, 6e-3) if order == orders[2] else x)
         inverse.append(np.linalg.pinv(chebvander(2 * nodes[-1] - 1, order)))
     table: NDArray[np.float64] = np.einsum("ai,bj,ck,ijk->abc", *inverse, _rho(*nodes))
@@ -117,15 +117,15 @@ def _coefficients() -> NDArray[np.float64]:
 
 
 def _rho(w: NDArray[Any], r: NDArray[Any], p: NDArray[Any]) -> Any:
-    """Values of rho on a grid, from the series of the distance in Legendre polynomials."""
+    """Values of rho on a grid, from the Legendre series of the distance."""
     k = np.arange(480)
-    # Fade out the last fifth, so that the sum does not oscillate.
+    # Fade out the last fifth of the terms, so that the sum does not oscillate.
     fade = np.minimum(5 * (1 - k / len(k)), 1)
     series = fade**2 * (2 * fade - 3) * 4 / ((2 * k - 1) * (2 * k + 3))
     half = np.sqrt(1 - r)[:, None]
     discs = 0.5 * p * (1 + half), 0.5 * p * (1 - half)
     for spread in discs:
-        # Mean of each polynomial over the disc.
+        # Compute the mean of each polynomial over the disc.
         values = legvander(1 - 2 * spread, len(k))
         means = (values[..., :-2] - values[..., 2:]) / ((4 * k[1:] + 2) * spread[..., None])
         series = series * np.concatenate([values[..., :1], means], axis=-1)

@@ -1,4 +1,4 @@
-"""The published methods, step by step on their kernels.
+"""Published methods, composed of the steps in `kernels`.
 
 | paper                                                        | file                            |
 |--------------------------------------------------------------|---------------------------------|

@@ -57,21 +57,21 @@ __all__ = [
     "weighted_means",
 ]
 
-#: Settings of maps: those of the article.
+#: Default settings for maps, as in the article.
 _MAP = Settings()
-#: Settings that maps do not use.
+#: Settings that only photographs use.
 _OF_PHOTOGRAPHS = ("rise", "suppression_px", "merge_cap_px", "tolerance_stops")
-#: Divisor in place of a flux of 0.
+#: Divisor that replaces a flux of 0.
 _TINY = np.finfo(float).tiny
 
 
 class Detection(NamedTuple):
-    """Lights, and the steps that lead to them."""
+    """Detected lights, with the intermediate results."""
 
     lights: DetectedLights
     steps: Steps
     light: NDArray[np.int64]
-    """Light of each bright sample, (k,); the numbers of dropped lights come last."""
+    """Index of the light of each bright sample, (k,); dropped lights have the highest indices."""
 
 
 @former_settings(max_lights="lights")
@@ -82,7 +82,7 @@ def detect(
     working_width: int = 1024,
     settings: Settings = _MAP,
 ) -> DetectedLights:
-    """Lights of a map by the steps of Loghin (2021).
+    """Detect the lights of a map by the method of Loghin (2021).
 
     The sphere is sampled evenly. Samples near a bright pixel are retained, samples
     near a brighter sample are suppressed, and samples that a bright line joins are merged. The
@@ -140,7 +140,7 @@ def detect_with_steps(
     working_width: int = 1024,
     settings: Settings = _MAP,
 ) -> Detection:
-    """Lights of a map, and the steps that lead to them; see `detect`."""
+    """Lights of a map, with the intermediate results; see `detect`."""
     env = as_envmap(env)
     start = time.perf_counter()
     check_settings(settings, _OF_PHOTOGRAPHS, "map")
@@ -163,7 +163,7 @@ def detect_with_steps(
 
 
 def _steps(env: EnvMap, image: NDArray[np.float32], unit: float, settings: Settings) -> Steps:
-    """Steps 3 to 9, with `unit` in place of the article's luminance of 1."""
+    """Results of steps 3 to 9, with `unit` replacing the luminance of 1 in the article."""
     height, width = image.shape
     reach, level = settings.reach(width), unit * settings.threshold
     points = direction_to_uv(sampling_kernels.uniform_sphere(settings.points(image.size)))
@@ -188,7 +188,7 @@ def _steps(env: EnvMap, image: NDArray[np.float32], unit: float, settings: Setti
 
 
 def _working_image(env: EnvMap, width: int, settings: Settings) -> NDArray[np.float32]:
-    """Steps 1 and 2: luminance in at most `width` columns."""
+    """Luminance in at most `width` columns (steps 1 and 2)."""
     width = min(count("working_width", width, least=16), env.width)
     if settings.reduction == "area":
         border_sampled = env.registration == "border-sampled"
@@ -210,30 +210,30 @@ def _registration_notes(env: EnvMap) -> tuple[str, ...]:
 
 
 def _unit_of_luminance(env: EnvMap, threshold: float) -> float:
-    """Luminance that replaces the article's 1, so that its threshold becomes the tree's."""
+    """Luminance that replaces the article's unit, so that its threshold equals that of `detect`."""
     level = detect_tree(env).report.threshold
     return level / threshold if level > 0 and threshold > 0 else 1.0
 
 
 def _points(pixel: NDArray[np.int64], size: tuple[int, ...], sphere: bool) -> NDArray[np.float64]:
-    """Positions of pixels: unit vectors on the sphere, else rows and columns."""
+    """Positions of pixels: unit vectors on the sphere, otherwise rows and columns."""
     if not sphere:
         return pixel.astype(np.float64)
     return uv_to_direction((pixel[:, ::-1] + 0.5) / (size[1], size[0]))
 
 
 def _distance(angle_deg: float, width: int, sphere: bool) -> float:
-    """Distance between two `_points` that are an angle apart."""
+    """Distance between two `_points` with this angle between them."""
     return float(2 * np.sin(np.deg2rad(angle_deg) / 2)) if sphere else angle_deg * width / 360
 
 
 def _lights(env: EnvMap, steps: Steps, report: DetectionReport, sphere: bool) -> DetectedLights:
-    """Measure each light on its samples; each has 4 pi / n steradians."""
+    """Measure each light from its samples; each sample covers 4 pi / n steradians."""
     merged, each = steps.merged, 4 * np.pi / max(len(steps.points), 1)
     means = merged.means
     direction = uv_to_direction(steps.uv(means)) if means.shape[1] == 2 else _unit(means)
     # Measure each sample at its first position. All samples around a lamp may have moved to its
-    # maximum, where a lamp of 2 degrees would count four times.
+    # maximum, which would overestimate a lamp of 2 degrees by a factor of 4.
     first = uv_to_direction(steps.uv(steps.samples.first))
     pixel = images.uv_to_pixel(direction_to_uv(first), env.height, env.width)
     radiance = env.radiance[pixel[:, 0], pixel[:, 1]].astype(np.float64)
@@ -245,9 +245,9 @@ def _lights(env: EnvMap, steps: Steps, report: DetectionReport, sphere: bool) ->
     bright = np.bincount(merged.light, is_bright, minlength=len(direction))
     elongation, orientation = _shapes(first, direction, merged)
     bands = pixel_solid_angles(steps.size[0], 2)[:, 0] * 2 / steps.size[1]
-    # A sample may stand for many times the solid angle of a bright pixel, as at a pole.
+    # A sample may cover a much larger solid angle than its bright pixels, for example at a pole.
     total = max(float(steps.image.sum(axis=1) @ bands), float(luminance.sum())) or 1.0
-    # As in `detect`, a flat top is looked for in the pixels of the full map.
+    # As in `detect`, look for a flat top in the pixels of the full map.
     shape = env.radiance.shape
     peaks, reach = steps.pixels_in(shape), steps.reach_in(shape)
     return DetectedLights(
@@ -270,7 +270,7 @@ def _lights(env: EnvMap, steps: Steps, report: DetectionReport, sphere: bool) ->
 def _shapes(
     first: NDArray[np.float64], direction: NDArray[np.float64], merged: MergedSamples
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Elongation and long axis of each light, from the second moments of its samples."""
+    """Elongation and long axis of each light, from second moments of its samples."""
     offset = first - direction[merged.light]
     moments = (offset[:, :, None] * offset[:, None, :]).reshape(-1, 9)
     values, axes = np.linalg.eigh(merged.sums(moments).reshape(-1, 3, 3))

@@ -17,16 +17,16 @@ from envlights.detection import wording
 from envlights.kernels import image as images
 from envlights.kernels import loghin, sampling
 
-#: Points of the unit square by the name of their sequence.
+#: Functions that generate points in the unit square, by the name of the sequence.
 SAMPLINGS: dict[str, Callable[[int], NDArray[np.float64]]] = {
     "hammersley": sampling.hammersley,
     "halton": sampling.halton,
 }
-#: Columns of an image in which lengths in pixels are given.
+#: Columns of the image to which lengths in pixels refer.
 REFERENCE_PX = 1024
-#: Default width of a window divided by the distance between samples: at 1, gaps would remain.
+#: Default ratio of window width to sample spacing; 1 would leave gaps.
 _WINDOW_OVER_SPACING = 1.3
-#: Largest value of each setting that is a number.
+#: Largest value of each numeric setting.
 _MOST = dict.fromkeys(("blur_px", "threshold", "rise", "tolerance", "tolerance_stops"), math.inf)
 _MOST |= dict.fromkeys(("ceiling", "suppression_px", "merge_cap_px"), math.inf)
 _MOST |= {"samples_per_pixel": 1.0, "suppression_deg": 180.0, "merge_cap_deg": 180.0}
@@ -57,15 +57,15 @@ class Settings:
     """Sequence of points, "hammersley" or "halton". On maps they have equal solid angles."""
 
     samples_per_pixel: float = 0.006
-    """Number of samples divided by the number of pixels of the reduced picture."""
+    """Ratio of the number of samples to the number of pixels in the reduced picture."""
 
     window_px: int | None = 12
-    """Width of the window around a sample, less one, in a picture of 1024 pixels.
+    """Width of the window around a sample, minus one, in a picture of 1024 pixels.
 
     None: 1.3 times the distance between samples, for pictures of any size."""
 
     relative: bool = False
-    """True: levels follow the exposure. In the article all are absolute.
+    """True if levels follow the exposure. In the article all levels are absolute.
 
     Maps have the threshold of `detect`, and the levels of the line check are relative to it.
     Photographs have one by the same rule, with equal weights of all pixels, and lines are checked
@@ -78,41 +78,42 @@ class Settings:
     levels of photographs that are not clipped do not use it."""
 
     rise: float = 2.0
-    """Photographs: least ratio of the maximum of a light to the relative threshold."""
+    """Photographs: smallest ratio of the maximum of a light to the relative threshold."""
 
     suppression_deg: float = 5.0
-    """Maps: samples closer to a brighter sample are suppressed.
+    """Maps: samples within this angle of a brighter sample are suppressed.
 
     The article gives no number; the default is 1.5 times the distance between samples."""
 
     suppression_px: float = 10.0
-    """Photographs: the same distance, in a picture of 1024 pixels."""
+    """Photographs: distance below which a brighter sample suppresses, for 1024 pixels."""
 
     tolerance: float = 0.15
-    """Limit of the line check by luminance; see `kernels.merge_along_lines`."""
+    """Largest luminance difference in the line check; see `kernels.merge_along_lines`."""
 
     tolerance_stops: float = 1.5
-    """Photographs: limit of the relative line check, in stops (powers of two).
+    """Photographs: largest difference in the relative line check, in stops (powers of two).
 
     It is the largest difference of the mean of a line from its start."""
 
     ceiling: float = 1.25
-    """Largest luminance of a pixel in the mean of a line."""
+    """Luminance to which pixels are limited in the mean of a line."""
 
     merge_cap_deg: float | None = None
-    """Maps: samples farther apart are not merged. The article has no such limit."""
+    """Maps: samples farther apart than this angle are not merged. The article has no such limit."""
 
     merge_cap_px: float | None = None
-    """Photographs: the same limit, in a picture of 1024 pixels."""
+    """Photographs: samples farther apart than this are not merged, in a picture of 1024 pixels."""
 
     move_to_maximum: bool = False
-    """True: samples move to the brightest pixel of their window. In the article they stay.
+    """True if samples move to the brightest pixel of their window. In the article they do not move.
 
     In photographs they climb from window to window, and the position of a light is the mean over
     these maxima and over the samples on the light."""
 
     sphere: bool = False
-    """Maps: windows, distances, lines and means are those on the sphere, across the seam.
+    """Maps: True if windows, distances, lines and means are computed on the sphere, across the
+    seam.
 
     In the article they are those on the image."""
 
@@ -130,11 +131,11 @@ class Settings:
             object.__setattr__(self, name, value)
 
     def points(self, size: int) -> NDArray[np.float64]:
-        """Step 3: points of the unit square for an image of `size` pixels, (n, 2)."""
+        """Points in the unit square for an image of `size` pixels, (n, 2) (step 3)."""
         return SAMPLINGS[self.sampling](int(self.samples_per_pixel * size))
 
     def reach(self, side: int) -> int:
-        """Pixels from a sample to the border of its window, in an image with this longer side."""
+        """Pixels from a sample to the edge of its window; `side` is the longer image side."""
         if self.window_px is not None:
             return int(self.window_px * side / REFERENCE_PX) // 2
         per_pixel = self.samples_per_pixel
@@ -143,7 +144,7 @@ class Settings:
 
 
 def check_settings(settings: object, unused: tuple[str, ...], picture: str) -> None:
-    """Refuse other objects, and changes of settings that a picture of this kind does not use."""
+    """Raise an error for invalid settings, or for settings that this kind of picture ignores."""
     if not isinstance(settings, Settings):
         raise EnvLightsError(
             f"settings must be papers.loghin.Settings; got {type(settings).__name__}"
@@ -153,7 +154,8 @@ def check_settings(settings: object, unused: tuple[str, ...], picture: str) -> N
         raise EnvLightsError(f"{', '.join(changed)} cannot be set for a {picture}")
 
 
-#: Settings of photographs: relative levels, samples that move, and the article's Halton points.
+#: Default settings for photographs: relative levels, moving samples, and the article's Halton
+#: points.
 PHOTOGRAPH = Settings(
     sampling="halton",
     samples_per_pixel=0.012,
@@ -171,7 +173,7 @@ class BrightSamples:
     """Row and column of each sample, (k, 2)."""
 
     luminance: NDArray[np.float32]
-    """Luminance of this pixel, (k,)."""
+    """Luminance at each sample's pixel, (k,)."""
 
     first: NDArray[np.int64]
     """Pixel of each sample before it moved to a maximum, (k, 2)."""
@@ -180,7 +182,7 @@ class BrightSamples:
     """Brightest pixel in the window of each sample, (k, 2)."""
 
     def of(self, rows: NDArray[np.bool_] | NDArray[np.intp]) -> BrightSamples:
-        """Some of the samples, by a mask or by their rows."""
+        """Subset of the samples, selected by a mask or by indices."""
         return BrightSamples(
             self.pixel[rows], self.luminance[rows], self.first[rows], self.maximum[rows]
         )
@@ -193,33 +195,33 @@ class MergeRule(NamedTuple):
     """Distance below which a brighter sample suppresses another."""
 
     farthest: float
-    """Distance beyond which samples are not merged."""
+    """Distance above which samples are not merged."""
 
     tolerance: float
-    """Largest difference of the mean of a line from the luminance of its start."""
+    """Largest difference between the mean of a line and the luminance at its start."""
 
     ceiling: float
-    """Largest luminance of a pixel in the mean of a line."""
+    """Luminance to which pixels are limited in the mean of a line."""
 
     bright: float
-    """Mean of a line that is always bright enough."""
+    """Mean of a line above which samples are always merged."""
 
 
 @dataclass(frozen=True)
 class MergedSamples:
-    """Lights as groups of samples."""
+    """Lights as groups of merged samples."""
 
     means: NDArray[np.float64]
-    """Mean of the points of each light, weighted by luminance, (n, d)."""
+    """Luminance-weighted mean of the points of each light, (n, d)."""
 
     peak: NDArray[np.int64]
     """Pixel of the brightest sample of each light, (n, 2)."""
 
     light: NDArray[np.int64]
-    """Light of each sample, (k,)."""
+    """Index of the light of each sample, (k,)."""
 
     survivor: NDArray[np.int64]
-    """Index of the sample that suppresses each, or its own, (k,)."""
+    """Index of the sample that suppresses each sample, or its own index, (k,)."""
 
     def sums(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Sum of the rows of `values`, (k, d), over each light, (n, d)."""
@@ -245,22 +247,22 @@ class MergedSamples:
 
 @dataclass(frozen=True)
 class Steps:
-    """Results of the steps on a luminance image."""
+    """Results of the steps for a luminance image."""
 
     image: NDArray[np.float32]
     """Reduced luminance, (height, width)."""
 
     points: NDArray[np.float64]
-    """Points of all samples in the unit square of the image, (n, 2)."""
+    """Points of all samples, in the unit square of the image, (n, 2)."""
 
     samples: BrightSamples
     """Samples near a bright pixel."""
 
     merged: MergedSamples
-    """Lights that they form."""
+    """Samples merged to lights."""
 
     reach: int
-    """Pixels from a sample to the border of its window."""
+    """Pixels from a sample to the edge of its window."""
 
     threshold: float
     """Luminance above which a pixel is bright."""
@@ -272,7 +274,7 @@ class Steps:
 
     @property
     def details(self) -> tuple[str, ...]:
-        """Line on dark samples, for the report."""
+        """Line for the report on dark samples."""
         total = len(self.points)
         return (f"{total - len(self.samples.pixel)} of {total} samples are dark",)
 
@@ -335,7 +337,7 @@ def bright_samples(
 def climb(
     image: NDArray[np.float32], samples: BrightSamples, reach: int, least: float
 ) -> BrightSamples:
-    """Samples moved until nothing in their window is brighter, if their maximum reaches `least`.
+    """Samples moved to local maxima of at least `least`.
 
     Windows that end on the slope of a lamp would each report a maximum of their own.
     """

@@ -39,21 +39,21 @@ __all__ += ["probe_residual", "unpack_lights"]
 
 #: Faces of the probe and of the scene (section 3.1).
 PROBE_FACES, SCENE_FACES = 320, 5120
-#: Limit on steps; the paper takes about 20.
+#: Limit on the number of steps; the paper needs about 20.
 MAX_STEPS = 50
 
-#: Largest rotation of a light in one damped step, in radians, so that lights cannot jump over
-#: each other.
+#: Largest rotation of a light in a damped step, in radians, so that lights do not jump past each
+#: other.
 _LARGEST_TURN = 0.25
-#: Largest rotation in radians, and relative change of a radiance, of the last step.
+#: Largest rotation in radians, and relative change of radiance, in the final step.
 _SMALL_STEP = 1e-4
-#: Relative decrease of the error below which a damped step is the last.
+#: Relative decrease of the error below which a damped fit stops.
 _SMALL_FALL = 1e-9
-#: Relative RMS error that counts as zero.
+#: Relative RMS error that is treated as zero.
 _EXACT = 1e-12
-#: Halvings of a damped step before the fit counts as converged.
+#: Number of halvings of a damped step after which the fit has converged.
 _HALVINGS = 30
-#: Largest reflection coefficient, so that squares of it and of radiances stay finite.
+#: Largest reflection coefficient, so that its square and those of radiances stay finite.
 _STRONGEST = 1e100
 
 _Reals = NDArray[np.float64]
@@ -61,20 +61,20 @@ _Reals = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class PaperFit(Result):
-    """Result of the paper's fit, whose lights may be negative."""
+    """Result of the method in the paper; lights may be negative."""
 
     ambient: _Reals
-    """Radiance `L_a` of the ambient light, shape (3,), on the scale of `k_a`; 0 if `k_a` is 0."""
+    """Radiance `L_a` of the ambient light, shape (3,), scaled by `k_a`; 0 if `k_a` is 0."""
 
     direction: _Reals
-    """Unit vectors towards the lights, shape (m, 3), in the order of the start."""
+    """Unit vectors to the lights, shape (m, 3), in the order of the start."""
 
     irradiance: _Reals
     """Irradiance of each light at normal incidence, the paper's `L_j` times its solid angle; shape
     (m, 3), may be negative."""
 
     errors: tuple[float, ...]
-    """Relative RMS error on the 320 fitted normals, at the start and after each step."""
+    """Relative RMS error at the 320 fitted normals, at the start and after each step."""
 
     stop_reason: StopReason
     """Reason why the fit stopped."""
@@ -86,7 +86,7 @@ class PaperFit(Result):
     """Coefficient of diffuse reflection."""
 
     notes: tuple[str, ...] = ()
-    """Remarks on samples of the map that were changed, and on assumptions."""
+    """Notes on changed samples of the map, and on assumptions."""
 
     units: str = OWN_SCALE
     """Unit of the map; see `EnvMap.units`."""
@@ -115,7 +115,7 @@ class PaperFit(Result):
 
     @property
     def error(self) -> float:
-        """Relative RMS error on the 320 fitted normals; on others it is larger."""
+        """Relative RMS error at the 320 fitted normals; it is larger at other normals."""
         return self.errors[-1]
 
     @property
@@ -125,7 +125,7 @@ class PaperFit(Result):
 
     @property
     def parameters(self) -> _Reals:
-        """Unknowns in the order of `kernels.probe_residual`, for another solver."""
+        """Vector of unknowns in the order of `kernels.probe_residual`, for other solvers."""
         return pack_lights(self.ambient, self.direction, self.irradiance)
 
     def rig(self) -> Rig:
@@ -259,7 +259,7 @@ class _Surface(NamedTuple):
 
 
 class _Problem(NamedTuple):
-    """The measured probe, and its surface."""
+    """Measured probe, and the reflectance of its surface."""
 
     normals: _Reals
     probe: _Reals
@@ -272,13 +272,13 @@ class _Problem(NamedTuple):
         return probe_jacobian(x, self.normals, self.probe, **self.surface._asdict())
 
     def error(self, x: _Reals) -> float:
-        """Relative RMS error; the absolute one where the probe is black."""
+        """Relative RMS error, or absolute error for a black probe."""
         reference = float(np.linalg.norm(self.probe))
         return float(np.linalg.norm(self.residual(x))) / (reference or 1.0)
 
 
 def _render(env: EnvMap, surface: _Surface) -> _Problem:
-    """Equations 1 to 3: the faces of the probe under the faces of the scene."""
+    """Radiance of the faces of the probe under all faces of the scene (equations 1 to 3)."""
     normals, _ = sampling.icosphere(PROBE_FACES)
     directions, solid_angles = sampling.icosphere(SCENE_FACES)
     border_sampled = env.registration == "border-sampled"
@@ -289,12 +289,12 @@ def _render(env: EnvMap, surface: _Surface) -> _Problem:
     return _Problem(normals, values, surface)
 
 
-# Undamped steps may diverge until they overflow.
+# Undamped steps may diverge until numbers overflow.
 @np.errstate(over="ignore", invalid="ignore")
 def _gauss_newton(
     problem: _Problem, x: _Reals, damped: bool, max_steps: int
 ) -> tuple[_Reals, list[float], StopReason]:
-    """Take Gauss-Newton steps until one would change nothing, at most `max_steps`."""
+    """Take Gauss-Newton steps until convergence, at most `max_steps`."""
     errors = [problem.error(x)]
     for _ in range(max_steps):
         if errors[-1] < _EXACT:
@@ -328,19 +328,20 @@ def _whole_step(problem: _Problem, x: _Reals) -> _Reals:
         )
     except np.linalg.LinAlgError:
         return np.full_like(x, np.nan)
-    # Set unknowns without effect, such as ambient light with a k_a of 0, to 0 instead of rounding.
+    # Set steps of unknowns without effect to 0 (such as ambient light with a k_a of 0), because
+    # rounding would move them.
     return np.where(jacobian.any(axis=0), step, 0.0)
 
 
 def _turns(step: _Reals, x: _Reals) -> _Reals:
-    """Rotation of each light by `step`, in radians, to first order."""
+    """First-order rotation of each light by `step`, in radians."""
     by_theta, by_phi = step[3:].reshape(-1, 5)[:, 3:].T
     turns: _Reals = np.hypot(by_theta, by_phi * np.sin(x[3:].reshape(-1, 5)[:, 3]))
     return turns
 
 
 def _step_fraction(problem: _Problem, x: _Reals, step: _Reals, error: float) -> float:
-    """Fraction of `step` that rotates no light too far and does not raise the error, or 0."""
+    """Fraction of `step` that limits rotations and does not raise the error, or 0."""
     farthest = float(_turns(step, x).max(initial=_LARGEST_TURN))
     fraction = _LARGEST_TURN / farthest
     for _ in range(_HALVINGS):
@@ -351,7 +352,7 @@ def _step_fraction(problem: _Problem, x: _Reals, step: _Reals, error: float) -> 
 
 
 def _is_small(step: _Reals, x: _Reals) -> bool:
-    """True if `step` changes neither directions nor radiances by much."""
+    """True if `step` changes directions and radiances only slightly."""
     is_radiance = np.ones(len(x), dtype=bool)
     is_radiance[3:].reshape(-1, 5)[:, 3:] = False
     change, largest = np.abs(step[is_radiance]).max(), np.abs(x[is_radiance]).max()
@@ -360,7 +361,7 @@ def _is_small(step: _Reals, x: _Reals) -> bool:
 
 
 def _spiral(lights: int) -> _Reals:
-    """One direction in each of `lights` bands of equal area, with azimuths a golden angle apart."""
+    """Directions in `lights` bands of equal area, with azimuths a golden angle apart."""
     place = np.arange(lights)
     y = 1 - (2 * place + 1) / max(lights, 1)
     phi = np.pi + place * np.pi * (3 - np.sqrt(5))

@@ -1,4 +1,4 @@
-"""Detection in a photograph by the steps of Loghin (2021), in its plane."""
+"""Detection of lights in a photograph by the steps of Loghin (2021), in the image plane."""
 
 from __future__ import annotations
 
@@ -39,37 +39,37 @@ from envlights.papers.photograph_lights import PhotographLights, PhotographSampl
 from envlights.papers.photograph_pixels import AnyPhotograph, PhotographPixels, photograph_pixels
 from envlights.rigs.lights import brightest_first
 
-#: Narrowest and widest field of view in degrees; no photograph of a plane shows 180.
+#: Range of fields of view in degrees; a plane picture cannot show 180.
 _VIEWS_DEG = (0.05, 179.0)
-#: Stops below the threshold at which the relative line check treats pixels as equally dark: one
-#: black pixel of a window bar would part a lamp otherwise.
+#: Stops below the threshold at which the relative line check stops to distinguish dark pixels.
+#: Without it, a black pixel of a window bar would split a lamp.
 _STOPS_BELOW = 2
-#: Stops from the maximum of a picture to the least threshold of that check, for black pictures.
+#: Largest distance in stops from the picture maximum to this limit, for black pictures.
 _MOST_STOPS = 30
-#: Limit in stops that no luminance reaches.
+#: Tolerance in stops that no luminance exceeds.
 _NO_LIMIT = 1e3
-#: Longer side of the picture that the lights hold for display.
+#: Longer side of the picture that is stored with the lights for display.
 _PICTURE_PX = 1024
-#: Settings that photographs do not use.
+#: Settings that only maps use.
 _OF_MAPS = ("suppression_deg", "merge_cap_deg", "sphere")
-#: Divisor in place of a flux of 0.
+#: Divisor that replaces a flux of 0.
 _TINY = np.finfo(float).tiny
 
 
 class _Levels(NamedTuple):
-    """Levels of luminance, and the rule that set them."""
+    """Luminance levels, with the rule that determined them."""
 
     bright: float
     """Luminance above which a pixel is bright."""
 
     peak: float
-    """Least luminance of the maximum of a light."""
+    """Smallest luminance for the maximum of a light."""
 
     unit: float | None
-    """Luminance in place of the article's 1 in the line check; None for a check in stops."""
+    """Luminance that replaces the article's unit in the line check; None for a check in stops."""
 
     reason: str
-    """Rule that set them."""
+    """Rule that determined the levels, as text."""
 
 
 @former_settings(max_lights="lights")
@@ -162,7 +162,7 @@ def detect_photograph(
 
 
 def _steps(working: NDArray[np.float32], levels: _Levels, settings: Settings) -> Steps:
-    """Steps 3 to 9."""
+    """Results of steps 3 to 9."""
     points, reach = settings.points(working.size), settings.reach(max(working.shape))
     pixel = images.uv_to_pixel(points, *working.shape)
     samples = bright_samples(working, pixel, reach, levels.bright, settings)
@@ -178,7 +178,7 @@ def _steps(working: NDArray[np.float32], levels: _Levels, settings: Settings) ->
 
 
 def _rule(settings: Settings, scale: float, unit: float | None) -> MergeRule:
-    """Rule of merging, with lengths in pixels of the working image."""
+    """Merge rule with lengths in pixels of the working image."""
     cap = math.inf if settings.merge_cap_px is None else scale * settings.merge_cap_px
     limits = settings.tolerance_stops, _NO_LIMIT, _NO_LIMIT
     if unit is not None:
@@ -195,7 +195,7 @@ def _stops(working: NDArray[np.float32], bright: float) -> NDArray[np.float32]:
 
 
 def _means_of_all(steps: Steps) -> NDArray[np.float64]:
-    """Mean position of each light, over the maxima that survive and the samples on the light.
+    """Mean position of each light, over its surviving maxima and the samples on it.
 
     Maxima alone miss the middle of a broad light, and samples alone miss a small one.
     """
@@ -211,7 +211,7 @@ def _means_of_all(steps: Steps) -> NDArray[np.float64]:
 def _camera(
     photograph: PhotographPixels, fov: float | None
 ) -> tuple[PictureLayout | None, tuple[str, ...]]:
-    """Layout for a horizontal field of view in degrees, or that of the file, with a note on it."""
+    """Layout for a horizontal field of view in degrees, or for that of the file, with a note."""
     height, width, _ = photograph.radiance.shape
     if fov is not None:
         view = math.radians(amount("fov", fov, *_VIEWS_DEG))
@@ -227,7 +227,7 @@ def _camera(
 def _working_image(
     luminance: NDArray[np.float32], side: int, settings: Settings
 ) -> NDArray[np.float32]:
-    """Steps 1 and 2: luminance with a longer side of at most `side` pixels."""
+    """Luminance reduced to at most `side` pixels on its longer side (steps 1 and 2)."""
     side = min(count("working_side", side, least=16), max(luminance.shape))
     height, width = (max(round(each * side / max(luminance.shape)), 1) for each in luminance.shape)
     image = luminance
@@ -239,7 +239,7 @@ def _working_image(
 
 
 def _levels(working: NDArray[np.float32], clip_level: float | None, settings: Settings) -> _Levels:
-    """Levels of the article, the same for the clip level as 1, or those of the histogram."""
+    """Levels of the article, levels relative to the clip level, or levels from the histogram."""
     bright, unit, rule = settings.threshold, 1.0, ""
     relative = settings.relative
     if relative and clip_level is not None and float(working.max()) > bright * clip_level:
@@ -258,7 +258,7 @@ def _measure(
     steps: Steps,
     report: DetectionReport,
 ) -> PhotographLights:
-    """Measure each light on its samples, each at its first position."""
+    """Lights measured from their samples, each at its first position."""
     radiance, samples, merged = photograph.radiance, steps.samples, steps.merged
     height, width, _ = shape = radiance.shape
     scale = np.array([height / steps.size[0], width / steps.size[1]])
@@ -266,7 +266,7 @@ def _measure(
     values = radiance[first[:, 0], first[:, 1]].astype(np.float64)
     each = height * width / max(len(steps.points), 1)
     flux = each * merged.sums(values)
-    # A sample may stand for more pixels than are bright around it.
+    # A sample may cover more pixels than are bright around it.
     total = max(luminance, float((flux @ images.LUMINANCE).sum()))
     report = replace(report, notes=(*_uncertain(steps, flux, each), *report.notes))
     position = ((merged.means + 0.5) * scale)[:, ::-1]
@@ -299,7 +299,7 @@ def _measure(
 
 
 def _uncertain(steps: Steps, flux: NDArray[np.float64], each: float) -> tuple[str, ...]:
-    """Note on lights whose flux may be wrong by a factor of 2; a sample has `each` pixels.
+    """Note on lights whose flux may be wrong by a factor of 2; a sample covers `each` pixels.
 
     The number of samples on a light scatters by its root, so 95 % are within two of those.
     """
@@ -322,7 +322,7 @@ def _uncertain(steps: Steps, flux: NDArray[np.float64], each: float) -> tuple[st
 def _solid_angles(
     camera: PictureLayout, pixel: NDArray[np.int64], size: tuple[int, int], each: float
 ) -> NDArray[np.float64]:
-    """Solid angle of `each` pixels of the photograph at pixels of the working image.
+    """Solid angle of `each` pixels of the photograph, at positions in the working image.
 
     The working image is a photograph with square pixels and the same horizontal field of view.
     """

@@ -1,4 +1,4 @@
-"""Lights of a photograph: places in its pixels, and directions if its field of view is known."""
+"""Lights of a photograph, as pixel positions, and as directions if its field of view is known."""
 
 from __future__ import annotations
 
@@ -30,24 +30,24 @@ if TYPE_CHECKING:
     import pandas as pd
 
 _KIND, _VERSION = "lights of a photograph", 1
-#: First line of a table of positions.
+#: First line of a CSV file of positions.
 _TABLE = "# envlights CSV of a photograph, version 1"
-#: Frame of directions, as `to_dict` says it.
+#: Description of the coordinate frame in `to_dict`.
 _FRAME = "of the photograph: it looks along +z, its right is -x, its upper side +y"
 _UNITS = (
     "position: x, y in pixels of the photograph from its top left corner; peak_pixel: row, column;"
     " pixel_flux: radiance times pixels of the photograph; irradiance: at normal incidence; all"
     " linear Rec.709 RGB; samples: row, column in the working size"
 )
-#: Arrays with a row for each light; the last two are None without a field of view.
+#: Array fields with a row per light; the last two are None without a field of view.
 _ARRAYS = ("position", "pixel_flux", "peak_pixel", "peak_luminance", "flux_fraction", "is_clipped")
 _WITH_FIELD = ("direction", "irradiance")
-#: Arrays of samples: pixels, and indices.
+#: Array fields of samples: pixels, and indices.
 _PIXELS, _INDICES = ("first", "pixel", "maximum"), ("survivor", "light")
-#: Columns of a data frame around those of `_SCALARS`; the last ones need a field of view.
+#: Columns of a data frame beside those of `_SCALARS`; the last ones need a field of view.
 _COLUMNS = ("x_px", "y_px", "red", "green", "blue")
 _MORE_COLUMNS = ("irradiance_red", "irradiance_green", "irradiance_blue", "x", "y", "z")
-#: Arrays of numbers in a data frame.
+#: Numeric array fields in a data frame.
 _SCALARS = ("fraction", "luminance", "peak_luminance", "is_clipped")
 
 
@@ -65,7 +65,7 @@ class PhotographSamples(Result):
     """Row and column of the brightest pixel in the window of each sample, shape (k, 2)."""
 
     survivor: NDArray[np.int64]
-    """Index of the sample that suppresses each, or its own index, shape (k,)."""
+    """Index of the sample that suppresses each sample, or its own index, shape (k,)."""
 
     light: NDArray[np.int64]
     """Index of the light of each sample, shape (k,)."""
@@ -76,7 +76,7 @@ class PhotographSamples(Result):
 
     @classmethod
     def checked(cls, data: Mapping[str, Any], lights: int) -> PhotographSamples:
-        """Samples from the dictionary of a file, whose indices are in range."""
+        """Samples from the dictionary of a file, after a check that indices are in range."""
         first, pixel, maximum = (_rows(name, data[name], 2).astype(np.int64) for name in _PIXELS)
         survivor, light = (reals(name, data[name], 1).astype(np.int64) for name in _INDICES)
         count = len(survivor)
@@ -88,11 +88,11 @@ class PhotographSamples(Result):
         return cls(first, pixel, maximum, survivor, light)
 
     def of(self, kept: NDArray[np.intp], lights: int) -> PhotographSamples:
-        """Samples of the `kept` lights, in this order, out of `lights` lights."""
+        """Samples of the `kept` lights, renumbered; `lights` is the original number."""
         place = np.full(lights, -1)
         place[kept] = np.arange(len(kept))
         light = place[self.light]
-        # A sample and its survivor belong to the same light.
+        # A sample and its suppressing sample belong to the same light.
         number = np.cumsum(light >= 0) - 1
         arrays = self.first, self.pixel, self.maximum, number[self.survivor], light
         return PhotographSamples(*(array[light >= 0] for array in arrays))
@@ -117,7 +117,7 @@ class PhotographLight(Result):
         return float(self.pixel_flux @ LUMINANCE)
 
     def in_short(self) -> str:
-        """Place and share of the light."""
+        """Position of the light, and its fraction of the flux."""
         x, y = self.position
         return f"x {x:.1f}, y {y:.1f}, {100 * self.flux_fraction:.3g} %"
 
@@ -139,7 +139,7 @@ class PhotographLights(Result):
     """
 
     position: NDArray[np.float64]
-    """Place (x, y) of each light in pixels from the top left corner of the photograph, (n, 2).
+    """Position (x, y) of each light, in pixels from the top left corner of the photograph, (n, 2).
 
     The centre of the first pixel is at (0.5, 0.5)."""
 
@@ -150,13 +150,13 @@ class PhotographLights(Result):
     """Row and column of the brightest sample of each light in the photograph, (n, 2)."""
 
     peak_luminance: NDArray[np.float64]
-    """Luminance of this sample, (n,)."""
+    """Luminance at this pixel, (n,)."""
 
     flux_fraction: NDArray[np.float64]
     """Fraction of the luminance of the whole photograph, (n,)."""
 
     is_clipped: NDArray[np.bool_]
-    """True for a light that is clipped at the largest possible value, or has a flat top, (n,)."""
+    """True for lights that are clipped at the largest possible value, or have a flat top, (n,)."""
 
     samples: PhotographSamples
     """Samples of the lights."""
@@ -168,10 +168,10 @@ class PhotographLights(Result):
     """Height and width of the photograph."""
 
     field_of_view: float | None = None
-    """Horizontal field of view in radians; None if it is unknown."""
+    """Horizontal field of view in radians; None if unknown."""
 
     direction: NDArray[np.float64] | None = None
-    """Unit vectors towards the lights, (n, 3); None without a field of view.
+    """Unit vectors to the lights, (n, 3); None without a field of view.
 
     They are in the frame of the photograph: it looks along +z, its right is -x, its upper side
     +y."""
@@ -202,7 +202,7 @@ class PhotographLights(Result):
     def __getitem__(self, which: Rows) -> PhotographLights: ...
 
     def __getitem__(self, which: int | Rows) -> PhotographLight | PhotographLights:
-        """One light, or the lights of a slice, of a list of numbers or of a mask."""
+        """A single light, or the lights selected by a slice, a list of indices or a mask."""
         kept = rows_of(which, len(self))
         if kept is None:
             return self._light(row_of(which, len(self)))
@@ -220,18 +220,18 @@ class PhotographLights(Result):
         return PhotographLight(**plain)
 
     def _array_names(self) -> tuple[str, ...]:
-        """Names of the arrays with a row for each light."""
+        """Names of the array fields with a row per light."""
         return _ARRAYS if self.direction is None else (*_ARRAYS, *_WITH_FIELD)
 
     @property
     def luminance(self) -> NDArray[np.float64]:
-        """Luminance of each light summed over pixels of the photograph: its weight, (n,)."""
+        """Luminance of each light, summed over pixels of the photograph, (n,)."""
         values: NDArray[np.float64] = self.pixel_flux @ LUMINANCE
         return values
 
     @property
     def fraction(self) -> NDArray[np.float64]:
-        """Fraction of the luminance of the whole photograph: `flux_fraction`, (n,)."""
+        """Fraction of the luminance of the whole photograph, an alias of `flux_fraction`, (n,)."""
         return self.flux_fraction
 
     def in_short(self) -> str:
@@ -282,7 +282,7 @@ class PhotographLights(Result):
         return [*place, forward, rgb_cell(self.irradiance[row]), remark]
 
     def discs(self) -> Lights:
-        """The lights as points, in the frame of the photograph; refused without directions."""
+        """Lights as points, in the frame of the photograph; raises an error without directions."""
         if self.direction is None or self.irradiance is None:
             raise EnvLightsError(
                 "the lights of this photograph have no directions, because its field of view is"
@@ -291,7 +291,7 @@ class PhotographLights(Result):
         return Lights(self.direction, self.irradiance)
 
     def to_frame(self) -> pd.DataFrame:
-        """Data frame with a row for each light and a column for each component; needs pandas."""
+        """Data frame with a row per light and a column per component; needs pandas."""
         return frame_of(self._frame_columns())
 
     def _frame_columns(self) -> dict[str, NDArray[Any]]:
@@ -333,19 +333,19 @@ class PhotographLights(Result):
         saving.save(self if target == "json" else self.discs(), path, environment, **options)
 
     def _csv(self) -> str:
-        """Table with a row for each light, for spreadsheets."""
+        """CSV text with a row per light, for spreadsheets."""
         columns, (height, width) = self._frame_columns(), self.size
         about = (
             f"# {width}x{height} pixels; x, y from the top left corner; red, green, blue: linear"
         )
         lines = [_TABLE, f"{about} Rec.709 radiance times pixels", ",".join(columns)]
-        numbers = [array + 0 for array in columns.values()]  # False becomes 0
+        numbers = [array + 0 for array in columns.values()]  # converts False to 0
         rows = zip(*(array.tolist() for array in numbers), strict=True)
         return "\n".join([*lines, *(",".join(map(repr, row)) for row in rows)]) + "\n"
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> PhotographLights:
-        """Read lights that `save` wrote as ``.json``, without times and picture, or refuse them."""
+        """Read lights that `save` wrote as ``.json``, without times and picture."""
         return read_json(path, _KIND, (_VERSION,), _from_dict)
 
     def to_dict(self) -> dict[str, Any]:
@@ -367,7 +367,7 @@ class PhotographLights(Result):
 
 
 def _from_dict(data: dict[str, Any]) -> PhotographLights:
-    """Lights from the dictionary of `to_dict`, checked; without their picture."""
+    """Lights from the dictionary of `to_dict`, after checks; without the picture."""
     lights = len(data["position"])
     arrays: dict[str, Any] = {
         "position": _rows("position", data["position"], 2),
@@ -396,9 +396,9 @@ def _from_dict(data: dict[str, Any]) -> PhotographLights:
 
 
 def _rows(name: str, values: Any, columns: int) -> NDArray[np.float64]:
-    """Array of rows; an empty list has no second axis."""
+    """Two-dimensional array of rows; an empty list becomes shape (0, columns)."""
     return reals(name, np.reshape(values, (-1, columns)), 2)
 
 
-# Not a full sequence: `count` and `index` are missing.
+# Register as a sequence, although `count` and `index` are missing.
 Sequence.register(PhotographLights)

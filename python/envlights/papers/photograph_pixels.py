@@ -1,4 +1,4 @@
-"""Pixels of a photograph from a file or an array, of any aspect."""
+"""Pixels of a photograph with any aspect ratio, from a file or an array."""
 
 from __future__ import annotations
 
@@ -25,25 +25,25 @@ AnyPhotograph = AnySource | ArrayLike
 
 
 class PhotographPixels(NamedTuple):
-    """Linear radiance of a photograph, and what its file says."""
+    """Linear radiance of a photograph, with the metadata of its file."""
 
     radiance: NDArray[np.float32]
     """Linear Rec.709, (height, width, 3)."""
 
     clip_level: float | None
-    """Clip level; None for floating point."""
+    """Clip level; None for floating-point samples."""
 
     focal: FocalLength | None
-    """Focal length that the file states."""
+    """Focal length in the metadata of the file."""
 
     notes: tuple[str, ...]
-    """Remarks on conversions and assumptions."""
+    """Notes on conversions and assumptions."""
 
 
 def photograph_pixels(
     image: Any, colour: ColourArgument | None, part: str | int | None
 ) -> PhotographPixels:
-    """Pixels of an `AnyPhotograph`, or a refusal; `colour` and `part` describe a file."""
+    """Pixels of an `AnyPhotograph`; `colour` and `part` apply to files only."""
     if isinstance(image, EnvMap):
         raise EnvLightsError(
             "a photograph must be a file or an array; got EnvMap, whose lights `detect` finds"
@@ -69,7 +69,7 @@ def _of_file(
 
 
 def _check_plane(file: OpenImage) -> None:
-    """Refuse a picture whose metadata name a projection other than that of a pinhole camera."""
+    """Raise an error if the metadata names a projection other than a pinhole camera."""
     other = file.hints.names_other_projection
     if file.place.crop or other not in ("", "planar"):
         what = "a part of a panorama" if file.place.crop else f"of the projection {other}"
@@ -80,7 +80,7 @@ def _check_plane(file: OpenImage) -> None:
 
 
 def _of_layout(hints: Hints, height: int, width: int, notes: list[str]) -> FocalLength | None:
-    """Focal length of a picture of our own, by its statement on the layout."""
+    """Focal length by the layout text that `envlights` wrote into a picture."""
     try:
         stated, _ = with_statement(Layout(), hints, (height, width))
     except EnvLightsError as refusal:

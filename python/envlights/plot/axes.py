@@ -1,4 +1,4 @@
-"""Our axes in other programs."""
+"""Picture of our axes in other programs."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from envlights.frames import Axes
 from envlights.plot.page import Placement, Unpack, open_page, placed_picture
 
 _COLOURS = ("#c0392b", "#1e8449", "#2456a6")
-#: Our axes on paper, seen from (1, 1, 1); all three point towards the viewer.
+#: Directions of our axes on paper, seen from (1, 1, 1); all three point towards the viewer.
 _DRAWN = np.array([[0.85, -0.45], [0.0, 1.0], [-0.85, -0.45]])
 _COLUMNS = 6
 
@@ -35,7 +35,7 @@ def axes_picture(**where: Unpack[Placement]) -> Figure:
     >>> [panel.get_title().partition(chr(10))[0] for panel in axes_picture().axes][:3]
     ['envlights itself', 'glTF 2.0', 'three.js']
     """
-    targets = [target for target in TARGETS if target.name != "csv"]  # it has the axes of JSON
+    targets = [target for target in TARGETS if target.name != "csv"]  # csv has the axes of JSON
     rows = -(-len(targets) // _COLUMNS)
     cells = np.arange(rows * _COLUMNS)
     cells[len(targets) :] = -1

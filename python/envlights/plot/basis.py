@@ -1,4 +1,4 @@
-"""Basis of a transfer model, and the energy of its directions."""
+"""Pictures of the basis of a transfer model, and of the energy of its directions."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from envlights.plot.figure import check_is, hide_frame
 from envlights.plot.page import Placement, Unpack, open_page, placed_picture
 from envlights.transfer import TransferModel
 
-#: Images in a row.
+#: Images per row.
 _COLUMNS = 8
-#: Fraction of the texels within the range of the colours.
+#: Fraction of the texels within the colour range.
 _RANGE = 0.998
 #: Fractions of the energy for which the number of directions is marked.
 SHARES = (0.9, 0.95, 0.99)
@@ -26,7 +26,7 @@ SHARES = (0.9, 0.95, 0.99)
 def basis_picture(
     model: TransferModel, *, directions: int = 16, **where: Unpack[Placement]
 ) -> Figure:
-    """Draw the first directions of the basis as images, all with one scale around zero.
+    """Draw the first directions of the basis as images, with a common scale around zero.
 
     The first is like a mean image; later ones move light between parts of the scene, red where they
     add light and blue where they remove it. Each image has the norm 1; the titles hold the shares
@@ -70,7 +70,7 @@ def basis_picture(
 
 @placed_picture
 def spectrum_picture(model: TransferModel, **where: Unpack[Placement]) -> Figure:
-    """Draw the energy outside the basis against the number of its directions.
+    """Draw the energy outside the basis against its number of directions.
 
     Lines mark how many directions hold 90, 95 and 99 % of the energy of the images.
 

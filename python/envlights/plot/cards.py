@@ -28,7 +28,7 @@ from envlights.plot.markers import draw_legend, draw_numbers
 from envlights.plot.page import Placement, Unpack, grid, open_page, placed_picture
 from envlights.plot.wording import entitle
 
-#: Colours of the outlines, which colour-blind readers tell apart (Okabe and Ito 2008).
+#: Outline colours that are distinguishable for colour-blind readers (Okabe and Ito 2008).
 _COLOURS = {
     "rectangle": "#ff2bd6",
     "tube": "#56b4e9",
@@ -37,15 +37,15 @@ _COLOURS = {
     "other": "#e69f00",
     "sphere": "#f0e442",
 }
-#: Points along each side of an outline.
+#: Number of points per edge of an outline.
 _STEPS = 32
-#: Largest number of textures on a sheet, and its columns.
+#: Largest number of textures on a sheet, and number of columns.
 _MOST_TEXTURES, _COLUMNS = 40, 8
 
 
 @placed_picture
 def cards(env: AnyMap, cards: Cards, **where: Unpack[Placement]) -> Figure:
-    """Draw the outlines of cards on the map, in a colour for each shape, with their numbers.
+    """Draw the outlines of cards on the map with their numbers, coloured by shape.
 
     Parameters
     ----------
@@ -89,13 +89,13 @@ def draw_cards(axes: Axes, env: AnyMap, cards: Cards) -> str:
 
 
 def _edge(width: float) -> list[withStroke]:
-    """Dark edge of a line, so that a white one is seen on a white lamp and a white page."""
+    """Dark border for a line, so that white lines are visible on white."""
     return [withStroke(linewidth=width, foreground="#404040")]
 
 
 @placed_picture
 def card_textures(cards: Cards, **where: Unpack[Placement]) -> Figure:
-    """Draw the textures of cards with one exposure, brightest card first.
+    """Draw the textures of cards at a common exposure, brightest card first.
 
     Parameters
     ----------
@@ -134,7 +134,7 @@ def card_textures(cards: Cards, **where: Unpack[Placement]) -> Figure:
 
 @placed_picture
 def card_balls(env: AnyMap, parts: CardSplit, **where: Unpack[Placement]) -> Figure:
-    """Draw a mirror ball under the map, under rest and discs, and under rest and cards.
+    """Draw mirror balls under the map, under remainder and discs, and under remainder and cards.
 
     The ball is seen from below the brightest card, which it reflects near its centre. All balls
     have the exposure of the map.
@@ -175,7 +175,7 @@ def card_balls(env: AnyMap, parts: CardSplit, **where: Unpack[Placement]) -> Fig
 
 
 def _eye(cards: Cards) -> NDArray[np.float64]:
-    """Horizontal direction of the brightest card; the centre of the map without one."""
+    """Horizontal direction of the brightest card; the map centre if there is none."""
     level = cards.direction[0] * [1, 0, 1] if len(cards) else np.zeros(3)
     length = np.linalg.norm(level)
     eye: NDArray[np.float64] = level / length if length > 1e-3 else np.array([0.0, 0.0, 1.0])
@@ -183,7 +183,7 @@ def _eye(cards: Cards) -> NDArray[np.float64]:
 
 
 def _mirror(maps: Iterable[EnvMap], eye: NDArray[np.float64], white: float) -> NDArray[np.float64]:
-    """Picture of a mirror ball under the sum of some maps."""
+    """Picture of a mirror ball under the sum of several maps."""
     view = ball(eye)
     towards = 2 * (view.normals @ eye)[:, None] * view.normals - eye
     towards /= np.linalg.norm(towards, axis=1, keepdims=True)
@@ -192,7 +192,7 @@ def _mirror(maps: Iterable[EnvMap], eye: NDArray[np.float64], white: float) -> N
 
 
 def _draw_texture(axes: Axes, card: Card, white: float) -> None:
-    """Draw a texture with the sides of its card."""
+    """Draw a texture with the aspect ratio of its card."""
     width, height = np.linalg.norm(card.matrix[:, :2], axis=0)
     codes = thumbnails.expose(card.texture, white)
     extent = (0.0, float(width), 0.0, float(height))
@@ -200,7 +200,7 @@ def _draw_texture(axes: Axes, card: Card, white: float) -> None:
 
 
 def _white(textures: Sequence[NDArray[np.float32]]) -> float:
-    """Luminance drawn as white: 99 % of all texels are darker."""
+    """Luminance displayed as white: the 99 % quantile of all texels."""
     texels = [np.zeros(0), *((texture @ LUMINANCE).ravel() for texture in textures)]
     values = np.concatenate(texels)
     values = values[values > 0]

@@ -1,4 +1,4 @@
-"""Comparison of rigs, and the error against the number of lights."""
+"""Comparison of rigs, and of their errors by number of lights."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from envlights.rigs.rig import Rig, error_in_words
 
 @placed_picture
 def rigs_picture(env: AnyMap, *rigs: Rig, **where: Unpack[Placement]) -> Figure:
-    """Draw several rigs of one map, a row for each: lights, probes and the difference.
+    """Draw several rigs of a map, in a row each: lights, probes and the difference.
 
     All probes are viewed from beside the brightest light of the first rig, and have one exposure.
     Discs of all rigs have one scale of areas, and differences one scale of colours: it is
@@ -102,7 +102,7 @@ def error_picture(*rigs: Rig, **where: Unpack[Placement]) -> Figure:
 
 
 def _draw_curve(axes: Axes, rig: Rig, colour: str) -> None:
-    """Errors of all numbers of lights in the search, and of the rig."""
+    """Draw the errors of all numbers of lights in the search, and the error of the rig."""
     ambient = rig.report.ambient or "fixed"
     tried = {lights: 100 * error for lights, error in rig.report.search_errors.items() if error > 0}
     points = "points" if rig.report.sized_error is not None else "lights"

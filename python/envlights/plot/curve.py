@@ -1,4 +1,4 @@
-"""The errors of a map's rigs against the number of lights."""
+"""Picture of the errors of a map's rigs by number of lights."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from envlights.fitting.error_curve import ErrorCurve
 from envlights.plot.figure import check_is
 from envlights.plot.page import Placement, Unpack, open_page, placed_picture
 
-#: Size of marks as a fraction of that of the style.
+#: Size of markers relative to that of the style.
 _MARK = 0.67
-#: Errors of a curve, each with its line, its mark and its words.
+#: Line style, marker and label of each error.
 _LINES = {
     "probe": ("-", "o", "shading"),
     "shadows": ("--", "s", "shadows"),
@@ -35,7 +35,7 @@ def error_curve(
     errors: str | Sequence[str] = ("probe", "shadows"),
     **where: Unpack[Placement],
 ) -> Figure:
-    """Draw errors against the number of lights, each with its own line and mark.
+    """Draw errors against the number of lights, with a line style and marker per error.
 
     Lines and marks differ also without colours. Errors of 0 are left out, because the axis is
     logarithmic.
@@ -91,7 +91,7 @@ def _draw_line(
 
 
 def mark_percents(axes: Axes) -> None:
-    """Mark a logarithmic axis of percents at 1, 2 and 5 times powers of ten, in plain digits."""
+    """Put percent ticks at 1, 2 and 5 times powers of ten, in plain digits."""
     axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
     axes.yaxis.set_major_formatter("{x:g}")
     axes.yaxis.set_minor_formatter(NullFormatter())

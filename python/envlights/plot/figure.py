@@ -1,4 +1,4 @@
-"""The figure of a picture, and its file."""
+"""Figures for pictures, and their files."""
 
 from __future__ import annotations
 
@@ -16,25 +16,25 @@ from envlights._common.files import PICTURES, as_path, write_atomically
 from envlights._native import EnvLightsError
 from envlights.rigs.rig import Rig
 
-#: Options that leave the time of drawing out of a file.
+#: Options that omit the creation date from a file.
 _WITHOUT_DATE: dict[str, dict[str, Any]] = {
     "pdf": {"metadata": {"CreationDate": None}},
     "svg": {"metadata": {"Date": None}},
 }
-#: Fonts in PDF and PostScript as TrueType outlines, which publishers demand.
+#: TrueType fonts (Type 42) in PDF and PostScript, which publishers require.
 _TYPE_42: Any = {"pdf.fonttype": 42, "ps.fonttype": 42}
-#: Least and largest number of dots in an inch, and largest number of pixels of a picture.
+#: Smallest and largest resolution in dots per inch, and largest number of pixels.
 _DOTS, _MOST_PIXELS = (10.0, 2400.0), 2**28
 
 
 class Picture(Figure):
-    """Figure that any notebook shows, with or without `%matplotlib inline`.
+    """Figure that every notebook displays, with or without `%matplotlib inline`.
 
     Colours and fonts are those of the style in which it was drawn. PDF and PostScript get fonts of
     Type 42.
     """
 
-    #: The caller chose the size, which files keep; others are cropped to what is drawn.
+    #: True if the caller chose the size, which files keep; otherwise files are cropped.
     has_chosen_size = False
 
     def __init__(self, **options: Any) -> None:
@@ -42,7 +42,7 @@ class Picture(Figure):
         FigureCanvasAgg(self)
 
     def savefig(self, *arguments: Any, **options: Any) -> None:
-        """Write the figure, as `matplotlib.figure.Figure.savefig` does, with fonts of Type 42."""
+        """Save the figure like `matplotlib.figure.Figure.savefig`, with fonts of Type 42."""
         with matplotlib.rc_context(_TYPE_42):
             super().savefig(*arguments, **options)
 
@@ -51,7 +51,7 @@ class Picture(Figure):
 
 
 def dots(dpi: float, size: tuple[float, float]) -> float:
-    """Dots in an inch, or a refusal, also of more pixels than any picture needs."""
+    """Dots per inch; raises an error for bad values, and for too many pixels."""
     dpi = amount("dpi", dpi, *_DOTS)
     pixels = size[0] * size[1] * dpi**2
     if pixels > _MOST_PIXELS:
@@ -63,13 +63,13 @@ def dots(dpi: float, size: tuple[float, float]) -> float:
 
 
 def check_is(name: str, value: object, kind: type) -> None:
-    """Refuse an argument of another kind, such as the lights of a rig in place of the rig."""
+    """Raise an error for an argument of the wrong type, such as lights instead of a rig."""
     if not isinstance(value, kind):
         raise EnvLightsError(f"{name} must be {kind.__name__}; got {type(value).__name__}")
 
 
 def check_are_rigs(values: tuple[object, ...]) -> None:
-    """Refuse anything but one or more rigs."""
+    """Raise an error unless one or more rigs are given."""
     others = [type(value).__name__ for value in values if not isinstance(value, Rig)]
     if others or not values:
         seen = others[0] if others else "none"
@@ -77,7 +77,7 @@ def check_are_rigs(values: tuple[object, ...]) -> None:
 
 
 def hide_frame(axes: Axes) -> None:
-    """Remove frame and ticks; invisible ticks would still take time."""
+    """Remove frame and ticks completely, because invisible ticks take time."""
     axes.set(xticks=[], yticks=[])
     axes.axis("off")
 
@@ -125,20 +125,20 @@ def save(
         dpi = dots(dpi, (width, height))
     if transparent is not None:
         transparent = flag("transparent", transparent)
-    # Draw in memory, because Matplotlib cannot close a PDF on a full disk.
+    # Draw into memory, because Matplotlib cannot close a PDF on a full disk.
     drawn = _draw(figure, suffix[1:], dpi, transparent)
     write_atomically(path, lambda beside: beside.write_bytes(drawn))
 
 
 def _draw(figure: Figure, form: str, dpi: float | None, transparent: bool | None) -> bytes:
     drawn = io.BytesIO()
-    # Compress fast: files are 5 % larger, in half the time.
+    # Use fast compression: files are 5 % larger, in half the time.
     options: dict[str, Any] = {"png": {"pil_kwargs": {"compress_level": 4}}, **_WITHOUT_DATE}[form]
     if isinstance(figure, Picture) and not figure.has_chosen_size:
         options = {**options, "bbox_inches": "tight"}
     if dpi is not None:
         options = {**options, "dpi": dpi}
-    # Identifiers in SVG depend on the drawing alone, so that equal drawings give equal files.
+    # Fix the hash salt of SVG, so that equal drawings give equal files.
     with matplotlib.rc_context({"svg.hashsalt": "envlights", **_TYPE_42}):
         figure.savefig(drawn, format=form, transparent=transparent, **options)
     return drawn.getvalue()

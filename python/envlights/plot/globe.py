@@ -1,4 +1,4 @@
-"""The sphere from outside, with a map on it, lights and samples."""
+"""Picture of the sphere from outside, with a map, lights and samples on it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from envlights.plot.markers import draw_discs, sizes_for
 from envlights.plot.page import Placement, Unpack, grid, open_page, placed_picture
 from envlights.rigs.lights import Lights
 
-#: Extent of a map whose degrees have the size of those of a globe.
+#: Extent of a map on which a degree has the same size as on the globe.
 _AS_MAP = (0.0, 180.0, 0.0, 180.0)
 #: Elevation of the viewer, in degrees.
 _ELEVATION = 25
@@ -26,7 +26,7 @@ _ELEVATION = 25
 
 @placed_picture
 def sphere_picture(env: AnyMap, lights: Lights, **where: Unpack[Placement]) -> Figure:
-    """Draw lights on the sphere of directions, with the map on it, from both sides.
+    """Draw lights on the sphere of directions, with the map on it, from two opposite views.
 
     The sphere is seen from outside, so the map is mirrored. The left view is from the side of the
     brightest light, the right one from the opposite side. Discs are those of `picture`.
@@ -83,7 +83,7 @@ def draw_globe(axes: Axes, env: EnvMap, eye: NDArray[np.float64]) -> None:
 def on_page(
     directions: NDArray[np.float64], eye: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-    """Positions of directions on the axes, (n, 2), and a mask of those on the near side."""
+    """Positions of directions on the axes, (n, 2), and a mask of the visible ones."""
     right, up = axes_of(eye)
     return np.stack([directions @ right, directions @ up], axis=1), directions @ eye > 0
 

@@ -19,11 +19,11 @@ from envlights.plot.wording import LETTER, font_size, is_narrow, points_per_unit
 _COLUMNS = 1024
 #: Extent of a map on its axes, in degrees.
 EXTENT = (0.0, 360.0, -90.0, 90.0)
-#: Stops of the scale of luminance, below white and above it.
+#: Range of the luminance scale in stops, below and above white.
 _BELOW, _ABOVE = 8, 6
-#: Stops that lie between two marks of the scale.
+#: Distance of the ticks of the scale, in stops.
 _STEP = 2
-#: Letters that a mark of the azimuth needs, with the gap to the next.
+#: Width of an azimuth tick label in letters, with its gap.
 _MARK = 4.5
 
 
@@ -41,7 +41,7 @@ class Ground(NamedTuple):
     """8-bit colours of the picture, (height, width, 3)."""
 
     white: float
-    """Luminance drawn as white."""
+    """Luminance displayed as white."""
 
     exposure: str
     """Sentence that states the exposure."""
@@ -61,7 +61,7 @@ def draw_ground(axes: Axes, codes: NDArray[np.uint8]) -> None:
 
 
 def draw_small_ground(axes: Axes, codes: NDArray[np.uint8]) -> None:
-    """Draw the colours of a map without ticks and labels, for a small picture."""
+    """Draw the colours of a map without ticks and labels."""
     axes.set(xticks=[], yticks=[])
     axes.imshow(codes, extent=EXTENT, interpolation="antialiased")
     axes.set(xlim=EXTENT[:2], ylim=EXTENT[2:])
@@ -75,10 +75,10 @@ def draw_map(axes: Axes, env: EnvMap) -> str:
 
 
 def draw_luminance(axes: Axes, env: EnvMap) -> str:
-    """Draw luminance in stops relative to the white of `draw_map`; return a sentence on it."""
+    """Draw luminance in stops relative to white in `draw_map`; return a sentence on it."""
     radiance = working(env)
     white, _ = thumbnails.white_of(radiance)
-    # Black lies below every stop.
+    # Black is below every stop.
     ratio = np.maximum(radiance @ LUMINANCE / white, np.finfo(float).tiny)
     image = axes.imshow(
         np.log2(ratio),
@@ -95,7 +95,7 @@ def draw_luminance(axes: Axes, env: EnvMap) -> str:
 
 
 def draw_frame(axes: Axes) -> None:
-    """Label azimuth and elevation, with marks that have room for their numbers."""
+    """Label azimuth and elevation, with as many ticks as their labels have room for."""
     points, mark = points_per_unit(axes, EXTENT), _MARK * LETTER * font_size("xtick.labelsize")
     step = next((each for each in (45, 90) if points * each > mark), 180)
     if not is_narrow(axes):

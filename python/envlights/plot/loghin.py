@@ -1,4 +1,4 @@
-"""The steps of Loghin (2021), one image for each."""
+"""Picture of the steps of Loghin (2021), with an image per step."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from envlights.plot.page import AnyAxes, Size, grid, open_page
 from envlights.plot.steps import LEFT, draw_bright, draw_links, draw_survivors
 from envlights.plot.wording import entitle
 
-#: Width in degrees of links that cross the seam.
+#: Width in degrees above which links cross the seam.
 _SEAM = 180.0
 #: View direction of the sphere.
 _EYE = np.array([0.48, 0.36, 0.8])

@@ -1,4 +1,4 @@
-"""Picture of a map: alone, with a rig and the probe, or with detected lights."""
+"""Pictures of a map: alone, with a rig and the probe, or with detected lights."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ from envlights.plot.probe import (
 from envlights.plot.wording import entitle
 from envlights.rigs.rig import Rig, error_line, parts_line
 
-#: Colour of the mark of the viewer.
+#: Colour of the marker for the view direction.
 _EYE = "deepskyblue"
 #: Largest number of links in a picture.
 _MOST_LINKS = 20_000
@@ -48,7 +48,7 @@ _MOST_LINKS = 20_000
 
 @placed_picture
 def map_picture(env: AnyMap, *, stops: bool = False, **where: Unpack[Placement]) -> Figure:
-    """Draw a map alone.
+    """Draw a map without lights.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def map_picture(env: AnyMap, *, stops: bool = False, **where: Unpack[Placement])
     """
     env = as_envmap(env)
     stops = flag("stops", stops)
-    # The colour bar takes a part of the width.
+    # Reserve width for the colour bar.
     page = open_page(where, [[0]], (10, 5.1 if stops else 5.6))
     (axes,) = page.panels
     draw = draw_luminance if stops else draw_map
@@ -159,7 +159,7 @@ def detection_picture(env: AnyMap, lights: DetectedLights, **where: Unpack[Place
     (axes,) = page.panels
     exposure = draw_map(axes, env)
     _draw_members(axes, lights)
-    # Discs are half as large as those of a rig, because lamps may be close together.
+    # Draw discs half as large as for a rig, because lamps may be close together.
     sizes = sizes_for(axes, lights.fraction, 0.5)
     at, areas = degrees(lights.direction), sizes.area(lights.fraction)
     draw_discs(axes, at, areas, lights.irradiance)
@@ -182,7 +182,7 @@ def detection_picture(env: AnyMap, lights: DetectedLights, **where: Unpack[Place
 def _draw_eye(axes: Axes, eye: NDArray[np.float64]) -> Line2D:
     """Mark the view direction of the probe."""
     ((azimuth, elevation),) = degrees(eye[None])
-    # Draw it above the numbers, which could hide it.
+    # Draw it above the numbers, which could cover it.
     size = 9 * line_scale(axes)
     style: dict[str, Any] = {"marker": "^", "zorder": 6}
     axes.scatter([azimuth], [elevation], size**2, c=_EYE, edgecolors="black", lw=size / 9, **style)
@@ -190,14 +190,14 @@ def _draw_eye(axes: Axes, eye: NDArray[np.float64]) -> Line2D:
 
 
 def _draw_members(axes: Axes, lights: DetectedLights) -> None:
-    """Draw outlines of pixels, or samples and their links."""
+    """Draw outlines of pixels, or samples with their links."""
     height, width = lights.report.working_size
     rows, columns = lights.members.pixel.T
     scale, corner = np.array([360 / width, -180 / height]), np.array([0.0, 90.0])
     if lights.report.method == "article":
         at = np.stack([columns + 0.5, rows + 0.5], axis=1) * scale + corner
         homes = degrees(lights.direction)[lights.members.light]
-        is_near = np.abs(homes[:, 0] - at[:, 0]) < 180  # no line right across the seam
+        is_near = np.abs(homes[:, 0] - at[:, 0]) < 180  # no line across the whole map at the seam
         links = np.stack([at, homes], axis=1)[is_near][:_MOST_LINKS]
         axes.add_collection(LineCollection(list(links), colors=RIM, lw=0.4))
         axes.plot(*at.T, ".", ms=2, color=RIM)

@@ -1,4 +1,4 @@
-"""Markers of lights on a map: discs in their colour with an area for their share, rims, numbers."""
+"""Markers of lights on a map: coloured discs with area by flux fraction, rims, and numbers."""
 
 from __future__ import annotations
 
@@ -20,38 +20,39 @@ from envlights.plot.wording import LETTER, font_size, is_narrow, points_per_unit
 from envlights.rigs.lights import Lights
 from envlights.scene.surface import tangent_frames
 
-#: Area of the disc of the largest light, and the least area, in square points, on a wide map.
+#: Area of the disc of the largest light, and smallest area, in square points, on a wide map.
 _LARGEST, _SMALLEST = 450.0, 14.0
-#: Least area of a disc on any map.
+#: Smallest area of a disc on any map.
 _VISIBLE = 4.0
-#: Points of the page for a degree of a wide map; discs on smaller maps shrink with it.
+#: Points per degree on a wide map; discs on smaller maps are scaled down.
 _WIDE = 1.6
-#: Share of the largest light below which discs stay small: many lights do not fill the map.
+#: Fraction of the largest light below which all discs are scaled down, so that many lights do not
+#: fill the map.
 _LEAST_LARGEST = 0.05
-#: Shares that a key of sizes may name, and their number.
+#: Flux fractions that a size legend may show, and how many of them.
 _SHARES, _KEYS = (0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001), 3
-#: Colour of rims and outlines: rare in photographs.
+#: Colour of rims and outlines, rare in photographs.
 RIM = "#ff2bd6"
-#: Colours of the rims of lights, in turn, and of their numbers.
+#: Colours of light rims and their numbers, used cyclically.
 TINTS = (RIM, "#00e0ff", "#ffe11a", "#4dff6a", "#ff8a1f", "#b79bff", "#ffffff", "#ff6a5e")
-#: Size of numbers as a fraction of that of the style, and height of a line of them.
+#: Font size of numbers relative to the style, and line height.
 _FONT, _LINE = 0.9, 1.13
-#: Width of the black edge of numbers as a fraction of their size.
+#: Width of the black border of numbers, relative to their font size.
 _EDGE = 0.26
-#: Largest radius of a disc that numbers avoid, and their gap from discs, as fractions of the width.
+#: Largest disc radius that numbers avoid, and their distance from discs, relative to the map width.
 _WIDEST_DISC, _GAP = 12 / 360, 0.8 / 360
 #: Largest number of numbers on one map.
 _MOST_NUMBERS = 40
 
 
 class Sizes(NamedTuple):
-    """Areas of discs for shares of the light: the eye compares areas."""
+    """Conversion of flux fractions to disc areas, because the eye compares areas."""
 
     whole: float
-    """Area for a share of 1, in square points."""
+    """Area for a fraction of 1, in square points."""
 
     least: float
-    """Least area of a disc, in square points."""
+    """Smallest area of a disc, in square points."""
 
     def area(self, fraction: NDArray[np.float64]) -> NDArray[np.float64]:
         """Areas of the discs of lights, in square points."""
@@ -65,7 +66,7 @@ def sizes_for(
     part: float = 1.0,
     extent: tuple[float, float, float, float] = EXTENT,
 ) -> Sizes:
-    """Sizes of discs for the lights of one map, or of several that are compared.
+    """Disc sizes for the lights of a map, or of several maps to be compared.
 
     The largest light gets `part` of the largest disc, unless all are small.
     """
@@ -75,7 +76,7 @@ def sizes_for(
 
 
 def draw_lights(axes: Axes, lights: Lights, sizes: Sizes) -> None:
-    """Draw the rim of each light with a size, a disc in its colour, and numbers that fit.
+    """Draw coloured discs, rims for lights with a size, and as many numbers as fit.
 
     The number of a light has the colour of its rim.
     """
@@ -86,12 +87,12 @@ def draw_lights(axes: Axes, lights: Lights, sizes: Sizes) -> None:
 
 
 def number_colours(radii: NDArray[np.float64]) -> list[str]:
-    """Colour of the number of each light: that of its rim, or white where it has none."""
+    """Colour of the number of each light: the colour of its rim, or white without a rim."""
     return [TINTS[k % len(TINTS)] if radius else "white" for k, radius in enumerate(radii)]
 
 
 def draw_rims(axes: Axes, directions: NDArray[np.float64], radii: NDArray[np.float64]) -> None:
-    """Draw a circle on the sphere around each direction, each in its tint; none of radius 0."""
+    """Draw a circle on the sphere around each direction, coloured cyclically; none for radius 0."""
     rims = [_rim(*each) for each in zip(directions, radii, strict=True)]
     pieces = [
         (piece, colour)
@@ -111,7 +112,7 @@ def rim_style(scale: float = 1.0) -> dict[str, Any]:
 
 
 def line_scale(axes: Axes) -> float:
-    """Factor for lines and marks of one size on a map: below 1 on a small one."""
+    """Scale factor for lines and markers; below 1 on a small map."""
     return min(max(points_per_unit(axes, EXTENT) / _WIDE, 0.5), 1.0)
 
 
@@ -137,7 +138,7 @@ def draw_discs(
 
 
 def draw_rings(axes: Axes, at: NDArray[np.float64], areas: NDArray[np.float64]) -> None:
-    """Draw a ring for each light, which leaves the map visible."""
+    """Draw a ring around each light, so that the map stays visible inside."""
     x, y = at.T
     ring: dict[str, Any] = {"facecolors": "none", "clip_on": False}
     axes.scatter(x, y, s=_ring(areas), edgecolors="black", linewidths=2.8, zorder=3, **ring)
@@ -145,7 +146,7 @@ def draw_rings(axes: Axes, at: NDArray[np.float64], areas: NDArray[np.float64]) 
 
 
 def _ring(areas: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Area of a disc with its ring."""
+    """Area of a disc including its ring."""
     return 1.5 * areas + 12
 
 
@@ -168,7 +169,7 @@ def draw_numbers(
     extent: tuple[float, float, float, float] = EXTENT,
     colours: Sequence[str] | None = None,
 ) -> None:
-    """Number lights beside their discs if there is room, the brightest first.
+    """Number lights beside their discs where there is room, brightest first.
 
     A number neither covers another, nor any disc, nor leaves the picture.
     """
@@ -205,7 +206,7 @@ def _free_box(
     occupied: NDArray[np.float64],
     extent: tuple[float, float, float, float],
 ) -> NDArray[np.float64] | None:
-    """Left, bottom, right and top of free space for `text` beside a disc, or None.
+    """Left, bottom, right and top of free space for `text` beside a disc; None if there is none.
 
     `size` is that of a letter in units of the axes.
     """
@@ -221,10 +222,10 @@ def _free_box(
 
 
 def key_of(fraction: NDArray[np.float64], sizes: Sizes) -> list[Line2D]:
-    """Key of the areas of discs, with shares that occur among the lights."""
+    """Legend of disc areas, with flux fractions that occur among the lights."""
     largest = float(fraction.max(initial=0.0))
     named = [fraction for fraction in _SHARES if fraction <= max(largest, _SHARES[-1])][::2][:_KEYS]
-    # Shares below the least area look the same.
+    # Omit fractions below the smallest area, because they look the same.
     seen = [fraction for fraction in named if sizes.whole * fraction >= sizes.least] or named[:1]
     entries = [
         _entry("o", f"{100 * fraction:g} %", _diameter(sizes, fraction)) for fraction in seen
@@ -234,7 +235,7 @@ def key_of(fraction: NDArray[np.float64], sizes: Sizes) -> list[Line2D]:
 
 
 def key_of_rims(radii: NDArray[np.float64]) -> list[Line2D]:
-    """Key of the rims of lights with a size; empty if there are none."""
+    """Legend of rims; empty if no light has a size."""
     if not radii.any():
         return []
     return [Line2D([], [], color=RIM, label="size", **rim_style())]
@@ -249,7 +250,7 @@ def _entry(marker: str, label: str, size: float) -> Line2D:
 
 
 def draw_legend(axes: Axes, entries: Sequence[Artist]) -> None:
-    """Add a legend below the map, in as many columns as fit its width; none on a narrow map."""
+    """Add a legend below the map, in as many columns as fit; none on a narrow map."""
     if is_narrow(axes):
         return
     font = font_size("legend.fontsize")
@@ -257,7 +258,7 @@ def draw_legend(axes: Axes, entries: Sequence[Artist]) -> None:
     is_row = sum(widths) < 1.1 * width_of(axes)
     columns = len(entries) if is_row else int(width_of(axes) / max(widths))
     has_marks = len(axes.get_xticks()) > 0
-    # Marks and their label lie between the axes and the legend.
+    # Leave room for ticks and axis label between axes and legend.
     room = font_size("xtick.labelsize") * 1.6 + font_size("axes.labelsize") if has_marks else 0.0
     down = ScaledTranslation(0, -(room + 2) / 72, axes.figure.dpi_scale_trans)
     axes.legend(

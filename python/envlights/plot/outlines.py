@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 
 def outlines(number: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Line segments between pixels of different numbers, (n, 2, 2): ends as column and row.
+    """Boundary segments between unequal pixels, (n, 2, 2), with ends as (column, row).
 
     Pixels outside the image count as number 0. Edges in
     one line are one segment.
@@ -19,7 +19,7 @@ def outlines(number: NDArray[np.int64]) -> NDArray[np.float64]:
 
 
 def _runs(edges: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """Runs along the rows: their ends as (row, first) and (row, end), (n, 2, 2)."""
+    """Runs along rows, as end points (row, first) and (row, end), (n, 2, 2)."""
     steps = np.diff(np.pad(edges, ((0, 0), (1, 1))).astype(np.int8), axis=1)
     row, first = np.nonzero(steps == 1)
     _, end = np.nonzero(steps == -1)

@@ -1,4 +1,4 @@
-"""Picture of the shadows of solids on a floor, and of the errors of blending them."""
+"""Picture of the shadows of solids on a floor, and of blending errors."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from envlights.plot.page import Placement, Unpack, grid, open_page, placed_pictu
 from envlights.plot.wording import entitle
 from envlights.scene.overlay import BLENDINGS, ShadowOverlay
 
-#: Largest number of lights that are drawn alone, the brightest first.
+#: Largest number of lights whose shadows are drawn separately, brightest first.
 _LIGHTS = 3
 
 
 @placed_picture
 def overlay_picture(overlay: ShadowOverlay, **where: Unpack[Placement]) -> Figure:
-    """Draw the shadows on a floor together and of each source alone, and errors of blending.
+    """Draw the shadows on a floor, in total and for each source, and the blending errors.
 
     Above: the floor with all shadows, with the contact shadow of the ambient term, and with those
     of the three brightest lights. Below: the largest error of a channel in 8-bit sRGB codes, for
@@ -63,7 +63,7 @@ def overlay_picture(overlay: ShadowOverlay, **where: Unpack[Placement]) -> Figur
 
 
 def _draw_floors(axes: list[Axes], overlay: ShadowOverlay) -> None:
-    """Draw the floor with all shadows, and with those of each source alone."""
+    """Draw the floor with all shadows, and with those of each source separately."""
     white = overlay.radiance.max() or 1.0
     lights = overlay.single[1 : 1 + _LIGHTS]
     names = ("all shadows", "ambient alone", *(f"light {k + 1} alone" for k in range(len(lights))))
@@ -74,7 +74,7 @@ def _draw_floors(axes: list[Axes], overlay: ShadowOverlay) -> None:
 
 
 def _draw_errors(figure: Figure, axes: list[Axes], overlay: ShadowOverlay) -> None:
-    """Draw the error of each way of blending, all with one scale."""
+    """Draw the error of each blending mode, with a common scale."""
     white = overlay.radiance.max() or 1.0
     exact = encode_srgb(overlay.over() / white)
     errors = {}

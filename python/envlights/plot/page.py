@@ -1,4 +1,4 @@
-"""The page of a picture: panels on a new figure, or on axes of the caller."""
+"""Panels of a picture, on a new figure or on axes of the caller."""
 
 from __future__ import annotations
 
@@ -20,21 +20,21 @@ from envlights.plot.wording import entitle_figure
 if TYPE_CHECKING:
     from typing_extensions import Unpack as Unpack
 else:
-    Unpack = None  # part of annotations, which are not evaluated
+    Unpack = None  # used only in annotations, which are not evaluated
 
 _Function = TypeVar("_Function", bound=Callable[..., Figure])
 
-#: Axes of the caller: one for each panel, in reading order.
+#: Axes from the caller: one per panel, in reading order.
 AnyAxes = Axes | Sequence[Axes] | NDArray[np.object_]
 #: Width and height of a figure in inches.
 Size = tuple[float, float]
 
-#: Least and largest side of a figure in inches.
+#: Smallest and largest side length of a figure in inches.
 _SIDES = 0.5, 100.0
 
 
 class Placement(TypedDict, total=False):
-    """Arguments of every picture: where it is drawn, or the size and ground of its figure."""
+    """Arguments of all pictures: target axes, or size and background of a new figure."""
 
     ax: AnyAxes | None
     figsize: Size | None
@@ -43,7 +43,7 @@ class Placement(TypedDict, total=False):
 
 
 def placed_picture(function: _Function) -> _Function:
-    """Picture whose signature shows the arguments of its `Placement` by their names."""
+    """Decorator that shows the arguments of `Placement` in the signature of a picture function."""
     own = inspect.signature(function)
     shared = [
         inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=annotation)
@@ -56,15 +56,15 @@ def placed_picture(function: _Function) -> _Function:
 
 
 class Page(NamedTuple):
-    """Panels of a picture in reading order, and their figure."""
+    """Panels of a picture in reading order, and the figure that contains them."""
 
     figure: Figure
     panels: list[Axes]
     is_own: bool
-    """The figure was made for the picture."""
+    """True if the figure was created for the picture."""
 
     def entitle(self, text: str) -> None:
-        """Write a title above the panels; a figure of the caller keeps its own."""
+        """Write a title above the panels, unless the figure belongs to the caller."""
         if self.is_own:
             entitle_figure(self.figure, text)
 
@@ -75,7 +75,7 @@ def open_page(
     size: Size,
     **ratios: Any,
 ) -> Page:
-    """Make a figure of `size` with panels like `mosaic`, or take the axes of the caller.
+    """Create a figure of `size` with panels arranged as in `mosaic`, or use the caller's axes.
 
     Equal numbers of the mosaic are one panel; -1 stays empty.
     """
@@ -95,12 +95,12 @@ def open_page(
 
 
 def grid(rows: int, columns: int) -> NDArray[np.int64]:
-    """Mosaic of rows and columns of panels."""
+    """Mosaic with this number of rows and columns."""
     return np.arange(rows * columns).reshape(rows, columns)
 
 
 def _new_figure(where: Placement, size: Size) -> Picture:
-    """Figure of the size, the resolution and the ground that the caller chose."""
+    """Figure with the size, resolution and background that the caller chose."""
     sides, dpi, transparent = (
         _checked_size(where.get("figsize")),
         where.get("dpi"),
@@ -116,7 +116,7 @@ def _new_figure(where: Placement, size: Size) -> Picture:
 
 
 def _checked_axes(where: Placement, count: int) -> list[Axes]:
-    """Axes of the caller, or a refusal."""
+    """Axes from the caller; raises an error for other values or another number."""
     for name in ("figsize", "dpi", "transparent"):
         if where.get(name) is not None:
             raise EnvLightsError(f"{name} is for a new figure; with ax, set it on your figure")
@@ -134,14 +134,14 @@ def _checked_axes(where: Placement, count: int) -> list[Axes]:
 
 
 def _elements(given: Any) -> list[Any]:
-    """Elements of a sequence or an array in reading order; anything else as one element."""
+    """Elements of a sequence or array in reading order; a single element for anything else."""
     if isinstance(given, np.ndarray):
         return list(given.ravel())
     return list(given) if isinstance(given, list | tuple) else [given]
 
 
 def _root(axes: Axes) -> Figure:
-    """Figure of axes, also of those in a subfigure."""
+    """Figure that contains the axes, also for axes in a subfigure."""
     figure: Any = axes.figure
     while figure is not getattr(figure, "figure", figure):
         figure = figure.figure
@@ -150,7 +150,7 @@ def _root(axes: Axes) -> Figure:
 
 
 def _checked_size(size: Any) -> Size | None:
-    """Width and height in inches, or a refusal."""
+    """Width and height in inches; raises an error for other values."""
     if size is None:
         return None
     if not isinstance(size, list | tuple | np.ndarray) or len(size) != 2:

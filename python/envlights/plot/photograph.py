@@ -1,4 +1,4 @@
-"""The lights of a photograph with their samples, and the steps that lead to them."""
+"""Pictures of the lights of a photograph with samples, and of the detection steps."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from envlights.plot.page import AnyAxes, Size, grid, open_page
 from envlights.plot.steps import draw_bright, draw_links, draw_survivors
 from envlights.plot.wording import entitle
 
-#: Width of the figure, and largest height of its picture, in inches.
+#: Width of the figure, and largest height of the picture, in inches.
 _WIDTH, _HEIGHT = 12.0, 12.0
 #: Room for title and legend in inches.
 _MARGIN = 1.0
@@ -95,14 +95,14 @@ def _size(lights: PhotographLights) -> tuple[float, float]:
 
 
 def _draw_photograph(axes: Axes, lights: PhotographLights) -> None:
-    """Draw the photograph in its own pixels, with row 0 at the top."""
+    """Draw the photograph with axes in its pixels, and row 0 at the top."""
     height, width = lights.size
     axes.imshow(lights.picture, extent=(0, width, height, 0), interpolation="antialiased")
     axes.set(xlim=(0, width), ylim=(height, 0), xlabel="x (pixels)", ylabel="y (pixels)")
 
 
 def _draw_steps(panels: list[Axes], lights: PhotographLights) -> None:
-    """Draw the panels before the last."""
+    """Draw all panels except the last."""
     samples = lights.samples
     height, width = lights.report.working_size
     entitle(panels[0], f"1. the photograph, searched in {width}x{height} pixels")
@@ -131,7 +131,7 @@ def _draw_lights(axes: Axes, lights: PhotographLights) -> None:
 
 
 def _places(pixel: NDArray[np.int64], lights: PhotographLights) -> NDArray[np.float64]:
-    """Places (x, y) in the photograph of pixels of its working image."""
+    """Positions (x, y) in the photograph for pixels of the working image."""
     scale = np.array(lights.size) / lights.report.working_size
     places: NDArray[np.float64] = ((pixel + 0.5) * scale)[:, ::-1]
     return places

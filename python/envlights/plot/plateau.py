@@ -30,7 +30,7 @@ from envlights.plot.markers import (
 from envlights.plot.page import Placement, Unpack, grid, open_page, placed_picture
 from envlights.plot.wording import entitle
 
-#: Colour of clipped pixels: red, green, blue, alpha.
+#: RGBA colour of clipped pixels.
 _CLIPPED = (0.0, 0.75, 1.0, 0.5)
 
 
@@ -90,7 +90,7 @@ def plateau_picture(env: AnyMap, lights: DetectedLights, **where: Unpack[Placeme
     fraction = weight / (weight.sum() or 1.0)
     for axes in page.panels:
         draw_rims(axes, lights.direction, uncertainty)
-        # Discs are half as large as those of a rig, because lamps may be close together.
+        # Draw discs half as large as for a rig, because lamps may be close together.
         at, areas = degrees(lights.direction), sizes_for(axes, fraction, 0.5).area(fraction)
         draw_discs(axes, at, areas, lights.irradiance)
         draw_numbers(axes, at, areas, colours=number_colours(uncertainty))
@@ -106,7 +106,7 @@ def plateau_picture(env: AnyMap, lights: DetectedLights, **where: Unpack[Placeme
 
 
 def _tint(env: EnvMap, clip_level: float) -> NDArray[np.uint8]:
-    """Overlay of the clipped pixels, as RGBA bytes."""
+    """RGBA overlay that marks the clipped pixels."""
     rows, columns = max(env.height // 512, 1), max(env.width // 1024, 1)
     largest: NDArray[np.float32] = env.radiance[::rows, ::columns].max(axis=2, keepdims=True)
     colour = np.round(255 * np.array(_CLIPPED)).astype(np.uint8)
@@ -120,7 +120,7 @@ def _draw_depth(axes: Axes, env: EnvMap, clip_level: float) -> AxesImage:
         _native.clipped_depth(env.radiance, is_border, clip_level, PLATEAU_COLUMNS, PLATEAU_GAP)
     )
     image = axes.imshow(np.where(depth > 0, depth, np.nan), cmap="viridis", vmin=0, extent=EXTENT)
-    # Unclipped parts are dark, as they are on most maps, so that all marks are visible.
+    # Use a dark background, as in most maps, so that all markers are visible.
     axes.set(facecolor="0.15")
     draw_frame(axes)
     return image

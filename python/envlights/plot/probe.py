@@ -1,4 +1,4 @@
-"""The white probe under a map and under a rig, and their difference."""
+"""Picture of a white probe under a map and under a rig, and of their difference."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ from envlights.plot.figure import hide_frame
 from envlights.plot.wording import entitle, fits_upright
 from envlights.rigs.rig import Rig
 
-#: Ratio of the largest differences of two probes from which one linear scale hides the smaller.
+#: Ratio of largest differences above which a common linear scale would hide the smaller one.
 _APART = 5.0
 #: Unit of differences; a short bar has only its first letter.
 _LABEL = "% of the mean"
 
 
 class ShadedBall(NamedTuple):
-    """Pixels of a ball, and its irradiance under a map."""
+    """Pixels of a ball with their irradiance under a map."""
 
     ball: Ball
     irradiance: NDArray[np.float64]
@@ -40,20 +40,20 @@ class ShadedBall(NamedTuple):
 
 
 def shaded_ball(env: EnvMap, eye: NDArray[np.float64], floor: bool) -> ShadedBall:
-    """Probe under a map, seen from the direction `eye`; over a floor if the rigs are."""
+    """Probe under a map, seen from the direction `eye`; `floor` hides light from below."""
     coverage = ball(eye)
-    # A picture needs no choice; a map that was filled before is drawn with its fill.
+    # Fill automatically; a map that was filled by the caller is not changed.
     env = env.filled(None if env.coverage_fraction >= ENOUGH_SEEN else "black")
     return ShadedBall(coverage, under(above_horizon(env) if floor else env, coverage.normals))
 
 
 def white_for(irradiance: NDArray[np.float64]) -> float:
-    """Luminance of a probe drawn as white."""
+    """Luminance of a probe that is displayed as white."""
     return max(float((irradiance @ LUMINANCE).max()), np.finfo(float).tiny)
 
 
 def draw_probe(axes: Axes, coverage: Ball, irradiance: NDArray[np.float64], white: float) -> None:
-    """Draw a probe as sRGB codes of its irradiance over that of `white`."""
+    """Draw a probe as sRGB codes, with the irradiance `white` displayed as white."""
     draw_ball(axes, coverage.image(encode_srgb(irradiance / white)))
 
 
@@ -79,12 +79,12 @@ def percent_of_mean(shaded: ShadedBall, rig: Rig) -> NDArray[np.float64]:
 
 
 def error_limit(shaded: ShadedBall, rig: Rig) -> float:
-    """Largest difference of a probe in percent, for the scale of colours."""
+    """Largest luminance difference of a probe in percent, for the colour scale."""
     return max(float(np.abs(percent_of_mean(shaded, rig)).max()), 0.1)
 
 
 def scale_for(limits: Sequence[float]) -> Normalize:
-    """One scale of differences for several probes, on which the smallest are visible."""
+    """Common colour scale of differences for several probes, in which the smallest are visible."""
     largest, least = max(limits), min(limits)
     if largest < _APART * least:
         return Normalize(-largest, largest)
@@ -92,7 +92,7 @@ def scale_for(limits: Sequence[float]) -> Normalize:
 
 
 def draw_difference(axes: Axes, shaded: ShadedBall, rig: Rig, scale: Normalize) -> AxesImage:
-    """Draw the difference of a probe in colours of the scale."""
+    """Draw the difference of a probe in colours of `scale`."""
     percent = percent_of_mean(shaded, rig)
     values, cover = shaded.ball.values(percent), shaded.ball.values(shaded.ball.cover)
     image = axes.imshow(values, cmap="RdBu_r", norm=scale, alpha=np.nan_to_num(cover))
@@ -102,7 +102,7 @@ def draw_difference(axes: Axes, shaded: ShadedBall, rig: Rig, scale: Normalize) 
 
 
 def draw_difference_bar(figure: Figure, axes: Sequence[Axes], drawn: AxesImage) -> None:
-    """Add the scale of the differences on these axes, which share it."""
+    """Add a colour bar for the differences in these axes."""
     label = _LABEL if fits_upright(axes[0], _LABEL) else _LABEL[0]
     bar = figure.colorbar(drawn, ax=list(axes), label=label, shrink=0.85)
     if isinstance(drawn.norm, AsinhNorm):
@@ -115,13 +115,13 @@ def draw_difference_bar(figure: Figure, axes: Sequence[Axes], drawn: AxesImage) 
 
 
 def under(env: EnvMap, normals: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Irradiance under a map, accurate enough for a picture; `EnvMap.probe` would take seconds."""
+    """Irradiance under a map, accurate enough for a picture, and faster than `EnvMap.probe`."""
     border_sampled = env.registration == "border-sampled"
     return working_irradiance(env.radiance, normals, border_sampled=border_sampled)[0]
 
 
 def viewpoint(rig: Rig) -> NDArray[np.float64]:
-    """Direction from the probe to the viewer: horizontal, 60 degrees beside the main light."""
+    """Horizontal direction from the probe to the viewer, 60 degrees beside the main light."""
     if not len(rig.lights):
         return np.array([0.0, 0.0, -1.0])
     ((u, _),) = sphere.direction_to_uv(rig.lights.direction[:1])

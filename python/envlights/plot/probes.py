@@ -1,4 +1,4 @@
-"""White balls under a map and under rigs, in one row."""
+"""Picture of white balls under a map and under rigs, in a row."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from envlights.rigs.rig import Rig
 
 @placed_picture
 def probes(env: AnyMap, *rigs: Rig, **where: Unpack[Placement]) -> Figure:
-    """Draw white balls under a map and under rigs, in one row and with one exposure.
+    """Draw white balls under a map and under rigs, in a row with a common exposure.
 
     The colours are the sRGB codes of the irradiance over that of the brightest point under the map,
     without any other curve. All balls are viewed from beside the brightest light of the first rig;

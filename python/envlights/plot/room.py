@@ -1,4 +1,4 @@
-"""Lightmap of the synthetic room, and its parts in the room."""
+"""Picture of a lightmap of the synthetic room, and of its parts placed in the room."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from envlights.plot.page import Placement, Unpack, grid, open_page, placed_pictu
 from envlights.plot.wording import entitle
 from envlights.synthetic.room import Chart, room_charts
 
-#: Position of the viewer; faces that look away from it are not drawn.
+#: View direction; faces that point away from it are not drawn.
 _EYE = np.array([0.62, 0.5, 0.6])
-#: Parts of the room itself, before those of its boxes.
+#: Number of walls, whose charts come before those of the boxes.
 _WALLS = 6
-#: Position of the letter of a wall, along both of its sides.
+#: Position of a wall's letter, as a fraction of both sides.
 _BEFORE_BOXES = 0.88
-#: Fraction of the texels that are not brighter than white.
+#: Percentile of the texels that is displayed as white.
 _WHITE = 99.0
 
 
@@ -73,7 +73,7 @@ def room_picture(direct: ArrayLike, indirect: ArrayLike, **where: Unpack[Placeme
 
 
 def _expose(name: str, image: ArrayLike, side: int) -> NDArray[np.floating]:
-    """Colours of an image of the room, or a refusal."""
+    """8-bit colours of an image of the room; raises an error for another shape."""
     array = np.asarray(image, np.float64)
     if array.ndim != 3 or array.shape[0] != array.shape[1] or array.shape[2] != 3:
         raise EnvLightsError(f"{name} must have the shape (n, n, 3); got {array.shape}")
@@ -84,7 +84,7 @@ def _expose(name: str, image: ArrayLike, side: int) -> NDArray[np.floating]:
 
 
 def _draw_room(axes: Axes, image: NDArray[np.floating], charts: list[Chart]) -> None:
-    """Draw the faces that look to the viewer, the farthest first."""
+    """Draw the faces that point to the viewer, farthest first."""
     eye = _EYE / np.linalg.norm(_EYE)
     right, up = axes_of(eye)
     side = int(np.sqrt(len(charts)))
@@ -92,7 +92,7 @@ def _draw_room(axes: Axes, image: NDArray[np.floating], charts: list[Chart]) -> 
     steps = np.linspace(0, 1, texels + 1)
     shown = [number for number, chart in enumerate(charts) if chart.normal @ eye > 0]
     middles = [chart.origin + (chart.rows + chart.columns) / 2 for chart in charts]
-    # The boxes are in front of the walls.
+    # Draw boxes after walls.
     shown.sort(key=lambda number: (number >= _WALLS, middles[number] @ eye))
     for number in shown:
         chart = charts[number]
@@ -106,7 +106,7 @@ def _draw_room(axes: Axes, image: NDArray[np.floating], charts: list[Chart]) -> 
             image[row : row + texels, column : column + texels],
             rasterized=True,
         )
-        # The boxes hide the middles of walls.
+        # Move letters away from the middle of walls, which the boxes cover.
         place = _BEFORE_BOXES if number < _WALLS else 0.5
         at = chart.origin + place * (chart.rows + chart.columns)
         _draw_letter(axes, number, np.array([at @ right, at @ up]))

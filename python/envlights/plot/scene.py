@@ -1,4 +1,4 @@
-"""A scene under a map and under rigs, rendered by Mitsuba; under rigs alone in closed form."""
+"""Picture of a scene under a map and under rigs, by Mitsuba, or under rigs in closed form."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ from envlights.rigs.rig import Rig, parts_line
 from envlights.scene.mitsuba.path_traced import Still
 from envlights.scene.still_life import closed_still, still_life
 
-#: Renderers of the scene.
+#: Values of `renderer`.
 RENDERERS = ("any", "mitsuba", "closed form")
-#: Least and largest number of columns of an image.
+#: Smallest and largest number of columns of an image.
 _COLUMNS = 24, 1920
-#: Fraction of the pixels that are not brighter than white.
+#: Quantile of the pixels that is displayed as white.
 _WHITE = 0.99
 
 
@@ -40,7 +40,7 @@ def scene(
     width: int = 320,
     **where: Unpack[Placement],
 ) -> Figure:
-    """Draw a ball and a box on a floor under the map and under rigs, and their differences.
+    """Draw a ball and a box on a floor under the map and under rigs, and the differences.
 
     All images have the same exposure; a difference is of luminance, in percent of the mean. The
     titles hold relative RMS differences of the images, corrected for noise, and the noise of the
@@ -125,7 +125,7 @@ def _page_with_differences(where: Placement, rigs: int) -> Page:
 
 
 def _draw_stills(page: Page, rigs: tuple[Rig, ...], truth: Still, stills: list[Still]) -> None:
-    """Draw all images at one exposure, with their errors, and the differences."""
+    """Draw all images at a common exposure with their errors, and the differences."""
     white = _white_of(truth.image)
     titles = [f"the map\nnoise {_percent(truth.noise)}"]
     for rig, still in zip(rigs, stills, strict=True):
@@ -144,7 +144,7 @@ def _white_of(image: NDArray[np.float64]) -> float:
 
 
 def _draw_differences(figure: Figure, axes: list[Axes], truth: Still, stills: list[Still]) -> None:
-    """Draw all with the same colours, so that they can be compared."""
+    """Draw all differences with a common colour scale."""
     wanted = truth.image @ LUMINANCE
     scale = 100 / max(float(wanted.mean()), np.finfo(float).tiny)
     differences = [scale * (still.image @ LUMINANCE - wanted) for still in stills]

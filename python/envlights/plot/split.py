@@ -30,7 +30,7 @@ from envlights.splitting.split import Split
 
 @placed_picture
 def split_picture(env: AnyMap, parts: Split, **where: Unpack[Placement]) -> Figure:
-    """Draw a map, the remainder, and the removed light, all with the exposure of the map.
+    """Draw a map, the remainder, and the removed light, at the exposure of the map.
 
     Parameters
     ----------
@@ -81,6 +81,6 @@ def _draw_marks(axes: Axes, lights: RemovedLights) -> None:
 
 
 def _brightest(env: EnvMap) -> str:
-    """Largest luminance of a map."""
+    """Largest luminance of a map, as text."""
     largest = float((env.radiance @ LUMINANCE.astype(np.float32)).max())
     return np.format_float_positional(largest, 3, fractional=False, trim="-")

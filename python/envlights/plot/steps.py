@@ -1,4 +1,4 @@
-"""Panels of the steps of Loghin (2021) in page coordinates, for maps and photographs."""
+"""Drawing of the steps of Loghin (2021), for maps and photographs."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 from envlights.plot.markers import RIM
 from envlights.plot.wording import entitle
 
-#: Colour of selected and of rejected samples.
+#: Colours of selected and rejected samples.
 KEPT, LEFT = "gold", "deepskyblue"
 
 
 def draw_bright(
     axes: Axes, at: NDArray[np.float64], maxima: NDArray[np.float64], widest: float = np.inf
 ) -> None:
-    """Draw bright samples, (k, 2), linked to the brightest pixel near each, (k, 2)."""
+    """Draw bright samples, (k, 2), linked to the brightest pixel near each sample, (k, 2)."""
     draw_links(axes, at, maxima, LEFT, widest)
     axes.plot(*at.T, ".", ms=4, color=KEPT)
     axes.plot(*maxima.T, "x", ms=4, mew=0.8, color=RIM)
@@ -31,7 +31,7 @@ def draw_survivors(
     survivor: NDArray[np.int64],
     widest: float = np.inf,
 ) -> None:
-    """Draw surviving samples `at` their places, linked to those they suppress, at `first`."""
+    """Draw surviving samples at positions `at`, linked to suppressed samples at `first`."""
     kept = np.unique(survivor)
     draw_links(axes, first, at[survivor], LEFT, widest)
     axes.plot(*first.T, ".", ms=3, color=LEFT)
@@ -46,7 +46,7 @@ def draw_links(
     colour: str,
     widest: float = np.inf,
 ) -> None:
-    """Draw lines between places, except those `widest` or wider, which cross the seam of a map."""
+    """Draw lines between positions, except lines of width `widest` or more across the seam."""
     is_near = np.abs(start[:, 0] - end[:, 0]) < widest
     links = np.stack([start, end], axis=1)[is_near]
     axes.add_collection(LineCollection(list(links), colors=colour, lw=0.7))

@@ -1,4 +1,4 @@
-"""Picture of a sun: its place in the map, and the shadows without it and with it."""
+"""Picture of a sun: its position in the map, and shadows without and with it."""
 
 from __future__ import annotations
 
@@ -29,15 +29,15 @@ from envlights.scene.still_life import closed_still
 from envlights.sun.choice import AUTO, AnySun, sun_of
 from envlights.sun.result import Sun
 
-#: Colour of the outline of the clipped part.
+#: Colour of the outline of the clipped region.
 _OUTLINE = "deepskyblue"
-#: Area of the mark of the sun in square points.
+#: Area of the sun marker in square points.
 _MARK = 40.0
-#: Columns of the images of shadows.
+#: Columns of the shadow images.
 _WIDTH = 240
-#: Columns in which the clipped part is outlined.
+#: Columns of the grid in which the clipped region is outlined.
 _COLUMNS = 1024
-#: Fraction of the pixels that are not brighter than white.
+#: Quantile of the pixels that is displayed as white.
 _WHITE = 0.99
 
 
@@ -91,7 +91,7 @@ def sun(env: AnyMap, sun: AnySun = AUTO, **where: Unpack[Placement]) -> Figure:
 
 
 def _draw_sun(axes: Axes, found: Sun) -> None:
-    """Draw the mark, the uncertainty and the clipped part, with a legend."""
+    """Draw a marker, the uncertainty and the clipped region, with a legend."""
     entries = []
     if found.plateau is not None:
         step = max(found.plateau.shape[1] // _COLUMNS, 1)
@@ -125,7 +125,7 @@ def _white_of(image: NDArray[np.float64]) -> float:
 
 
 def _title(found: Sun) -> str:
-    """Answer, and what is a guess."""
+    """Answer of the search, with the values that are guesses."""
     lines = [f"answer {found.answer!r}: {found.in_short()}"]
     if len(found.lights):
         low, high = found.interval

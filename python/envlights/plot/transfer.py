@@ -1,4 +1,4 @@
-"""Picture of a transfer model: a predicted frame beside the truth."""
+"""Picture of a transfer model: a predicted frame beside the reference."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from envlights.plot.wording import entitle
 from envlights.transfer import TransferModel
 from envlights.transfer.pairs import image_stack
 
-#: Inches across one image.
+#: Width of an image in inches.
 _WIDTH = 2.9
-#: Percentile that sets white and the limits of the difference.
+#: Percentile that determines the white level and the limits of the difference.
 _PERCENTILE = 99.0
 
 
@@ -93,7 +93,7 @@ def transfer_picture(
 
 
 def _project(model: TransferModel, lights: NDArray[Any], images: NDArray[Any]) -> NDArray[Any]:
-    """Project each image, scaled like the pairs of the model: direct light of norm 1."""
+    """Projection of each image onto the basis, scaled like the pairs of the model."""
     norm = np.linalg.norm(lights.reshape(len(lights), -1), axis=1)
     scale = np.where(norm > 0, norm, 1)[:, None, None, None]
     projected: NDArray[Any] = model.project(images / scale) * scale
@@ -101,7 +101,7 @@ def _project(model: TransferModel, lights: NDArray[Any], images: NDArray[Any]) -
 
 
 def _draw_direct(axes: Axes, light: NDArray[Any]) -> None:
-    """Draw the input, texel by texel, at its own exposure."""
+    """Draw the direct image texel by texel, at its own exposure."""
     white = max(float(np.percentile(light, _PERCENTILE)), np.finfo(float).tiny)
     axes.imshow(encode_srgb(light / white), interpolation="nearest")
     entitle(axes, f"direct: {light.shape[1]}x{light.shape[0]} texels")
@@ -111,7 +111,7 @@ def _draw_direct(axes: Axes, light: NDArray[Any]) -> None:
 def _draw_images(
     row: list[Axes], truth: NDArray[Any], predicted: NDArray[Any], projected: NDArray[Any]
 ) -> None:
-    """Reference, transfer and projection at one exposure."""
+    """Draw reference, prediction and projection at a common exposure."""
     white = max(float(np.percentile(truth, _PERCENTILE)), np.finfo(float).tiny)
     titles = (
         "reference",
@@ -127,7 +127,7 @@ def _draw_images(
 def _percent_of_mean(
     truth: NDArray[Any], predicted: NDArray[Any], lit: NDArray[np.bool_]
 ) -> NDArray[np.float64]:
-    """Difference of luminance in percent of the mean of the reference."""
+    """Luminance difference in percent of the mean of the reference."""
     wanted = truth.astype(np.float64) @ LUMINANCE
     mean = max(float(wanted[lit].mean()), np.finfo(float).tiny)
     percent: NDArray[np.float64] = 100 * (predicted.astype(np.float64) @ LUMINANCE - wanted) / mean
@@ -140,10 +140,10 @@ def _draw_differences(
     percents: list[NDArray[np.float64]],
     lit: NDArray[np.bool_],
 ) -> None:
-    """Draw all frames with one scale of colours."""
+    """Draw the differences of all frames with a common colour scale."""
     values = np.abs([percent[lit] for percent in percents])
     limit = max(float(np.percentile(values, _PERCENTILE)), 0.1)
-    # Grey where every image is black; white is no difference.
+    # Show texels that are black in all images as grey; white means no difference.
     colours = colormaps["RdBu_r"].with_extremes(bad="0.6")
     for axis, percent in zip(axes, percents, strict=True):
         drawn = np.where(lit, percent, np.nan)
@@ -154,7 +154,7 @@ def _draw_differences(
 
 
 def _error(image: NDArray[Any], truth: NDArray[Any]) -> str:
-    """Relative error in percent, or words for a black reference."""
+    """Relative error in percent, as text; says so for a black reference."""
     length = float(np.linalg.norm(truth.astype(np.float64)))
     if length == 0:
         return "reference is black"

@@ -1,4 +1,4 @@
-"""Titles and numbers that fit the room they have, in the fonts of the user's style."""
+"""Titles and numbers fitted to the available width, in the fonts of the user's style."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
 
-#: Mean width of a letter, as a fraction of the size of its font.
+#: Mean width of a letter relative to the font size.
 LETTER = 0.54
-#: Points of an inch.
+#: Points per inch.
 _INCH = 72.0
-#: Width of axes as a multiple of the font, below which there are no labels and no key.
+#: Width of axes relative to the font size, below which labels and legend are omitted.
 _NARROW = 20.0
-#: Part of the gap beside a panel that its title may take, as a fraction of the panel.
+#: Largest width of a title relative to its panel.
 _OVERHANG = 1.12
 
 
@@ -43,12 +43,12 @@ def width_of(axes: Axes) -> float:
 
 
 def is_narrow(axes: Axes) -> bool:
-    """Axes with no room for words beside a picture, in the font of the style."""
+    """True if axes have no room for text beside a picture, in the font of the style."""
     return width_of(axes) < _NARROW * font_size("font.size")
 
 
 def fits_upright(axes: Axes, text: str) -> bool:
-    """True if the label of a scale beside axes is not longer than they are high."""
+    """True if the label of a colour bar is not longer than the axes are high."""
     height = _INCH * float(axes.get_window_extent().height) / float(axes.figure.dpi)
     return LETTER * font_size("axes.labelsize") * len(text) < height
 
@@ -59,7 +59,7 @@ def _fit(text: str, width: float, size: float) -> str:
 
 
 def points_per_unit(axes: Axes, extent: tuple[float, float, float, float]) -> float:
-    """Points on the page for a unit of axes that will show the extent, before they are laid out."""
+    """Points per unit of axes that will show `extent`, before layout."""
     left, right, bottom, top = extent
     box = axes.get_window_extent()
     pixels = min(box.width / abs(right - left), box.height / abs(top - bottom))

@@ -1,4 +1,4 @@
-"""Lights, and rigs: an ambient term and lights, with their report and tables.
+"""Lights, and rigs (an ambient term plus lights), with reports and tables.
 
 | noun                                     | file                                       |
 |------------------------------------------|--------------------------------------------|

@@ -1,4 +1,4 @@
-"""Changes of single lights: each returns other lights, and these stay as they are."""
+"""Edits of single lights; each edit returns new lights, and the original stays unchanged."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _POLE = np.pi / 2
 
 
 class Editable(ABC, Generic[Plain]):
-    """Changes of `Lights`.
+    """Editing methods of `Lights`.
 
     Numbers of lights are those in the lights that are changed, from 0; a change of brightness may
     give them another order. `Lights.origin` tells which light is which.
@@ -41,7 +41,7 @@ class Editable(ABC, Generic[Plain]):
         azimuth: float | None = None,
         elevation: float | None = None,
     ) -> Plain:
-        """Lights with one of them in another direction.
+        """Lights with one light moved to another direction.
 
         Parameters
         ----------
@@ -82,7 +82,7 @@ class Editable(ABC, Generic[Plain]):
         return self._with_row("direction", row, direction_at(*angles))
 
     def dimmed(self, which: int, factor: float) -> Plain:
-        """Lights with the irradiance of one of them multiplied by a factor, not negative.
+        """Lights with the irradiance of one light multiplied by a non-negative factor.
 
         Examples
         --------
@@ -96,7 +96,7 @@ class Editable(ABC, Generic[Plain]):
     def coloured(
         self, which: int, rgb: ArrayLike | None = None, *, kelvin: float | None = None
     ) -> Plain:
-        """Lights with one of them in another colour, and of the same luminance.
+        """Lights with one light in another colour of the same luminance.
 
         Parameters
         ----------
@@ -127,7 +127,7 @@ class Editable(ABC, Generic[Plain]):
         return self._with_row("irradiance", row, channels * (luminance / (channels @ LUMINANCE)))
 
     def resized(self, which: int, angular_radius: float) -> Plain:
-        """Lights with another radius of one of them, in radians, and the same irradiance.
+        """Lights with another angular radius, in radians, of one light, and unchanged irradiance.
 
         Examples
         --------
@@ -139,7 +139,7 @@ class Editable(ABC, Generic[Plain]):
         return self._with_row("angular_radius", row, angular_radius)
 
     def without(self, which: int) -> Plain:
-        """Lights without one of them.
+        """Lights without the given one.
 
         Examples
         --------
@@ -156,7 +156,7 @@ class Editable(ABC, Generic[Plain]):
     def with_light(
         self, direction: ArrayLike, irradiance: ArrayLike, angular_radius: float = 0.0
     ) -> Plain:
-        """Lights and one more.
+        """Lights with an additional one.
 
         Parameters
         ----------
@@ -187,15 +187,15 @@ class Editable(ABC, Generic[Plain]):
         )
 
     def _with_row(self, name: str, row: int, value: Any) -> Plain:
-        """Lights with another value in a row of an array."""
+        """Lights with a value replaced in one row of an array field."""
         array = self._arrays()[name].copy()
         array[row] = value
         return self._edited(**{name: array})
 
     @abstractmethod
     def _arrays(self) -> dict[str, NDArray[Any]]:
-        """Arrays of `Lights`, without the measurements of a detection."""
+        """Array fields of `Lights`, without measurements of a detection."""
 
     @abstractmethod
     def _edited(self, **changed: NDArray[Any]) -> Plain:
-        """Lights with these arrays in place of their own."""
+        """Lights with some array fields replaced."""

@@ -31,7 +31,7 @@ class Light(Result):
     _is_headed = True
 
     direction: NDArray[np.float64]
-    """Unit vector from the scene towards the light, (3,)."""
+    """Unit vector from the scene to the light, (3,)."""
 
     irradiance: NDArray[np.float64]
     """Linear RGB at normal incidence, (3,)."""
@@ -40,7 +40,7 @@ class Light(Result):
     """Angular radius in radians; 0 is a point."""
 
     fraction: float
-    """Fraction of the light; see `Lights.fraction`."""
+    """Fraction of the total luminance; see `Lights.fraction`."""
 
     @property
     def azimuth(self) -> float:
@@ -58,7 +58,7 @@ class Light(Result):
         return float(self.irradiance @ LUMINANCE)
 
     def in_short(self) -> str:
-        """Azimuth, elevation and share."""
+        """Azimuth, elevation and flux fraction."""
         azimuth, elevation = angle_cells(self.direction)
         place = f"azimuth {azimuth}, elevation {elevation}"
         if azimuth in POLES:
@@ -95,7 +95,7 @@ class DetectedLight(Light):
 
 
 def remarks_of(light: DetectedLight) -> list[str]:
-    """Remarks on a light for texts: clipped, cut off by the border, wide, direction uncertain."""
+    """Remarks on a light for a table: clipped, cut off by the border, wide, direction uncertain."""
     remarks = ["clipped"] if light.is_clipped else []
     remarks += ["cut off"] if light.is_cut else []
     remarks += ["wide"] if light.is_broad else []

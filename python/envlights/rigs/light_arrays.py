@@ -1,4 +1,4 @@
-"""Arrays of lights: checks, rotation, and rows by index."""
+"""Array fields of lights: checks, rotation, and selection by index."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ from envlights._common.check import describe, reals
 from envlights._native import EnvLightsError
 from envlights.kernels import sphere
 
-#: Largest amount of light: maps and most targets hold single precision.
+#: Largest irradiance or radiance, because maps and most targets use single precision.
 LARGEST_LIGHT: float = float(np.finfo(np.float32).max)
 
-#: Tolerance for the length of a unit vector, for those of single precision.
+#: Tolerance for the length of unit vectors in single precision.
 _UNIT_TOLERANCE = 1e-5
 
 
 def light_arrays(
     direction: ArrayLike, irradiance: ArrayLike
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Check directions and irradiances of lights, and convert them to arrays."""
+    """Directions and irradiances of lights as checked arrays."""
     direction = reals("direction", direction, 2)
     irradiance = reals("irradiance", irradiance, 2)
-    sphere.direction_to_uv(direction)  # refuses a vector that is not of length 1
+    sphere.direction_to_uv(direction)  # raises an error for a vector whose length is not 1
     if irradiance.shape != direction.shape:
         raise EnvLightsError(
             f"irradiance must have the shape {direction.shape}; got {irradiance.shape}"
@@ -33,7 +33,7 @@ def light_arrays(
 
 
 def amounts(name: str, values: NDArray[np.float64], most: float = np.inf) -> NDArray[np.float64]:
-    """`values`, finite and from 0 to `most`, or a refusal that names a row."""
+    """Finite `values` from 0 to `most`; raises an error that names the row."""
     is_good = np.isfinite(values) & (values >= 0) & (values <= most)
     if not is_good.all():
         row = int(np.argwhere(~is_good)[0][0])
@@ -45,7 +45,7 @@ def amounts(name: str, values: NDArray[np.float64], most: float = np.inf) -> NDA
 
 
 def axes_of_lights(name: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """`values`, unit vectors, or zeros where a light has no such axis; or a refusal."""
+    """Unit vectors, or zero vectors for lights without such an axis; raises an error otherwise."""
     length = np.linalg.norm(values, axis=1)
     bad = np.flatnonzero(~((np.abs(length - 1) <= _UNIT_TOLERANCE) | (length == 0)))
     if len(bad):
@@ -56,7 +56,7 @@ def axes_of_lights(name: str, values: NDArray[np.float64]) -> NDArray[np.float64
 
 
 def radii(values: ArrayLike | None, lights: int) -> NDArray[np.float64]:
-    """Check the angular radius of each light; points if `values` is None."""
+    """Checked angular radius of each light; 0 (points) if `values` is None."""
     if values is None:
         return np.zeros(lights)
     array = reals("angular_radius", values, 1)
@@ -74,21 +74,21 @@ def radii(values: ArrayLike | None, lights: int) -> NDArray[np.float64]:
 
 
 def rotate(direction: NDArray[np.float64], matrix: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Rotate unit vectors, (n, 3), and restore their length where `matrix` is inexact."""
+    """Rotated unit vectors, (n, 3), normalised again in case `matrix` is inexact."""
     rotated = direction @ matrix.T
     rotated /= np.linalg.norm(rotated, axis=1, keepdims=True)
-    return rotated + 0.0  # no minus zero
+    return rotated + 0.0  # avoid -0.0
 
 
 def rows_of(which: object, lights: int) -> NDArray[np.intp] | None:
-    """Rows of a slice, a list of numbers or a mask; None for anything else."""
+    """Row indices of a slice, a list of indices or a mask; None for anything else."""
     if isinstance(which, slice):
         return np.arange(lights)[which]
     if not isinstance(which, list | np.ndarray):
         return None
     try:
         chosen = np.asarray(which, None if np.size(which) else np.intp)
-    except ValueError:  # rows of several lengths
+    except ValueError:  # ragged lists
         return None
     if chosen.ndim != 1 or chosen.dtype.kind not in "iub":
         return None
@@ -97,7 +97,7 @@ def rows_of(which: object, lights: int) -> NDArray[np.intp] | None:
 
 
 def row_of(which: object, lights: int) -> int:
-    """Row of an index, which counts from the end if it is negative."""
+    """Row of an index, which counts from the end if negative."""
     try:
         row = operator.index(which)  # type: ignore[arg-type]
     except TypeError:

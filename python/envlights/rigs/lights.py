@@ -1,4 +1,4 @@
-"""Directional lights with their sizes, sorted by brightness."""
+"""Directional lights with angular radii, sorted by brightness."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 
 
 def brightest_first(irradiance: NDArray[np.float64]) -> NDArray[np.intp]:
-    """Order of the rows of `irradiance`, (n, 3), by decreasing luminance; equals keep their order.
+    """Row order of `irradiance`, (n, 3), by decreasing luminance; stable for equal luminances.
 
     All arrays with one value for each light use this order. Sorting again changes nothing, because
     luminance is not a matrix product here, whose rounding may depend on the row.
@@ -55,7 +55,7 @@ def brightest_first(irradiance: NDArray[np.float64]) -> NDArray[np.intp]:
     return order
 
 
-#: Index of several lights: a slice, numbers, or a mask.
+#: Index of several lights: a slice, a list of indices, or a mask.
 Rows = slice | list[int] | NDArray[Any]
 
 
@@ -121,7 +121,7 @@ class Lights(Editable["Lights"], TableResult):
         angular_radius: NDArray[np.float64],
         units: str,
     ) -> Lights:
-        """Lights from the arrays of a kernel, brightest first, without checks."""
+        """Lights from the arrays of a kernel, sorted by brightness, without checks."""
         lights = cls.__new__(cls)
         object.__setattr__(lights, "direction", seal(direction))
         object.__setattr__(lights, "irradiance", seal(irradiance))
@@ -141,7 +141,7 @@ class Lights(Editable["Lights"], TableResult):
     def __getitem__(self, which: Rows) -> Lights: ...
 
     def __getitem__(self, which: int | Rows) -> Light | Lights:
-        """Single light, or lights of a slice, of a list of numbers or of a mask."""
+        """A single light, or the lights selected by a slice, a list of indices or a mask."""
         rows = rows_of(which, len(self))
         if rows is None:
             return self._light(row_of(which, len(self)))
@@ -167,7 +167,7 @@ class Lights(Editable["Lights"], TableResult):
 
     @property
     def azimuth(self) -> NDArray[np.float64]:
-        """Radians from -z over +x, in the order of map columns, from 0 to 2 pi, (n,)."""
+        """Radians from -z over +x, increasing with map columns, from 0 to 2 pi, (n,)."""
         return azimuths(self.direction)
 
     @property
@@ -183,7 +183,7 @@ class Lights(Editable["Lights"], TableResult):
 
     @property
     def fraction(self) -> NDArray[np.float64]:
-        """Fraction of each light in the luminance of all, (n,); 0 if all are black."""
+        """Fraction of each light in the total luminance, (n,); 0 if all are black."""
         shares: NDArray[np.float64] = self.luminance / (self.luminance.sum() or 1.0)
         return shares
 
@@ -222,7 +222,7 @@ class Lights(Editable["Lights"], TableResult):
         return columns, rows
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Columns with a row for each light; those that end in ``_deg`` are angles in degrees.
+        """Columns with a row per light; names that end in ``_deg`` are angles in degrees.
 
         Each component of a vector or colour has a column.
         """
@@ -285,11 +285,11 @@ class Lights(Editable["Lights"], TableResult):
         return read_json(path, "lights", (1, 2), lights_of)
 
     def discs(self) -> Lights:
-        """Lights as discs of uniform radiance: these lights themselves."""
+        """Lights as discs of uniform radiance: this object itself."""
         return self
 
     def rotated(self, matrix: ArrayLike) -> Lights:
-        """Rotate the lights, so that a light from d comes from ``matrix @ d``.
+        """Rotate the lights: light from direction d then comes from ``matrix @ d``.
 
         Parameters
         ----------
@@ -307,7 +307,7 @@ class Lights(Editable["Lights"], TableResult):
         return replace(self, direction=rotate(self.direction, rotation(matrix)))
 
     def in_frame(self, frame: str) -> NDArray[np.float64]:
-        """Directions towards the lights in the frame of another program, (n, 3).
+        """Directions to the lights in the frame of another program, (n, 3).
 
         Parameters
         ----------
@@ -328,7 +328,7 @@ class Lights(Editable["Lights"], TableResult):
         return frame_named(frame).to_target(self.direction)
 
     def to_map(self, height: int) -> EnvMap:
-        """Map of the lights as discs in a black sky, for training labels or for any renderer.
+        """Map of the lights as discs in a black sky, for training labels or renderers.
 
         Pixels on the rim of a disc are as bright as their covered fraction. A surface that faces
         all of a disc receives exactly its irradiance, up to single precision. A point becomes a
@@ -389,12 +389,12 @@ class Lights(Editable["Lights"], TableResult):
         return lobes(discs.direction, discs.irradiance, discs.angular_radius)
 
 
-# Not a full sequence: `count` and `index` are missing.
+# Register as a sequence, although `count` and `index` are missing.
 Sequence.register(Lights)
 
 
 def origins(origin: Sequence[int] | NDArray[Any], order: NDArray[np.intp]) -> tuple[int, ...]:
-    """Numbers of the lights before they were changed, in their order now."""
+    """Original numbers of the lights, in their present order."""
     numbers = np.asarray(origin)
     if numbers.shape != order.shape or (numbers.size and numbers.dtype.kind not in "iu"):
         raise EnvLightsError(
@@ -404,7 +404,7 @@ def origins(origin: Sequence[int] | NDArray[Any], order: NDArray[np.intp]) -> tu
 
 
 def hidden_lights(fraction: NDArray[np.float64]) -> str:
-    """Summary of the lights below a table, from their `fraction`, or that there are none."""
+    """Summary of the lights omitted from a table, or a text if there are no lights."""
     if not len(fraction):
         return "no directional light"
     hidden = fraction[MOST_ROWS:]
@@ -413,28 +413,28 @@ def hidden_lights(fraction: NDArray[np.float64]) -> str:
 
 
 def place_cells(lights: Lights, row: int) -> list[str]:
-    """Number, azimuth, elevation and share of a light."""
+    """Number, azimuth, elevation and flux fraction of a light, as text."""
     fraction = f"{100 * lights.fraction[row]:.1f} %"
     return [f"{row + 1}", *angle_cells(lights.direction[row]), fraction]
 
 
 def rgb_heading(units: str) -> str:
-    """Name of the columns of `rgb_cell`."""
+    """Column heading for `rgb_cell`."""
     return f"irradiance{in_lux(units)} (R, G, B)"
 
 
 def rgb_cell(irradiance: NDArray[np.float64]) -> str:
-    """Red, green and blue in separate columns."""
+    """Red, green and blue as aligned text."""
     return "  ".join(f"{value:>9.4g}" for value in irradiance)
 
 
 def lights_of(data: dict[str, Any]) -> Lights:
-    """Lights that `Lights.to_dict` wrote."""
-    # An empty list has no second axis.
+    """Lights from the dictionary that `Lights.to_dict` returned."""
+    # Give an empty list its second axis.
     direction = np.reshape(data["direction"], (-1, 3))
     irradiance = np.reshape(data["irradiance"], (-1, 3))
     radius: Any = data.get("angular_radius")
-    # Version 1 had no scale.
+    # Version 1 had no units.
     scale, notes = data.get("scale", OWN_SCALE), data.get("notes", ())
     origin = data.get("origin")
     return Lights(direction, irradiance, radius, units=scale, notes=notes, origin=origin)

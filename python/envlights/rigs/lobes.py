@@ -1,4 +1,4 @@
-"""Lights as lobes of radiance: spherical Gaussians."""
+"""Lights as spherical Gaussian lobes of radiance."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from envlights._common.arrays import seal
 
 #: Angular radius of the sun, in radians: 0.267 degrees at its mean distance.
 SUN_RADIUS = 0.00465
-#: Newton steps for the sharpness of a lobe; 4 suffice for any disc.
+#: Newton iterations for the sharpness of a lobe; 4 suffice for any disc.
 _NEWTON_STEPS = 6
 
 
@@ -33,7 +33,7 @@ def lobes(
     irradiance: NDArray[np.float64],
     angular_radius: NDArray[np.float64],
 ) -> SphericalGaussians:
-    """Lobes with the irradiance and the spread of discs; see `Lights.spherical_gaussians`."""
+    """Lobes with the irradiance and extent of discs; see `Lights.spherical_gaussians`."""
     sharpness, _ = sharpness_of(np, np.sin(np.maximum(angular_radius, SUN_RADIUS) / 2) ** 2)
     at_normal = 2 * np.pi * (sharpness - 1 + np.exp(-sharpness)) / sharpness**2
     amplitude = irradiance / at_normal[:, None]
@@ -45,11 +45,11 @@ def sharpness_of(xp: Any, spread: Any) -> tuple[Any, tuple[Any]]:
 
     It is the inverse of 1 + 1/k - coth k, in the array namespace `xp`.
     """
-    # Start near the solution (Banerjee et al. 2005, equation 4.4), and take Newton's steps.
+    # Start near the solution (Banerjee et al. 2005, equation 4.4), and iterate by Newton.
     mean = 1 - spread
     k = mean * (3 - mean**2) / (spread * (1 + mean))
     for _ in range(_NEWTON_STEPS):
-        # coth k - 1 = 2 / (e^2k - 1), without cancellation and overflow.
+        # Compute coth k - 1 = 2 / (e^2k - 1) without cancellation and overflow.
         beyond = 2 * xp.exp(-2 * k) / -xp.expm1(-2 * k)
         slope = 1 / k**2 - beyond * (2 + beyond)
         k = k + (1 / k - beyond - spread) / slope

@@ -1,4 +1,4 @@
-"""Functions with the same bits on every machine: sums, products and quotients in a fixed order.
+"""Functions with bitwise equal results on all machines, from sums, products and quotients.
 
 Libraries of C, and NumPy for each processor, round the last bit of sines and powers differently.
 """
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 
 def power_of_two(exponent: float) -> float:
-    """Two to a power, by the series of the exponential function for the part below 1/2."""
+    """Two to the power `exponent`, by the exponential series of the fractional part."""
     whole = math.floor(exponent + 0.5)
     small = (exponent - whole) * math.log(2.0)
     value = 1.0
@@ -24,7 +24,7 @@ def power_of_two(exponent: float) -> float:
 def circle(
     turns: float | NDArray[np.float64],
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Cosines and sines of angles in full turns, by their series up to 1/8 of a turn."""
+    """Cosines and sines of angles in full turns, by series up to 1/8 of a turn."""
     quarters = np.floor(4.0 * np.asarray(turns) + 0.5)
     angle = (4.0 * turns - quarters) * (math.pi / 2)
     square, cosine, sine = angle * angle, np.ones_like(angle), np.ones_like(angle)
@@ -38,7 +38,7 @@ def circle(
 
 
 def uniform(seed: int, number: int, count: int) -> NDArray[np.float64]:
-    """Numbers from 0 to 1 of the stream `number` of a seed: 53 bits each of PCG64 of NumPy.
+    """Random numbers from 0 to 1 in stream `number` of a seed: 53 bits each of NumPy's PCG64.
 
     NumPy keeps the bits of its generators in all versions, but not the floats made of them.
     """

@@ -1,4 +1,4 @@
-"""Report of a fit: the search, its errors, and the accuracy of the lights."""
+"""Report of a fit: search, errors, and accuracy of the lights."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-#: Roughness of the metal in the text of a report: the matte silver of published comparisons.
+#: Roughness of the metal in report texts: the matte silver of published comparisons.
 SHOWN_ROUGHNESS = 0.33
 
 
@@ -39,27 +39,27 @@ class StopReason(enum.Enum):
 
     @property
     def is_success(self) -> bool:
-        """True if more steps would change nothing."""
+        """True if more steps would not change the result."""
         successes = (StopReason.CONVERGED, StopReason.EXACT, StopReason.NOTHING_TO_FIT)
         return self in successes
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FitReport(Result):
-    """Report of a fit: the search, its errors, and the accuracy of the lights.
+    """Report of a fit: search, errors, and accuracy of the lights.
 
     `str` gives the part for users; `verbose` gives everything.
     """
 
     search_errors: Mapping[int, float] = field(default_factory=dict)
-    """Relative RMS error of the sets that the search passed, by their number of lights.
+    """Error of the best set found, for each number of lights.
 
     Without a requested error, these lights are points, and only the last number was searched in
     full; see `sized_error`. `error_curve` compares full fits."""
 
     sized_error: float | None = None
-    """Relative RMS error of the rig, if its lights have sizes and those of the search
-    have none."""
+    """Relative RMS error of the final rig, if its lights have sizes but those of the search do
+    not."""
 
     steps: int = 0
     """Number of steps of the solver."""
@@ -71,16 +71,16 @@ class FitReport(Result):
     """Wall time of each stage."""
 
     measured_on: str = ""
-    """Normals on which the errors were measured, and the floor if there is one."""
+    """Normals at which the errors were measured, and the floor if there is one."""
 
     ambient: str = ""
     """Ambient term: "none", "constant" or "sh2"."""
 
     ambients: Mapping[str, tuple[int, float]] = field(default_factory=dict)
-    """Lights and error with each ambient term that ``ambient="auto"`` compared."""
+    """Number of lights and error for each ambient term that ``ambient="auto"`` compared."""
 
     channel_errors: tuple[float, ...] = ()
-    """Relative RMS error in red, green and blue, each relative to its own irradiance."""
+    """Relative RMS error in red, green and blue, relative to the irradiance of the channel."""
 
     max_error: float = on_demand(0.0)
     """Largest error of any channel at the measured normals, relative to the RMS irradiance.
@@ -90,19 +90,20 @@ class FitReport(Result):
     large in the median, at most 1.6 times on 90 of them, and up to 3.5 times."""
 
     shadow_error: float | None = None
-    """Relative RMS error of shadowed irradiance, or None if it was not measured.
+    """Relative RMS error of irradiance with shadows; None if not measured.
 
     It is the error of the irradiance at every normal with everything behind a plane hidden,
     integrated over all planes. Each pixel of the map is a square of one radiance. Below 0.5 % it is
     exact to 6 % of itself."""
 
     objective_error: float | None = None
-    """Relative RMS error that the fit minimised: of its `objective`, or `Rig.error` of points.
+    """Relative RMS error that the fit minimised: that of its `objective`, or `Rig.error` for
+    points.
 
     None if it was not measured, or if a sun was put beside the fitted lights."""
 
     gloss_bands: tuple[tuple[float, ...], tuple[float, ...]] = on_demand(((), ()))
-    """Energy of the map in each degree of spherical harmonics, and of its difference from the rig.
+    """Energy of the map per degree of spherical harmonics, and energy of the difference to the rig.
 
     All channels are summed. Both are empty if there was no map; see `gloss_error`. They are
     computed when they are first read."""
@@ -111,58 +112,58 @@ class FitReport(Result):
     """Relative RMS error of the rig in a target that shows its lights as points."""
 
     fitted_points_error: float | None = None
-    """Relative RMS error of as many lights fitted as points, with the same ambient term."""
+    """Relative RMS error of equally many lights fitted as points, with the same ambient term."""
 
     target: tuple[str, ...] = ()
-    """Names of the targets that the rig was fitted for; see `el.export.TARGETS`."""
+    """Names of the targets for which the rig was fitted; see `el.export.TARGETS`."""
 
     direction_tolerances: tuple[float, ...] = ()
-    """Radians by which each light of a map can move before the error grows by 10 %.
+    """Angle in radians by which each light can move before the error increases by 10 %.
 
     The light moves in the direction that raises the error least, and all else is fitted again. The
     tolerance is 0 for a fixed light, and pi if the map does not determine the direction. It uses
     second derivatives: above about 20 degrees, only its order of magnitude is meaningful."""
 
     condition: float = 1.0
-    """Condition number of the Jacobian of a measured probe, with columns of equal length.
+    """Condition number of the Jacobian for measured irradiance, with normalised columns.
 
     It is large if the columns are almost linearly dependent, and infinite if they are dependent."""
 
     direction_errors: tuple[float, ...] = ()
-    """Standard error of each light's direction under a measured probe, in radians.
+    """Standard error of each light's direction for measured irradiance, in radians.
 
     0 for a fixed light, infinite if `condition` is. A map has no noise, so it has no standard
     errors."""
 
     irradiance_errors: tuple[tuple[float, float, float], ...] = ()
-    """Standard error of each light's irradiance under a measured probe, RGB.
+    """Standard error of each light's irradiance for measured irradiance, RGB.
 
     0 where the bound at zero is active, infinite if `condition` is."""
 
     fixed: tuple[int, ...] = ()
-    """Row of each `fixed` light in `Rig.lights`, where the brightest comes first.
+    """Index of each `fixed` light in `Rig.lights`, which are sorted by brightness.
 
     ``rig.lights.irradiance[list(rig.report.fixed)]`` has the order of the argument."""
 
     at_max_radius: tuple[int, ...] = ()
-    """Row of each light in `Rig.lights` that the `max_radius` of the fit keeps from being wider.
+    """Index of each light in `Rig.lights` whose radius is limited by `max_radius`.
 
     Its radius may be smaller by the blur of a pixel. Empty without a `max_radius`."""
 
     fewer_lights: str = ""
-    """Reason why there are fewer lights than allowed; empty if there are not."""
+    """Reason why fewer lights are used than allowed; empty if all are used."""
 
     coverage_fraction: float = 1.0
-    """Fraction of the sphere that the map shows; over a floor, of its upper half."""
+    """Covered fraction of the sphere; over a floor, of the upper hemisphere."""
 
     unseen_spread: float = 0.0
-    """Relative RMS difference of the probe between a black and a harmonic fill of the unseen part.
+    """Relative RMS difference of irradiance between a black and a harmonic fill.
 
     It is the order of magnitude by which the unseen part may change the probe, but an unseen sun
     changes it more."""
 
     skipped: tuple[str, ...] = ()
-    """Remarks on work that was not necessary."""
+    """Notes on work that was skipped as unnecessary."""
 
     def __post_init__(self) -> None:
         bands = value_or_function(self, "gloss_bands")
@@ -179,16 +180,16 @@ class FitReport(Result):
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> FitReport:
-        """Report that `to_dict` wrote; fields that an older version did not write get defaults."""
+        """Report from the dictionary of `to_dict`; fields missing in old versions get defaults."""
         ambients = {
             name: (one["lights"], one["error"]) for name, one in data.get("ambients", {}).items()
         }
-        # Rigs up to version 4 call the first field "errors", and version 2 has wall times.
+        # Rigs up to version 4 name the first field "errors"; version 2 has wall times.
         former = {"search_errors": data["errors"]} if "errors" in data else {}
         return read_fields(cls, {**data, **former, "ambients": ambients})
 
     def row(self) -> dict[str, Any]:
-        """Single numbers and words of the report; NaN for what was not measured."""
+        """Scalar values and words of the report; NaN for values that were not measured."""
         numbers = {
             "shadow_error": self.shadow_error,
             "objective_error": self.objective_error,
@@ -206,13 +207,13 @@ class FitReport(Result):
         }
 
     def to_frame(self) -> pd.DataFrame:
-        """Data frame with one row of the errors and the choices of the fit; needs pandas."""
+        """Data frame with one row: errors and options of the fit; needs pandas."""
         return frame_of({name: np.array([value]) for name, value in self.row().items()})
 
     def gloss_error(
         self, roughness: float = SHOWN_ROUGHNESS, material: str = "metal"
     ) -> float | None:
-        r"""Relative RMS error of images of a shiny ball under the rig, from all sides.
+        r"""Relative RMS error of images of a glossy ball under the rig, over all views.
 
         With the energies :math:`D_l` and :math:`L_l` in `gloss_bands` and the factors
         :math:`\lambda_l` of `kernels.gloss.spectrum`, it is
@@ -265,7 +266,7 @@ class FitReport(Result):
 
     def _lines(self) -> list[str]:
         """Error of each number of lights, and lines for users."""
-        # A rig shows the stop reason of its fit itself.
+        # The rig itself prints the stop reason.
         unfitted = "" if self.search_errors else self.stop_reason.value
         made_for = f"fitted for {', '.join(self.target)}" if self.target else ""
         lines = [made_for, self._radius_bound(), self._unseen(), self.fewer_lights, unfitted]
@@ -287,16 +288,16 @@ class FitReport(Result):
         return [line for line in lines if line]
 
     def with_shadows(self) -> str:
-        """Error with shadows in words; empty if it was not measured."""
+        """Error with shadows as text; empty if not measured."""
         return "" if self.shadow_error is None else f"with shadows {percent(self.shadow_error)}"
 
     def with_gloss(self) -> str:
-        """Error of rough metal in words; empty if it was not measured."""
+        """Error of rough metal as text; empty if not measured."""
         error = self.gloss_error()
         return "" if error is None else f"on metal of roughness 0.33 {percent(error)}"
 
     def _by_number(self) -> str:
-        """Error of each number of lights, and of the last number with sizes."""
+        """Text with the error for each number of lights, and the final error with sizes."""
         if not self.search_errors:
             return ""
         curve = "  ".join(
@@ -308,13 +309,13 @@ class FitReport(Result):
         return f"error in the search by number of lights, as points: {curve}; with sizes: {sized}"
 
     def _radius_bound(self) -> str:
-        """Lights at the largest radius, counted from 1 like the rows of a rig; empty if none is."""
+        """Text on lights at the largest radius, numbered from 1; empty if there are none."""
         numbers = ", ".join(str(row + 1) for row in self.at_max_radius)
         plural = "" if len(self.at_max_radius) == 1 else "s"
         return f"largest radius reached by light{plural} {numbers}" if numbers else ""
 
     def _unseen(self) -> str:
-        """Seen share, and what the unseen part may change; empty if all is seen."""
+        """Text on the covered fraction, and on the effect of the fill; empty if complete."""
         if self.coverage_fraction == 1:
             return ""
         return (
@@ -329,7 +330,7 @@ class FitReport(Result):
         return (f"error in red, green, blue: {channels}; largest {percent(self.max_error)}",)
 
     def _choice(self) -> tuple[str, ...]:
-        """Selected ambient term, with lights and error of each."""
+        """Text on the selected ambient term, with lights and error of each alternative."""
         if not self.ambients:
             return ()
         each = "  ".join(
@@ -351,6 +352,6 @@ class FitReport(Result):
 
 
 def _each_degree(angles: tuple[float, ...]) -> str:
-    """Angles in degrees, rounded, for a line of text."""
+    """Angles in degrees, rounded, joined to a line of text."""
     rounded = np.degrees(angles)
     return "  ".join(f"{each:.2g}°" if each < 100 else f"{each:.0f}°" for each in rounded)

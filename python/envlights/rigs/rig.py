@@ -1,4 +1,4 @@
-"""The rig: an ambient term and directional lights, with their error."""
+"""Rig: an ambient term and directional lights, with their error."""
 
 from __future__ import annotations
 
@@ -42,14 +42,14 @@ if TYPE_CHECKING:
 
 _KIND = "rig"
 _VERSION = 5
-#: Version 2 had neither sizes nor floors; version 3 had wall times, and no scale; version 4 named
+#: Version 2 had neither sizes nor floors; version 3 had wall times, but no units; version 4 named
 #: `FitReport.search_errors` "errors".
 _READABLE_VERSIONS = (2, 3, 4, 5)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Rig(Result):
-    """Ambient term and directional lights, with their error and a report.
+    """Ambient term and directional lights, with an error and a report.
 
     Examples
     --------
@@ -69,7 +69,7 @@ class Rig(Result):
     """Directional lights, brightest first."""
 
     error: float | None = None
-    """Relative RMS error of the irradiance at the normals that `report` names.
+    """Relative RMS error of irradiance at the normals stated in `report`.
 
     None if it was not measured; see `measured`."""
 
@@ -77,7 +77,7 @@ class Rig(Result):
     """Report of the fit."""
 
     notes: tuple[str, ...] = ()
-    """Remarks on samples of the map that were changed, and on assumptions, as `Note`."""
+    """Notes on changed samples of the map, and on assumptions."""
 
     floor: bool = False
     """True if a floor hides the ambient light from below the horizon."""
@@ -115,7 +115,7 @@ class Rig(Result):
         return rig if env is None else rig.measured(env)
 
     def measured(self, env: AnyMap, *, fill: Fill = None) -> Rig:
-        """The rig with its errors on a map, whoever made either of them.
+        """Rig with its errors under a map, whatever the source of either.
 
         Parameters
         ----------
@@ -143,7 +143,7 @@ class Rig(Result):
         >>> round(night.error, 1), round(night.report.gloss_error(), 1)
         (1.0, 1.1)
         """
-        # The measurement compares rigs, so its package is above this one.
+        # Import late, because this package is a layer above.
         measure = import_module("envlights.fitting.measure").measure
         return measure(self, env, fill)  # type: ignore[no-any-return]
 
@@ -183,7 +183,7 @@ class Rig(Result):
         return values[0] if is_one else values
 
     def to_map(self, height: int) -> EnvMap:
-        """Draw the rig as a map: the radiance of its ambient term plus its lights as discs.
+        """Draw the rig as a map: radiance of the ambient term plus lights as discs.
 
         Over a floor, the ambient radiance fills the upper half alone. Harmonics that are negative
         somewhere are cut off there.
@@ -214,7 +214,7 @@ class Rig(Result):
         return EnvMap(radiance, units=self.units)
 
     def rotated(self, matrix: ArrayLike) -> Rig:
-        """Rotate the rig, so that a light from d comes from ``matrix @ d``.
+        """Rotate the rig: light from direction d then comes from ``matrix @ d``.
 
         Parameters
         ----------
@@ -257,7 +257,7 @@ class Rig(Result):
         }
 
     def to_frame(self) -> pd.DataFrame:
-        """Data frame with a row for each light, as of `Lights.to_frame`; needs pandas.
+        """Data frame with a row per light, as from `Lights.to_frame`; needs pandas.
 
         Its ``attrs`` hold `ambient`, `error`, `floor` and `units`.
         """
@@ -301,7 +301,7 @@ class Rig(Result):
         saving.save(self, path, environment, **options)
 
     def error_in(self, target: str) -> float:
-        """Relative RMS error of the irradiance as a target shows the rig.
+        """Relative RMS error of the irradiance with which a target shows the rig.
 
         Parameters
         ----------
@@ -362,7 +362,7 @@ class Rig(Result):
 
 
 def rigs_to_frame(rigs: Iterable[Rig] | Mapping[str, Rig]) -> pd.DataFrame:
-    """Data frame with a row for each rig; needs pandas.
+    """Data frame with a row per rig; needs pandas.
 
     Parameters
     ----------
@@ -402,7 +402,7 @@ def rigs_to_frame(rigs: Iterable[Rig] | Mapping[str, Rig]) -> pd.DataFrame:
 
 
 def _row(rig: Rig) -> dict[str, Any]:
-    # The first harmonic is constant: 1 / sqrt(4 pi).
+    # The first harmonic is the constant 1 / sqrt(4 pi).
     mean = rig.ambient if rig.ambient.ndim == 1 else rig.ambient[0] / np.sqrt(4 * np.pi)
     return {
         "lights": len(rig.lights),
@@ -413,12 +413,12 @@ def _row(rig: Rig) -> dict[str, Any]:
 
 
 def error_of(rig: Rig) -> float:
-    """Error of a rig; NaN if it was not measured."""
+    """Error of a rig; NaN if not measured."""
     return np.nan if rig.error is None else rig.error
 
 
 def error_in_words(error: float | None) -> str:
-    """Error as a percentage, or that it was not measured."""
+    """Error as a percentage, or the text "not measured"."""
     return "not measured" if error is None else percent(error)
 
 
@@ -429,14 +429,14 @@ def parts_line(rig: Rig) -> str:
 
 
 def error_line(rig: Rig) -> str:
-    """Error of shading, with shadows, and of rough metal."""
+    """Line with the errors of shading, with shadows, and of rough metal."""
     floor = " over a floor" if rig.floor else ""
     more = filter(None, (rig.report.with_shadows(), rig.report.with_gloss()))
     return ", ".join([f"relative RMS error {error_in_words(rig.error)}{floor}", *more])
 
 
 def _ambient(values: ArrayLike) -> NDArray[np.float64]:
-    """Check an ambient term, and keep its shape."""
+    """Checked ambient term, in its original shape."""
     rows = probe.coefficients(values)
     if not (np.abs(rows) <= LARGEST_LIGHT).all():
         raise EnvLightsError(
@@ -463,7 +463,7 @@ def _of_table(table: Table) -> Rig:
 
 
 def rig_fields(data: dict[str, Any]) -> tuple[Any, Any, Any, Any, Any, Any]:
-    """Arguments of `Rig` in what `Rig.to_dict` wrote."""
+    """Arguments for `Rig`, from the dictionary that `Rig.to_dict` returned."""
     return (
         data["ambient"],
         lights_of(data["lights"]),

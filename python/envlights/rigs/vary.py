@@ -1,4 +1,4 @@
-"""Variations of rigs for training, with the same bits for the same seed on every machine."""
+"""Random variations of rigs for training, bitwise equal for a seed on every machine."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from envlights.rigs.planck import planck_gains
 from envlights.rigs.portable import circle, power_of_two, uniform
 from envlights.rigs.rig import Rig, error_of
 
-#: A number, or the lowest and the highest of a range.
+#: Number, or (lowest, highest) of a range.
 Range = float | tuple[float, float]
 
-#: Least and largest values: 20 stops are a factor of a million; blue is positive from 2000 K on,
-#: and the formula ends at 15000 K; direction tolerances above 20 degrees are of little meaning.
+#: Smallest and largest values. 20 stops are a factor of a million. Blue is positive from 2000 K on,
+#: and the formula ends at 15000 K. Direction tolerances above 20 degrees are hardly meaningful.
 _LIMITS = {
     "azimuth": (-math.inf, math.inf),
     "exposure": (-20.0, 20.0),
@@ -32,42 +32,42 @@ _LIMITS = {
     "mix": (0.0, 1.0),
     "tolerance": (0.0, math.radians(20.0)),
 }
-#: Numbers of a stream before those of the lights, and those of each light.
+#: Random numbers per variation before those of the lights, and random numbers per light.
 _HEAD, _EACH = 6, 3
 
 
 class Variation(NamedTuple):
-    """Varied rig, and what was changed in it."""
+    """Varied rig, and the applied changes."""
 
     rig: Rig
-    """The rig. Its `error` is the largest of its sources, and its report is empty."""
+    """Varied rig. Its `error` is the largest of its sources, and its report is empty."""
 
     number: int
-    """Number in the stream, from 0."""
+    """Index in the stream, from 0."""
 
     sources: tuple[int, ...]
-    """Number of the rig that was varied, or of the two that were mixed."""
+    """Index of the varied rig, or indices of the two mixed rigs."""
 
     mix: float
-    """Weight of the second source; 0 without one."""
+    """Weight of the second source; 0 if there is none."""
 
     azimuth: float
-    """Degrees that were added to all azimuths."""
+    """Degrees added to all azimuths."""
 
     exposure: float
-    """Stops: all light was multiplied by 2 to this power."""
+    """Exposure change in stops, for all light."""
 
     temperature: float
-    """Colour temperature in kelvins that white light of the rig has now."""
+    """Colour temperature in kelvins to which white light was changed."""
 
     dropped: tuple[int, ...]
-    """Rows of the lights that were left out, in the sources one after the other."""
+    """Indices of omitted lights, in the concatenated lights of the sources."""
 
     jitter: tuple[float, ...]
-    """Distance on the unit sphere by which each light of the sources was moved; nearly radians."""
+    """Distance on the unit sphere by which each source light was moved; approximately radians."""
 
     def changes(self) -> dict[str, Any]:
-        """All fields but the rig, as plain numbers and lists."""
+        """All fields except the rig, as plain numbers and lists."""
         return {
             name: list(value) if isinstance(value, tuple) else value
             for name, value in self._asdict().items()
@@ -76,11 +76,11 @@ class Variation(NamedTuple):
 
 
 class _Part(NamedTuple):
-    """Rig that is varied, or mixed with another."""
+    """Source rig that is varied or mixed."""
 
     rig: Rig
     reach: NDArray[np.float64]
-    """1 - cosine of the largest movement of each light."""
+    """1 - cosine of the largest displacement of each light."""
     weight: float = 1.0
 
 
@@ -185,7 +185,7 @@ def _reciprocal(kelvins: tuple[float, float]) -> tuple[float, float]:
 
 
 def _rigs_of(rigs: Any) -> list[Rig]:
-    """Rigs as a list, or a refusal."""
+    """Rigs as a list; raises an error for other values."""
     each = [rigs] if isinstance(rigs, Rig) else [*rigs] if isinstance(rigs, Iterable) else []
     if not each or not all(isinstance(rig, Rig) for rig in each):
         raise EnvLightsError(f"rigs must be a Rig or several, as of `fit`; got {describe(rigs)}")
@@ -208,7 +208,7 @@ def _range(name: str, value: Any) -> tuple[float, float]:
 
 
 def _reach(rig: Rig, jitter: float) -> NDArray[np.float64]:
-    """1 - cosine of the largest movement of each light; 0 if the report has no tolerances."""
+    """1 - cosine of the largest displacement of each light; 0 if the report has no tolerances."""
     known = rig.report.direction_tolerances
     if len(known) != len(rig.lights):
         return np.zeros(len(rig.lights))
@@ -237,7 +237,7 @@ def _variation(parts: list[_Part], seed: int, number: int, ranges: _Ranges) -> V
 
 
 def _sources(rigs: int, first: float, second: float) -> tuple[int, int]:
-    """Two different rigs, if there are two."""
+    """Indices of two different rigs, if there are two."""
     one = int(first * rigs)
     return one, (one + 1 + int(second * (rigs - 1))) % rigs
 
@@ -274,12 +274,12 @@ def _change(
 
 
 def _together(notes: Iterable[tuple[str, ...]]) -> tuple[str, ...]:
-    """Notes of several rigs, each once."""
+    """Notes of several rigs, without duplicates."""
     return tuple(dict.fromkeys(note for each in notes for note in each))
 
 
 def _ambient(parts: list[_Part]) -> NDArray[np.float64]:
-    """Weighted sum of the ambient terms; harmonics if one of them is harmonics."""
+    """Weighted sum of the ambient terms; harmonics if any of them has harmonics."""
     terms = [part.rig.ambient for part in parts]
     if len({term.ndim for term in terms}) > 1:
         terms = [term if term.ndim == 2 else _harmonics(term) for term in terms]
@@ -302,7 +302,7 @@ def _move(
     along: NDArray[np.float64],
     across: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """Directions, (3, n), moved by angles whose 1 - cosine is `chord`, along two tangents."""
+    """Directions, (3, n), moved by angles with 1 - cosine `chord`, along two tangents."""
     cosine, sine = 1.0 - chord, np.sqrt(chord * (2.0 - chord))
     x, y, z = direction
     # Duff et al. (2017), "Building an orthonormal basis, revisited".

@@ -1,4 +1,4 @@
-"""Pairs of direct and indirect light to learn from."""
+"""Pairs of direct and indirect images for training."""
 
 from __future__ import annotations
 
@@ -20,21 +20,21 @@ from envlights.transfer.prior import TransferPrior
 
 @dataclass(frozen=True, eq=False, repr=False)
 class BakedPairs(ImagePairs):
-    """Reflected radiance of one scene under many rigs.
+    """Reflected radiance of a scene under many rigs.
 
     Direct light, (k, 16, 16, 3), is that of `MitsubaScene.direct`; indirect light, (k, H, W, 3), is
     path-traced on the lightmap.
     """
 
     noise: NDArray[np.float64]
-    """Noise of each image of indirect light, relative to it, (k,)."""
+    """Relative noise of each indirect image, (k,)."""
 
     prior: TransferPrior | None = None
-    """Indirect light by the geometry of the scene, for `TransferModel.fit`; absent if the scene
-    has none, with a remark in `skipped`."""
+    """Prior of indirect light from the geometry, for `TransferModel.fit`; None if impossible, with
+    a note in `skipped`."""
 
     skipped: tuple[str, ...] = ()
-    """Remarks on texels that were not rendered, and on an absent prior."""
+    """Notes on texels that were not rendered, and on a missing prior."""
 
 
 def bake(
@@ -88,7 +88,7 @@ def bake(
     seed, size = count("seed", seed), count("size", size, least=1)
     prior, notes = _prior(scene, size, progress)
     direct, noise = [], []
-    # Allocate all lightmaps at once: a copy of them might not fit into memory.
+    # Allocate all lightmaps first, because a copy might not fit into memory.
     indirect = np.empty((len(lights), *scene.lightmap.albedo.shape), np.float32)
     for k, rig in enumerate(progress_bar(lights, "baking", "rig", progress)):
         direct.append(scene.direct(rig, size))
@@ -102,7 +102,7 @@ def bake(
 def _prior(
     scene: MitsubaScene, size: int, progress: bool | None
 ) -> tuple[TransferPrior | None, tuple[str, ...]]:
-    """Prior of the scene, or the reason for its absence."""
+    """Prior of the scene, or a note on why there is none."""
     check_blocks(scene.points, size)
     try:
         return scene.gather(size=size, progress=progress), ()
@@ -111,7 +111,7 @@ def _prior(
 
 
 def _skip_notes(scene: MitsubaScene) -> tuple[str, ...]:
-    """Note on the texels of the lightmap without a surface."""
+    """Note on lightmap texels without a surface."""
     covered = scene.lightmap.covered
     bare = np.count_nonzero(~covered)
     return (f"{bare} of {covered.size} texels of the lightmap: no surface",) if bare else ()

@@ -1,4 +1,4 @@
-"""Pinhole camera, and the points of solids on a floor that it sees."""
+"""Pinhole camera, and the visible points of solids on a floor."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from envlights.kernels.solids import Ball, Box, Polyhedron, Solid
 
-#: Values of `Sight.own` that are no solid.
+#: Values of `Sight.own` for rays that hit no solid.
 FLOOR, NOTHING = -1, -2
 
 
 class Ray(NamedTuple):
-    """Rays from one point."""
+    """Rays from a common origin."""
 
     origin: NDArray[np.float64]
     """(3,)."""
@@ -25,7 +25,7 @@ class Ray(NamedTuple):
 
 
 class Sight(NamedTuple):
-    """First surfaces that rays meet."""
+    """First surface that each ray hits."""
 
     points: NDArray[np.float64]
     """(n, 3)."""
@@ -34,12 +34,12 @@ class Sight(NamedTuple):
     """Unit vectors, (n, 3)."""
 
     own: NDArray[np.int64]
-    """Row of the solid that each ray meets, `FLOOR` or `NOTHING`, (n,)."""
+    """Index of the solid that each ray hits, `FLOOR` or `NOTHING`, (n,)."""
 
 
 @dataclass(frozen=True)
 class Camera:
-    """Pinhole camera above a floor at the height 0, with +y up."""
+    """Pinhole camera above a floor at height 0, with +y up."""
 
     eye: tuple[float, float, float]
     """Position."""
@@ -48,7 +48,7 @@ class Camera:
     """Point in the centre of the image."""
 
     fov: float
-    """Angle in degrees between the left and the right edge of the image."""
+    """Horizontal field of view in degrees."""
 
     width: int
     """Columns of the image."""
@@ -57,7 +57,7 @@ class Camera:
     """Rows of the image."""
 
     def rays(self, per_side: int = 1) -> Ray:
-        """Rays through a grid of `per_side` by `per_side` points in each pixel, row by row."""
+        """Rays through a grid of `per_side` x `per_side` points per pixel, row by row."""
         eye = np.array(self.eye, float)
         forward = _unit(np.array(self.target, float) - eye)
         right = _unit(np.cross(forward, [0.0, 1.0, 0.0]))
@@ -77,7 +77,7 @@ class Camera:
 
 
 def first_surfaces(rays: Ray, solids: tuple[Solid, ...]) -> Sight:
-    """Points where rays first meet a floor at the height 0 or one of the solids."""
+    """First hits of the rays with a floor at height 0, or with a solid."""
     origin, directions = rays
     sinking = -directions[:, 1]
     distances = np.where(sinking > 0, origin[1] / np.maximum(sinking, 1e-300), np.inf)
@@ -93,12 +93,12 @@ def first_surfaces(rays: Ray, solids: tuple[Solid, ...]) -> Sight:
 
 
 def _meet(rays: Ray, solid: Solid) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Distance to a solid, or infinity, and its normal there."""
+    """Distance to a solid, infinity without a hit, and normal at the hit."""
     return _meet_ball(rays, solid) if isinstance(solid, Ball) else _meet_polyhedron(rays, solid)
 
 
 def _meet_ball(rays: Ray, ball: Ball) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Distance to a ball, or infinity, and its normal there."""
+    """Distance to a ball, infinity without a hit, and normal at the hit."""
     away = rays.origin - np.asarray(ball.centre, float)
     along = rays.directions @ away
     square = along**2 - away @ away + ball.radius**2
@@ -111,7 +111,7 @@ def _meet_ball(rays: Ray, ball: Ball) -> tuple[NDArray[np.float64], NDArray[np.f
 def _meet_polyhedron(
     rays: Ray, solid: Box | Polyhedron
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Distance to a convex polyhedron, or infinity, and its normal there."""
+    """Distance to a convex polyhedron, infinity without a hit, and normal at the hit."""
     normals, distances = solid.planes()
     heights = normals @ rays.origin - distances
     slopes = rays.directions @ normals.T

@@ -1,4 +1,4 @@
-"""Images of solids on a floor under a rig, in closed form: no rays but those of the camera."""
+"""Images of solids on a floor under a rig, in closed form; only camera rays are traced."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from envlights.rigs.rig import Rig
 from envlights.scene.camera import NOTHING, Camera, Sight, first_surfaces
 from envlights.scene.mitsuba.path_traced import SolidsOnFloor
 
-#: Irradiance of surfaces under a rig, (n, 3).
+#: Function that computes the irradiance of visible surfaces under a rig, (n, 3).
 Shading = Callable[[Rig, SolidsOnFloor, Sight], NDArray[np.float64]]
 
 
@@ -33,7 +33,7 @@ def shade(rig: Rig, scene: SolidsOnFloor, sight: Sight) -> NDArray[np.float64]:
 
 
 def shade_directly(rig: Rig, scene: SolidsOnFloor, sight: Sight) -> NDArray[np.float64]:
-    """Irradiance with shadows of lights and ambient term, without reflected light, (n, 3)."""
+    """Irradiance with shadows of lights and ambient term, but no reflected light, (n, 3)."""
     lights = rig.lights
     hidden = _hidden_fractions(rig, scene, sight, lights.angular_radius)
     strengths = np.concatenate([[np.pi * rig.ambient], lights.irradiance])
@@ -42,7 +42,7 @@ def shade_directly(rig: Rig, scene: SolidsOnFloor, sight: Sight) -> NDArray[np.f
 
 
 def shade_with_hard_shadows(rig: Rig, scene: SolidsOnFloor, sight: Sight) -> NDArray[np.float64]:
-    """Irradiance with shadows of lights as points, and none of the ambient term, (n, 3)."""
+    """Irradiance with shadows of lights as points, but not of the ambient term, (n, 3)."""
     lights = rig.lights
     hidden = _hidden_fractions(rig, scene, sight, np.zeros(len(lights)))[:, 1:]
     received: NDArray[np.float64] = rig.probe(sight.normals) - hidden @ lights.irradiance
@@ -50,7 +50,7 @@ def shade_with_hard_shadows(rig: Rig, scene: SolidsOnFloor, sight: Sight) -> NDA
 
 
 def shade_without_shadows(rig: Rig, scene: SolidsOnFloor, sight: Sight) -> NDArray[np.float64]:
-    """Irradiance with nothing in the way, (n, 3)."""
+    """Irradiance without shadows, (n, 3)."""
     return rig.probe(sight.normals)
 
 
@@ -68,7 +68,7 @@ def closed_form(
     per_side: int = 3,
     shading: Shading = shade,
 ) -> NDArray[np.float64]:
-    """Radiance of each pixel, (height, width, 3), the mean of a grid of points; sky is black."""
+    """Mean radiance over a grid of points per pixel, (height, width, 3); the sky is black."""
     sight = first_surfaces(camera.rays(per_side), scene.solids)
     hits = np.flatnonzero(sight.own != NOTHING)
     lit = Sight(sight.points[hits], sight.normals[hits], sight.own[hits])

@@ -1,4 +1,4 @@
-"""Direct light of any rig on a surface."""
+"""Direct light of rigs on a surface."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ DARK = np.zeros(3)
 
 @dataclass(frozen=True, eq=False)
 class DirectLight:
-    """Direct light of any rig on a surface, with shadows.
+    """Direct light of rigs on a surface, with shadows.
 
     A light without a size takes one shadow ray for each texel, a disc several to points on it. For
     the ambient term, the visible part of the sky is traced once for each texel. Shadows of balls,
@@ -51,18 +51,18 @@ class DirectLight:
     """Surface that receives the light."""
 
     blocked: Blocked
-    """Any ray tracer: a function of origins and unit directions, (n, 3) each, that returns True
-    for each ray that hits something, (n,)."""
+    """Ray tracer: a function of origins and unit directions, (n, 3) each, that returns True for
+    each ray that hits something, (n,)."""
 
     sky: NDArray[np.float64]
     """Irradiance of each covered texel under each spherical harmonic, (n, 9)."""
 
     rays: int = 16
-    """Shadow rays from each texel to a light that has a size. They differ from texel to texel, so a
-    mean over several texels is as accurate as all their rays together."""
+    """Shadow rays from each texel to a light with a size. They vary between texels, so that a mean
+    over several texels uses all their rays."""
 
     stage: Stage | None = None
-    """Solids, and the covered texels, if shadows have a closed form."""
+    """Solids and covered texels, if shadows are computed in closed form."""
 
     @classmethod
     def of(cls, surface: Surface, blocked: Blocked, directions: int = 64) -> DirectLight:
@@ -88,7 +88,7 @@ class DirectLight:
     def of_solids(
         cls, surface: Surface, solids: Solid | Iterable[Solid], directions: int = 64
     ) -> DirectLight:
-        """Shadows of balls, boxes and convex polyhedra in closed form.
+        """Direct light with shadows of balls, boxes and convex polyhedra in closed form.
 
         Parameters
         ----------
@@ -140,7 +140,7 @@ class DirectLight:
         """
         rig = as_rig(rig)
         irradiance = self.sky @ _harmonic(rig.ambient)
-        # Add each light to the texels that face it and are not in its shadow.
+        # Add each light at the texels that face it, outside its shadow.
         lights = self._traced(rig.lights) if self.stage is None else _exact(rig.lights, self.stage)
         return self.surface.reflected(irradiance + lights)
 
@@ -168,7 +168,7 @@ def _exact(lights: Lights, stage: Stage) -> NDArray[np.float64]:
 
 
 def as_rig(lights: AnyLights) -> Rig:
-    """The rig itself, or a rig of lights without an ambient term, or a refusal."""
+    """The given rig, or a rig of lights only; raises an error for other values."""
     if isinstance(lights, Rig):
         return lights
     if not isinstance(lights, Lights | DetectedLights):
@@ -184,5 +184,5 @@ def _harmonic(ambient: NDArray[np.float64]) -> NDArray[np.float64]:
     if ambient.ndim == 2:
         return ambient
     constant = np.zeros((9, 3))
-    constant[0] = np.sqrt(4 * np.pi) * ambient  # the first harmonic is 1 / sqrt(4 pi) all around
+    constant[0] = np.sqrt(4 * np.pi) * ambient  # the first harmonic is the constant 1 / sqrt(4 pi)
     return constant

@@ -16,9 +16,9 @@ from envlights.scene.direct import AnyLights, as_rig
 from envlights.scene.overlay import ShadowOverlay
 from envlights.scene.solids import source_light
 
-#: Length of a shadow in an automatic picture, in heights of the solid.
+#: Length of a shadow in an automatic picture, relative to the height of the solid.
 _LENGTH = 2.0
-#: Visible fraction of the sky below which a point is under a solid.
+#: Visible fraction of the sky below which a point counts as under a solid.
 _COVERED = 1e-9
 
 
@@ -100,7 +100,7 @@ def shadow_overlay(
     light = source_light(rig, stage)
     sky = kernels.hidden_fractions(stage, np.zeros((0, 3)), np.zeros(0), floor=True)[:, 0]
     whole = light.whole.sum(axis=0)[:1] if len(where) else rig.probe([[0.0, 1.0, 0.0]])
-    # A dark floor without any light has no shadows.
+    # Avoid division by 0 on a floor without light.
     unit = np.where(whole > 0, whole, 1.0)
     single = 1 - light.hidden / unit
     ratio = 1 - light.hidden.sum(axis=0) / unit
@@ -146,7 +146,7 @@ def _reflected_light(
 
 
 def _floor_notes(solids: tuple[Solid, ...]) -> tuple[str, ...]:
-    """Refuse solids below the floor; note those that reach below it."""
+    """Notes on solids that reach below the floor; raises an error for solids entirely below."""
     notes = []
     for row, solid in enumerate(solids):
         name = f"solid {row} ({type(solid).__name__})"
@@ -179,7 +179,7 @@ def _picture(solids: tuple[Solid, ...], columns: int) -> NDArray[np.float64]:
 
 
 def _footprint(solid: Solid) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Corners of a rectangle around a solid and its shadows, in x and z."""
+    """Corners of a rectangle around a solid with its shadows, in x and z."""
     rim = _LENGTH * _highest(solid)
     if isinstance(solid, Ball):
         low = high = np.array(solid.centre)[[0, 2]]
@@ -191,7 +191,7 @@ def _footprint(solid: Solid) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
 
 
 def _points(points: ArrayLike) -> NDArray[np.float64]:
-    """Points of a floor, or a refusal."""
+    """Points on a floor; raises an error for other values."""
     array = reals("points", points, 3 if np.ndim(points) == 3 else 2)
     if array.shape[-1] != 3:
         raise EnvLightsError(f"points must have the shape (..., 3); got {array.shape}")

@@ -1,4 +1,4 @@
-"""Light that bounces between the texels of a scene, by rays from each texel.
+"""Light transport between the texels of a scene, by rays from each texel.
 
 Rays leave a point with a density of cos / pi, so the fraction of them that hits a direct texel is
 its form factor. Their directions are the points of Hammersley, shifted at random for each point of
@@ -22,18 +22,20 @@ from envlights.scene.sky import cosine_hemisphere
 from envlights.scene.surface import Surface, tangent_frames
 from envlights.transfer.prior import MOST_RAYS, TransferPrior
 
-#: Texels along a side of direct images, and rays from a texel, of all that gather.
+#: Default texels along a side of direct images, and rays per texel.
 DIRECT, RAYS = 16, 256
-#: Answers of a ray tracer for rays that hit no direct texel.
+#: Results of a ray tracer for rays that hit no direct texel.
 SKY, BACK = -1, -2
-#: Ray tracer: origins (n, 3), unit directions (n, 3) -> the direct texel that each ray hits (n,).
+#: Ray tracer: origins (n, 3), unit directions (n, 3) -> index of the direct texel that each ray
+#: hits (n,).
 TexelHit = Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.integer]]
 
-#: Rays of a direct texel for one of a texel of the lightmap, because its bounces reach all texels.
+#: Ratio of rays per direct texel to rays per lightmap texel, because errors of direct texels affect
+#: all bounces.
 _MORE = 4
-#: A point is inside a solid if more than this fraction of its rays hits backs of surfaces.
+#: Fraction of rays that hit back faces, above which a point is inside a solid.
 _INSIDE = 0.9
-#: Rays that are held in memory at once.
+#: Number of rays held in memory at once.
 _BLOCK = 2**18
 
 
@@ -114,7 +116,7 @@ def gather(
     tracer = _Tracer(texel_hit, size * size, progress)
     group = _texels(points, size)
     hits, _ = tracer.trace(lightmap, rays)
-    # Gather at the points, and add up those of each direct texel that are not inside a solid.
+    # Trace rays from the points, and sum them per direct texel, without points inside solids.
     of_point = -(-_MORE * rays * size * size // points.covered.size)
     seen, backs = tracer.trace(points, of_point)
     is_open = backs <= _INSIDE * of_point
@@ -142,7 +144,7 @@ class _Tracer:
     progress: bool | None
 
     def trace(self, surface: Surface, rays: int) -> tuple[NDArray[np.uint16], NDArray[np.int64]]:
-        """Rays from each covered texel that hit each direct texel, and that hit backs."""
+        """Rays from each covered texel that hit each direct texel, and back faces."""
         origins, normals = surface.lifted()
         square = kernels.hammersley(rays)
         shifts = np.random.default_rng(0).random((len(origins), 2))
@@ -162,7 +164,7 @@ class _Tracer:
     def _checked(
         self, origins: NDArray[np.float64], directions: NDArray[np.float64]
     ) -> NDArray[np.int64]:
-        """Result of the ray tracer, or a refusal."""
+        """Result of the ray tracer; raises an error for invalid values."""
         answer = np.asarray(self.texel_hit(origins, directions))
         is_texel = answer.dtype.kind in "iu" and answer.shape == (len(origins),)
         if not is_texel or ((answer < BACK) | (answer >= self.texels)).any():
@@ -176,14 +178,14 @@ class _Tracer:
 
 
 def _counts(hit: NDArray[np.int64], texels: int) -> NDArray[np.int64]:
-    """Number of rays of each row that hit each texel, (n, texels)."""
+    """Number of rays in each row that hit each texel, (n, texels)."""
     row, _ = np.nonzero(hit >= 0)
     flat = np.bincount(row * texels + hit[hit >= 0], minlength=len(hit) * texels)
     return flat.reshape(len(hit), texels)
 
 
 def _sums(rows: NDArray[np.uint16], group: NDArray[np.int64], groups: int) -> NDArray[np.float64]:
-    """Sums of the rows of each group, (groups, columns)."""
+    """Sums of rows by group, (groups, columns)."""
     sums = np.zeros((groups, rows.shape[1]))
     order = np.argsort(group, kind="stable")
     present, starts = np.unique(group[order], return_index=True)
@@ -192,7 +194,7 @@ def _sums(rows: NDArray[np.uint16], group: NDArray[np.int64], groups: int) -> ND
 
 
 def check_blocks(points: Surface, size: int) -> None:
-    """Refuse points whose rows and columns are no multiples of `size`."""
+    """Raise an error unless rows and columns of the points are multiples of `size`."""
     rows, columns = points.covered.shape
     if rows % size or columns % size:
         raise EnvLightsError(
@@ -201,7 +203,7 @@ def check_blocks(points: Surface, size: int) -> None:
 
 
 def _texels(points: Surface, size: int) -> NDArray[np.int64]:
-    """Direct texel of each covered point, or a refusal."""
+    """Direct texel of each covered point; raises an error if a texel has none."""
     check_blocks(points, size)
     rows, columns = points.covered.shape
     row, column = np.nonzero(points.covered)

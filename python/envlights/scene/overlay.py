@@ -66,7 +66,7 @@ class ShadowOverlay(Result):
     """Points under a solid, (...), from which no sky is visible."""
 
     notes: tuple[str, ...] = field(default=())
-    """Remarks on assumptions."""
+    """Notes on assumptions."""
 
     def __post_init__(self) -> None:
         for name in ("points", "irradiance", "single", "ratio", "floor_albedo"):
@@ -218,7 +218,7 @@ class ShadowOverlay(Result):
 
 
 def _background(values: ArrayLike) -> NDArray[np.float64]:
-    """Linear radiance of a floor, or a refusal."""
+    """Linear radiance of a floor; raises an error for other values."""
     array = reals("background", values, np.ndim(values) or 1)
     if array.shape[-1] != 3 or not np.isfinite(array).all() or (array < 0).any():
         raise EnvLightsError(

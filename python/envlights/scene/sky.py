@@ -61,7 +61,7 @@ def sky_transfer(surface: Surface, blocked: Blocked, directions: int) -> NDArray
 def are_blocked(
     blocked: Blocked, origins: NDArray[np.float64], directions: NDArray[np.float64]
 ) -> NDArray[np.bool_]:
-    """Result of a ray tracer as bool, also from 0 and 1, or a refusal."""
+    """Result of a ray tracer as bool; accepts 0 and 1, and raises an error for others."""
     answer = np.asarray(blocked(origins, directions))
     is_flag = answer.dtype == np.bool_
     if answer.dtype.kind in "iu":
@@ -124,20 +124,20 @@ def visible_share(
         some = slice(first, first + _BLOCK)
         towards = _cap((square + shifts[some, None]) % 1, radius) @ frame
         cosines = np.maximum(np.einsum("nri,ni->nr", towards, normals[some]), 0)
-        # Trace those rays that leave the surface.
+        # Trace only rays that leave the surface.
         point, ray = np.nonzero(cosines)
         hit = are_blocked(blocked, origins[some][point], towards[point, ray])
         visible = cosines.copy()
         visible[point[hit], ray[hit]] = 0
         whole = cosines.sum(axis=1)
-        # Where only a sliver of the disc rises above the surface, no ray may meet it.
+        # If only a sliver of the disc is above the surface, no ray may hit it.
         np.divide(visible.sum(axis=1), whole, out=shares[some], where=whole > 0)
     return shares
 
 
 def _cap(square: NDArray[np.float64], radius: float) -> NDArray[np.float64]:
     """Points of the unit square, (..., 2), as directions up to `radius` around +z, uniform."""
-    # 1 - cos, which keeps its digits for a small radius.
+    # 1 - cos, computed without cancellation for a small radius.
     depth = square[..., 0] * 2 * np.sin(radius / 2) ** 2
     across, angle = np.sqrt(depth * (2 - depth)), 2 * np.pi * square[..., 1]
     return np.stack([across * np.cos(angle), across * np.sin(angle), 1 - depth], axis=-1)

@@ -12,13 +12,14 @@ from envlights._common.check import first_not_finite, reals
 from envlights._common.result import Result
 from envlights._native import EnvLightsError
 
-#: Rays start this share of the scene's extent above a surface, or it would block itself.
+#: Height above a surface at which rays start, relative to the size of the scene, so that it does
+#: not shadow itself.
 _LIFT = 1e-4
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Surface(Result):
-    """Diffuse surfaces, texel by texel, as most tools can bake them.
+    """Diffuse surfaces as texels, in the form that most tools can bake.
 
     Examples
     --------
@@ -49,7 +50,8 @@ class Surface(Result):
         for name in ("position", "normal", "albedo"):
             object.__setattr__(self, name, freeze(_map(name, getattr(self, name))))
             _check_size(name, getattr(self, name).shape, self.position.shape)
-        # Refuse normals that are neither of length 1 nor 0, an empty surface, a negative albedo.
+        # Raise an error for normals with lengths other than 0 or 1, an empty surface, a negative
+        # albedo.
         length = np.linalg.norm(self.normal, axis=-1)
         bad = np.argwhere((length > 0) & (np.abs(length - 1) > 1e-3))
         if len(bad):
@@ -81,7 +83,7 @@ class Surface(Result):
         return self.position[self.covered] + self.lift * normal, normal
 
     def thinned(self, rows: int, columns: int) -> Surface:
-        """Keep one texel, that in the middle, of each block of `rows` by `columns` texels."""
+        """Surface with the middle texel of each block of `rows` x `columns` texels."""
         some = slice(rows // 2, None, rows), slice(columns // 2, None, columns)
         return Surface(self.position[some], self.normal[some], self.albedo[some])
 
@@ -93,7 +95,7 @@ class Surface(Result):
         return image
 
     def means(self, image: NDArray[np.float64], size: int) -> NDArray[np.float64]:
-        """Means of an image over the covered texels of `size` by `size` blocks, 0 without any."""
+        """Means over the covered texels of each of `size` x `size` blocks, 0 if there are none."""
         rows, columns, _ = image.shape
         blocks = (size, rows // size, size, columns // size)
         count = self.covered.reshape(blocks).sum(axis=(1, 3))[..., None]

@@ -1,4 +1,4 @@
-"""Triangles of the shapes of a scene, and the first of them that each ray hits.
+"""Triangles of the shapes in a scene, and ray tracing of first hits.
 
 Mitsuba's scalar variant takes one call of Python for each ray; the kernel takes one for all.
 """
@@ -19,13 +19,13 @@ _CORNERS, _HALVES = ((0, 0), (1, 0), (1, 1), (0, 1)), [[0, 1, 2], [0, 2, 3]]
 
 
 class ShapeHits(NamedTuple):
-    """First hit of each of many rays."""
+    """First hit of each ray."""
 
     shape: NDArray[np.int64]
     """Index of the shape, or -1, (n,)."""
 
     uv: NDArray[np.float64]
-    """Its UV coordinates, (n, 2)."""
+    """UV coordinates of the hit, (n, 2)."""
 
     is_front: NDArray[np.bool_]
     """True if the normal points against the ray, (n,)."""
@@ -61,7 +61,7 @@ class Triangles:
 
 
 def triangles(mi: Any, shapes: Sequence[Any]) -> Triangles | None:
-    """Triangles of shapes; absent if one of them is neither a mesh nor a rectangle."""
+    """Triangles of shapes; None if a shape is neither a mesh nor a rectangle."""
     found = [_of_shape(mi, shape) for shape in shapes]
     each = [of_shape for of_shape in found if of_shape is not None]
     if len(each) < len(found):
@@ -76,7 +76,7 @@ def triangles(mi: Any, shapes: Sequence[Any]) -> Triangles | None:
 
 
 def _of_shape(mi: Any, shape: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
-    """Corners (n, 3, 3) and UV coordinates (n, 3, 2) of a shape; absent if it has no triangles."""
+    """Corners (n, 3, 3) and UV coordinates (n, 3, 2) of a shape; None if it has no triangles."""
     if shape.shape_type() == int(mi.ShapeType.Rectangle):
         ends = [shape.eval_parameterization(mi.Point2f(*each)).p for each in _CORNERS]
         return np.array(ends, np.float64)[_HALVES], np.array(_CORNERS, np.float64)[_HALVES]

@@ -19,7 +19,7 @@ _PER_SIDE = 3
 
 
 class _Image(NamedTuple):
-    """An image in closed form; a pixel is the mean of its rays."""
+    """Image in closed form; a pixel is the mean of its rays."""
 
     view: NDArray[np.float64]
     """Radiance in front of the panorama, (height, width, 3)."""
@@ -34,7 +34,7 @@ class _Image(NamedTuple):
     """Fraction of the rays that meet the floor within the dome, (height, width, 1)."""
 
     away: NDArray[np.float64]
-    """Fraction of the rays that meet the panorama elsewhere, (height, width, 1)."""
+    """Fraction of the rays that hit the panorama beyond the floor, (height, width, 1)."""
 
 
 def view_image(

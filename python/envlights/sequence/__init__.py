@@ -1,4 +1,4 @@
-"""Rigs over a sequence of maps.
+"""Rigs for a sequence of maps.
 
 | step                                                          | file               |
 |---------------------------------------------------------------|--------------------|

@@ -1,4 +1,4 @@
-"""Fits of the frames: each continues the last one, and a full search runs when it pays."""
+"""Fits of consecutive frames: each continues the last, with a full search when it pays."""
 
 from __future__ import annotations
 
@@ -17,30 +17,31 @@ from envlights.rigs.rig import Rig, error_of
 from envlights.sequence.steps import Steps
 from envlights.sequence.window import error_under, thin
 
-#: Growth of the error over its level at which a full search runs.
+#: Growth of the error above its reference level at which a full search runs.
 _GROWTH = 1.1
-#: Frames after which a full search runs in any case, at 1 / 24 of the time of full fits, so that a
-#: scene that changes slowly does not stay in a local minimum.
+#: Frames after which a full search runs in any case (1 / 24 of the time of full fits), so that
+#: slowly changing scenes do not stay in a local minimum.
 _PERIOD = 24
-#: Fraction of the error that a search must save, or the lights stay those of the last frame.
+#: Fraction by which a search must reduce the error; otherwise the lights of the last frame are
+#: kept.
 _WORTH = 0.05
-#: Fraction of a requested error that a search has to reach, so that the next frame reaches it too.
+#: Fraction of a requested error that a search must reach, as a margin for the next frame.
 _MARGIN = 0.9
 #: Fraction of a requested error below which a search for fewer lights runs.
 _SURPLUS = 0.5
-#: Error below which no search runs: the accuracy of the reduced map.
+#: Error below which no search runs: the accuracy of a reduced map.
 _ACCURACY = 1e-4
 
 
 class Fit(NamedTuple):
-    """Fit to one frame."""
+    """Fit to a single frame."""
 
     rig: Rig
     samples: MapSamples
     is_search: bool
     """True if the lights come from a full search."""
     is_step: bool = False
-    """True if the light of the scene changed at once."""
+    """True if the scene's light changed abruptly."""
 
 
 @dataclass
@@ -48,15 +49,15 @@ class Continuation:
     """Fits of consecutive frames with the same arguments."""
 
     arguments: FitArguments
-    """Arguments of `fit`, with the greatest number of lights."""
+    """Arguments of `fit`, with the largest number of lights."""
     _level: float = field(default=np.inf, init=False)
-    """Error that the lights of the last search leave, as far as it was seen to fall."""
+    """Smallest error since the last search, as the reference level."""
     _frames: int = field(default=0, init=False)
-    """Frames since the last search."""
+    """Number of frames since the last search."""
     _steps: Steps = field(default_factory=Steps, init=False)
 
     def fit(self, env: AnyMap, start: Lights | None) -> Fit:
-        """Fit to the next frame, whose lights are expected in the state `start`.
+        """Fit to the next frame, starting from the expected lights `start`.
 
         None for the first frame.
         """
@@ -78,13 +79,13 @@ class Continuation:
         return self._restart(near)
 
     def _search(self, reduction: Reduction) -> Rig:
-        """Full search, with a margin to the requested error."""
+        """Rig of a full search, with a margin to the requested error."""
         goal = self.arguments.error
         arguments = replace(self.arguments, error=None if goal is None else _MARGIN * goal)
         return fit_reduction(reduction, arguments)[0]
 
     def _continue(self, reduction: Reduction, start: Lights) -> Fit:
-        """Descent from the expected lights, with as many of them."""
+        """Fit by descent from the expected lights, keeping their number."""
         if self.arguments.floor:
             start = replace(start, direction=_above_horizon(start.direction))
         if not self.arguments.sizes:
@@ -97,12 +98,12 @@ class Continuation:
         return Fit(rig, samples, False)
 
     def _refill(self, reduction: Reduction, start: Lights) -> tuple[Rig, MapSamples]:
-        """Descent from the expected directions, with others in place of black lights."""
+        """Fit by descent from the expected directions, with black lights replaced."""
         arguments = replace(self.arguments, lights=len(start), start=start, error=None)
         return fit_reduction(reduction, arguments)
 
     def _restart(self, fit: Fit) -> Fit:
-        """Take the error of a fit as the level that later ones are compared with."""
+        """Use the error of a fit as the reference level for later fits."""
         self._level, self._frames = _error(fit.rig), 0
         return fit
 
@@ -117,7 +118,7 @@ class Continuation:
         return has_grown or self._frames >= _PERIOD
 
     def _is_worth(self, far: Rig, near: Rig) -> bool:
-        """True if the lights of a search replace those that continue the last frame."""
+        """True if the result of a search is enough better to replace the continued lights."""
         goal = self.arguments.error
         if goal is not None and error_of(near) <= goal:
             return len(far.lights) < len(near.lights) and error_of(far) <= goal

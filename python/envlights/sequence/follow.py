@@ -1,4 +1,4 @@
-"""Rigs of the frames of a sequence, with lights that keep their identity."""
+"""Rigs for the frames of a sequence, whose lights keep their identity."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ from envlights.sequence.window import FrameFit, average
 
 
 class RigStream(Iterator[FrameRig]):
-    """Rigs of the frames, one after another, each as soon as its window is complete."""
+    """Iterator of rigs, each available as soon as its window is complete."""
 
     def __init__(
         self, frames: Frames, arguments: FitArguments, steadiness: int, fps: float | None
     ) -> None:
         self._frames, self._rigs = frames, _rigs(frames.maps, arguments, steadiness)
         self.steadiness = steadiness
-        """Half-width of the window in frames: a rig comes that many frames after its map."""
+        """Half-width of the window in frames, which is also the delay of a rig after its map."""
         self.fps = fps
-        """Frames in a second, or None."""
+        """Frames per second, or None."""
 
     def __next__(self) -> FrameRig:
         return next(self._rigs)
@@ -41,7 +41,7 @@ class RigStream(Iterator[FrameRig]):
         return f"<RigStream: {self._frames.number or 'any number of'} frames; not in memory>"
 
     def sequence(self, *, progress: bool | None = None) -> RigSequence:
-        """All rigs that are still to come, in memory.
+        """All remaining rigs, in memory.
 
         Parameters
         ----------
@@ -165,7 +165,7 @@ def follow(
         fill=fill,
         target=None,
     )
-    # Rigs with several kinds of ambient term have no mean.
+    # Rigs with different kinds of ambient term cannot be averaged.
     check_choice("ambient", ambient, tuple(AMBIENTS))
     check_arguments(arguments)
     return RigStream(found, arguments, half, rate)
@@ -191,19 +191,19 @@ def _rigs(maps: Iterable[AnyMap], arguments: FitArguments, steadiness: int) -> I
 
 
 def _until_the_end(window: deque[FrameFit], middle: int) -> Iterator[FrameRig]:
-    """Means of the frames from `middle` on, with windows that become shorter."""
+    """Means for the frames from `middle` on, with windows that shrink at the end."""
     for frame in range(middle, len(window)):
         yield _mean(window, frame, len(window) - 1 - frame)
 
 
 def _mean(window: deque[FrameFit], middle: int, most: int) -> FrameRig:
-    """Mean over a symmetric window that `window` holds, of at most that half-width."""
+    """Mean over a symmetric window inside `window`, with a half-width of at most `most`."""
     half = min(most, middle)
     return average([window[row] for row in range(middle - half, middle + half + 1)])
 
 
 def _fits(maps: Iterable[AnyMap], arguments: FitArguments) -> Iterator[FrameFit]:
-    """Fits of the frames, with the identities of their lights."""
+    """Fits of the frames, with identities of their lights."""
     continuation, identities = Continuation(arguments), Identities()
     start, units = None, None
     for number, env in enumerate_maps(maps):

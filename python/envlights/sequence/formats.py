@@ -1,4 +1,4 @@
-"""Files of a sequence by their suffixes."""
+"""File formats of a sequence by suffix."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def json_lines(rigs: Iterable[FrameRig], steadiness: int = 0, fps: float | None 
 def read_json_lines(
     path: str | os.PathLike[str],
 ) -> tuple[tuple[FrameRig, ...], int, float | None]:
-    """Rigs, steadiness and frames in a second of a file that `json_lines` filled.
+    """Rigs, steadiness and frames per second, from a file of `json_lines`.
 
     Raises
     ------
@@ -84,7 +84,7 @@ _HEAD = (
 
 
 def csv(rigs: Iterable[FrameRig]) -> str:
-    """Table with a row for each light and one or nine for the ambient term of each frame.
+    """CSV table with a row per light, and one or nine rows for the ambient term, of each frame.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Rig of one frame of a sequence."""
+"""Rig of a frame in a sequence."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from envlights.rigs.rig import Rig
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FrameRig(Rig):
-    """Rig of one frame, whose lights have the identities that they keep over the sequence.
+    """Rig of a frame, whose lights keep their identities over the sequence.
 
     Examples
     --------
@@ -25,19 +25,19 @@ class FrameRig(Rig):
     """
 
     frame: int = 0
-    """Number of the frame, from 0."""
+    """Index of the frame, from 0."""
 
     ids: tuple[int, ...] = ()
     """Identity of each light, in the order of `lights`."""
 
     fit_error: float = 0.0
-    """Relative RMS error of the fit to this frame alone, before the average over the window."""
+    """Relative RMS error of the fit to this frame, before averaging over the window."""
 
     is_search: bool = False
-    """True if the lights of this frame come from a full search."""
+    """True if the lights come from a full search."""
 
     is_step: bool = False
-    """True if the light of the scene changed at once from the last frame to this one."""
+    """True if the scene's light changed abruptly at this frame."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -50,7 +50,7 @@ class FrameRig(Rig):
             )
 
     def light(self, identity: int) -> Lights:
-        """Light with an identity, as one row; no row if the frame has no such light."""
+        """Light with this identity, as `Lights` of length 1, or 0 if absent."""
         rows = [row for row, each in enumerate(self.ids) if each == identity]
         return self.lights[rows]
 

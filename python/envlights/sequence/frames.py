@@ -1,4 +1,4 @@
-"""Frames of a sequence: files by a pattern or in a folder, a video, an array, or maps."""
+"""Frames of a sequence: files by pattern or folder, a video, an array, or maps."""
 
 from __future__ import annotations
 
@@ -19,24 +19,24 @@ from envlights.environment.fill import Fill
 from envlights.environment.reading import AnyMap, Reading, as_envmap, check_reading
 from envlights.sequence.video import VIDEOS, video_frames
 
-#: Pattern or folder of files, path of a video, array of the shape (n, height, 2 * height, 3), or
-#: maps one after another.
+#: Pattern or folder of files, path of a video, array of shape (n, height, 2 * height, 3), or an
+#: iterable of maps.
 AnyFrames = str | os.PathLike[str] | Iterable[AnyMap] | ArrayLike
 
 
 class Frames(NamedTuple):
-    """Maps of a sequence, which are read one at a time."""
+    """Maps of a sequence, read one at a time."""
 
     maps: Iterable[AnyMap]
     number: int | None
-    """Number of frames, if it is known."""
+    """Number of frames, if known."""
 
     fps: float | None = None
-    """Frames in a second, if the source says so."""
+    """Frames per second, if the source states them."""
 
 
 def read_frames(frames: Any, reading: Reading | None, fill: Fill) -> Frames:
-    """Frames of `frames_of`, each read with these options when it is needed."""
+    """Frames of `frames_of`, each read with these options when needed."""
     check_reading(reading)
     found = frames_of(frames)
     if reading is None:
@@ -46,7 +46,7 @@ def read_frames(frames: Any, reading: Reading | None, fill: Fill) -> Frames:
 
 
 def frames_of(frames: Any) -> Frames:
-    """Frames of anything that `follow` accepts.
+    """Frames from any argument that `follow` accepts.
 
     Raises
     ------
@@ -73,7 +73,7 @@ def frames_of(frames: Any) -> Frames:
 
 
 def natural_key(path: str) -> tuple[tuple[int, int, str], ...]:
-    """Sort key by which frame 9 comes before frame 10.
+    """Sort key that puts frame 9 before frame 10.
 
     Examples
     --------
@@ -85,7 +85,7 @@ def natural_key(path: str) -> tuple[tuple[int, int, str], ...]:
 
 
 def _of_path(path: str) -> Frames:
-    """Files of a pattern or a folder in natural order, or the frames of a video."""
+    """Files of a pattern or folder in natural order, or the frames of a video."""
     if Path(path).suffix.lower() in VIDEOS:
         return Frames(*video_frames(path))
     if Path(path).is_dir():
@@ -104,7 +104,7 @@ def _of_path(path: str) -> Frames:
 
 
 def enumerate_maps(maps: Iterable[AnyMap]) -> Iterator[tuple[int, AnyMap]]:
-    """Maps with their numbers from 0; a refusal of an iterable that is empty."""
+    """Maps with their indices from 0; raises an error if there are none."""
     number = -1
     for number, env in enumerate(maps):
         yield number, env

@@ -1,4 +1,4 @@
-"""Identities of lights: which light of a frame is which light of the frames before."""
+"""Identification of lights over the frames of a sequence."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from numpy.typing import NDArray
 from envlights import _native
 from envlights.rigs.lights import Lights
 
-#: Degrees, and factor of flux, that cost as much as one light without a partner. Two lights are the
-#: same if they cost less than two lights without one: 10 degrees at equal flux.
+#: Angle in degrees, and ratio of flux, that cost as much as leaving a light unmatched. Two lights
+#: match if they cost less than two unmatched lights: 10 degrees at equal flux.
 _ANGLE_DEG, _FLUX_RATIO = 5.0, 4.0
-#: Cost of lights that return after a frame without them, so that present lights come first.
+#: Additional cost of lights that reappear after an absence, so that present lights are preferred.
 _RETURN = 0.5
-#: Lights that are remembered after they vanished.
+#: Number of vanished lights that are remembered.
 _MOST_VANISHED = 64
-#: Weight of the newest step in the velocity of a light. 1 would pass the noise of each fit on.
+#: Weight of the newest step in the velocity of a light; 1 would propagate the noise of each fit.
 _NEWEST = 0.3
 
 
@@ -28,17 +28,17 @@ class _Light:
     direction: NDArray[np.float64]
     flux: float
     radius: float
-    #: Part of each channel in the sum of the irradiance, (3,).
+    #: Fraction of each channel in the sum of the irradiance, (3,).
     colour: NDArray[np.float64]
-    #: Rotation in one frame, as axis times angle.
+    #: Rotation per frame, as axis times angle.
     velocity: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
     age: int = 0
-    #: Frames since it was seen.
+    #: Number of frames since the light was last present.
     absent: int = 0
 
     @property
     def next_direction(self) -> NDArray[np.float64]:
-        """Direction in the next frame at the same velocity; the last one if it vanished."""
+        """Direction in the next frame at constant velocity; the last one if it vanished."""
         return self.direction if self.absent else turn(self.direction, self.velocity)
 
     def move(
@@ -48,7 +48,7 @@ class _Light:
         radius: float,
         colour: NDArray[np.float64],
     ) -> None:
-        """Take over the state in the next frame."""
+        """Update the state for the next frame."""
         if self.absent:
             self.velocity, self.age = np.zeros(3), 0
         else:
@@ -61,7 +61,7 @@ class _Light:
 
 
 class Identities:
-    """Lights of a sequence, which are recognised from frame to frame."""
+    """Lights of a sequence, identified from frame to frame."""
 
     def __init__(self) -> None:
         self._lights: list[_Light] = []
@@ -69,7 +69,7 @@ class Identities:
         self._present: list[_Light] = []
 
     def next_lights(self) -> Lights:
-        """Lights of the last frame in their expected directions, brightest first, of one colour."""
+        """Lights of the last frame in predicted directions, brightest first, in grey."""
         direction = np.reshape([light.next_direction for light in self._present], (-1, 3))
         flux = np.repeat([light.flux for light in self._present], 3).reshape(-1, 3)
         return Lights(direction, flux, np.array([light.radius for light in self._present]))
@@ -93,41 +93,41 @@ class Identities:
         return tuple(light.identity for light in self._present)
 
     def _partners(self, lights: Lights) -> dict[int, _Light]:
-        """Known light of each row that has one: the assignment with the least cost."""
+        """Known light for each matched row, by the assignment with the lowest cost."""
         known, rows = len(self._lights), len(lights)
-        # Each light may also stay alone: at a cost of 1, in columns and rows of its own.
+        # Allow each light to stay unmatched, at a cost of 1, in additional columns and rows.
         costs = np.full((known + rows, known + rows), np.inf)
         costs[:known, :rows] = self._costs(lights)
         np.fill_diagonal(costs[:known, rows:], 1.0)
         np.fill_diagonal(costs[known:, :rows], 1.0)
         costs[known:, rows:] = 0.0
-        # Two lights alone cost 2, so no pair of more is in the assignment.
+        # Two unmatched lights cost 2, so more expensive pairs are never assigned.
         columns = _native.assignment(np.minimum(costs, 3.0))
         return {int(columns[i]): self._lights[i] for i in range(known) if columns[i] < rows}
 
     def _costs(self, lights: Lights) -> NDArray[np.float64]:
-        """Cost of each pair of a known light and a row, by direction, flux and colour."""
+        """Cost of each pair of a known light and a row, from direction, flux and colour."""
         if not self._lights or not len(lights):
             return np.zeros((len(self._lights), len(lights)))
         expected = np.array([light.next_direction for light in self._lights])
         chord = np.linalg.norm(expected[:, None] - lights.direction[None], axis=2)
         angle = np.rad2deg(2 * np.arcsin(np.minimum(chord / 2, 1)))
         radius = np.array([light.radius for light in self._lights])
-        # The direction of a wide light is less certain.
+        # Directions of wide lights are less certain.
         wide = np.rad2deg(radius[:, None] + lights.angular_radius) / 8
         smallest = np.finfo(float).tiny
         before = np.log(np.maximum([light.flux for light in self._lights], smallest))
         after = np.log(np.maximum(lights.luminance, smallest))
         ratio = np.abs(after - before[:, None]) / np.log(_FLUX_RATIO)
         absent = np.array([_RETURN * (light.absent > 0) for light in self._lights])
-        # 2 for lights without a common channel, which are never the same.
+        # Lights without a common channel cost 2, and never match.
         colours = np.array([light.colour for light in self._lights])
         tint = np.abs(colours[:, None] - _colours(lights)).sum(axis=2)
         costs: NDArray[np.float64] = angle / (_ANGLE_DEG + wide) + ratio + tint + absent[:, None]
         return costs
 
     def _forget(self) -> None:
-        """Count the frames without each absent light, and forget the longest absent ones."""
+        """Count the frames of absence, and forget the lights that are absent longest."""
         present = {light.identity for light in self._present}
         for light in self._lights:
             light.absent += light.identity not in present
@@ -137,7 +137,7 @@ class Identities:
 
 
 def _colours(lights: Lights) -> NDArray[np.float64]:
-    """Part of each channel in the sum of the irradiance of each light, (n, 3)."""
+    """Fraction of each channel in the sum of the irradiance of each light, (n, 3)."""
     whole = np.maximum(lights.irradiance.sum(axis=1, keepdims=True), np.finfo(float).tiny)
     colours: NDArray[np.float64] = lights.irradiance / whole
     return colours
@@ -162,6 +162,6 @@ def turn(direction: NDArray[np.float64], rotation: NDArray[np.float64]) -> NDArr
 
 
 def _cross(a: NDArray[np.float64], b: NDArray[np.float64]) -> tuple[float, float, float]:
-    """Cross product of two vectors; that of NumPy takes ten times as long for one pair."""
+    """Cross product of two vectors; `np.cross` takes ten times as long for one pair."""
     (x, y, z), (u, v, w) = a.tolist(), b.tolist()
     return y * w - z * v, z * u - x * w, x * v - y * u

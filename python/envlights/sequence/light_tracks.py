@@ -1,4 +1,4 @@
-"""Lights of a sequence as curves over its frames, for files that hold keyframes."""
+"""Lights of a sequence as curves over its frames, for keyframes in files."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from envlights.export.targets import target_named
 from envlights.sequence.frame_rig import FrameRig
 from envlights.sequence.steadiness import frame_rate
 
-#: Frames in a second of a file if the sequence does not say it: the rate of film.
+#: Default frames per second of a file: the rate of film.
 DEFAULT_FPS = 24.0
 
 
 class LightTrack(NamedTuple):
-    """One light over all frames; before and after its life it is black and rests."""
+    """Light over all frames; when absent it is black and keeps its direction."""
 
     id: int
     direction: NDArray[np.float64]
@@ -37,23 +37,23 @@ class LightTracks(NamedTuple):
     """All lights and the ambient term over the frames."""
 
     frames: tuple[int, ...]
-    """Numbers of the frames."""
+    """Indices of the frames."""
     fps: float
-    """Frames in a second."""
+    """Frames per second."""
     lights: tuple[LightTrack, ...]
     ambient: NDArray[np.float64]
     """Ambient radiance, (frames, 3)."""
     statement: str
-    """Sentence on the units."""
+    """Sentence about the units."""
 
     @property
     def seconds(self) -> NDArray[np.float64]:
-        """Time of each frame from the first one."""
+        """Time of each frame since the first one."""
         return (np.array(self.frames) - self.frames[0]) / self.fps
 
 
 def tracks_of(rigs: Iterable[FrameRig], target: str, fps: float | None) -> LightTracks:
-    """Curves of the lights in the units of a target of `el.export`.
+    """Curves of the lights in the units of an export target.
 
     Raises
     ------
@@ -76,7 +76,7 @@ def tracks_of(rigs: Iterable[FrameRig], target: str, fps: float | None) -> Light
 
 
 def checked_rigs(rigs: Iterable[FrameRig]) -> list[FrameRig]:
-    """Rigs of the frames as a list, or a refusal."""
+    """Rigs of the frames as a list; raises an error for other values."""
     found: Any = [*rigs] if isinstance(rigs, Iterable) else rigs
     if not isinstance(found, list) or not found or not all(isinstance(r, FrameRig) for r in found):
         raise EnvLightsError(
@@ -89,7 +89,7 @@ def checked_rigs(rigs: Iterable[FrameRig]) -> list[FrameRig]:
 
 
 def _tracks(rigs: list[FrameRig], factor: float) -> tuple[LightTrack, ...]:
-    """Curve of each light, from the frames that have it."""
+    """Curve of each light, from the frames that contain it."""
     present: dict[int, list[int]] = {}
     rows: dict[int, list[NDArray[np.float64]]] = {}
     for frame, rig in enumerate(rigs):
@@ -111,7 +111,7 @@ def _track(
     factor: float,
     frames: int,
 ) -> LightTrack:
-    """Curve of a light; where it is absent, it is black and as in the nearest frame."""
+    """Curve of a light; frames without it are black, with values of the nearest frame."""
     irradiance = rows[:, 3:6]
     most = irradiance.max(axis=1)
     intensity = np.zeros(frames)
@@ -122,7 +122,7 @@ def _track(
 
 
 def _nearest(present: NDArray[np.intp], count: int) -> NDArray[np.intp]:
-    """Number of the nearest frame in `present` for each frame, the earlier one of two."""
+    """Index of the nearest frame in `present` for each frame; the earlier one if equal."""
     frames = np.arange(count)
     after = np.minimum(np.searchsorted(present, frames), len(present) - 1)
     before = np.maximum(after - 1, 0)

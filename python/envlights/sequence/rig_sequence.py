@@ -42,10 +42,10 @@ class RigSequence(TableResult):
     """Rig of each frame."""
 
     steadiness: int = 0
-    """Half-width in frames of the window over which the rigs are means."""
+    """Half-width in frames of the averaging window."""
 
     fps: float | None = None
-    """Frames in a second, or None."""
+    """Frames per second, or None."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "rigs", tuple(checked_rigs(self.rigs)))
@@ -69,12 +69,12 @@ class RigSequence(TableResult):
 
     @cached_property
     def ids(self) -> tuple[int, ...]:
-        """Identities of all lights, in rising order."""
+        """Identities of all lights, ascending."""
         return tuple(sorted({identity for rig in self.rigs for identity in rig.ids}))
 
     @property
     def direction(self) -> NDArray[np.float64]:
-        """Unit vectors towards the lights, (frames, ids, 3); NaN in frames without the light."""
+        """Unit vectors to the lights, (frames, ids, 3); NaN in frames without the light."""
         return self._by_identity(lambda rig: rig.lights.direction, 3, np.nan)
 
     @property
@@ -120,7 +120,7 @@ class RigSequence(TableResult):
 
     @property
     def flicker(self) -> float:
-        r"""Flicker of the lights at constant light.
+        r"""Flicker of the lights under constant lighting.
 
         With the flux F of the light i in the frame k, and D its second difference
         :math:`F_{i,k-1} - 2 F_{i,k} + F_{i,k+1}`, it is
@@ -139,7 +139,7 @@ class RigSequence(TableResult):
         return float(np.sqrt((second**2).sum(axis=1).mean() / 6) / mean)
 
     def _by_identity(self, values_of: Any, width: int, missing: float) -> NDArray[np.float64]:
-        """Values of each light in its column, (frames, ids, width)."""
+        """Values of each light, one column per identity, (frames, ids, width)."""
         table = np.full((len(self.rigs), len(self.ids), width), missing)
         for row, rig in enumerate(self.rigs):
             table[row, np.searchsorted(self.ids, rig.ids)] = values_of(rig)
@@ -185,7 +185,7 @@ class RigSequence(TableResult):
         }
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Columns with a value for each light of each frame, by name."""
+        """Columns by name, with a value per light and frame."""
         numbers = [len(rig.ids) for rig in self.rigs]
         direction, irradiance = (
             np.concatenate([getattr(rig.lights, name) for rig in self.rigs])
@@ -206,7 +206,7 @@ class RigSequence(TableResult):
         return f"{frames}, {lights}, mean error {error}, {flicker}"
 
     def table(self) -> Table:
-        """Table of the dozen lights with the most flux over all frames."""
+        """Table of the twelve lights with the most flux over all frames."""
         flux, motion = self.flux, self.motion_deg
         order = np.argsort(-flux.sum(axis=0), kind="stable")
         columns = ["id", "frames", "fraction", "mean flux", "fastest motion"]

@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 from envlights._common.check import amount, count, describe
 from envlights._native import EnvLightsError
 
-#: Longest half-width; a window holds the rigs and the probes of its frames.
+#: Largest half-width, because a window holds the rigs and irradiance of its frames in memory.
 MOST_FRAMES = 1000
 
 _SECONDS = re.compile(r"\s*(\d+(?:\.\d*)?|\.\d+)\s*s\s*")
 
 
 def frame_rate(fps: float | None) -> float | None:
-    """Frames in a second, above 0, or None."""
+    """Frames per second, above 0, or None."""
     if fps is None:
         return None
     if amount("fps", fps) == 0:
@@ -26,7 +26,7 @@ def frame_rate(fps: float | None) -> float | None:
 
 
 def window_frames(steadiness: int | str, fps: float | None) -> int:
-    """Half-width of the window in frames, of a number of frames or a text such as "0.2 s".
+    """Half-width of the window in frames, from a number of frames or a text such as "0.2 s".
 
     Examples
     --------
@@ -50,7 +50,7 @@ def window_frames(steadiness: int | str, fps: float | None) -> int:
 
 
 def window_weights(half: int) -> NDArray[np.float64]:
-    """Raised cosine over the frames from -half to half, (2 * half + 1,), with the sum 1.
+    """Raised-cosine weights over the frames from -half to half, (2 * half + 1,), with sum 1.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Steps of the light: frames before which the light of the scene changes at once."""
+"""Detection of frames at which the scene's light changes abruptly."""
 
 from __future__ import annotations
 
@@ -9,28 +9,29 @@ import numpy as np
 from envlights.fitting.map_fit import MapSamples
 from envlights.kernels.probe import relative_rms
 
-#: Ratio of a step to the median change from frame to frame. Noise of the exposure does not reach 5.
+#: Smallest ratio of a step to the median change between frames; exposure noise stays below 5.
 _RATIO = 5.0
-#: Least relative RMS change of the irradiance in a step. Smaller ones are cross-faded unseen.
+#: Smallest relative RMS change of irradiance in a step; smaller ones are invisible in a cross-fade.
 _LEAST = 0.01
-#: Least change in a step while fewer than `_FEW` changes are known, as at the ends of a flash.
+#: Smallest change in a step while fewer than `_FEW` changes are known, for example at the end of a
+#: flash.
 _LEAST_AT_FIRST, _FEW = 0.25, 3
-#: Changes that the median is taken over.
+#: Number of changes in the median.
 _REMEMBERED = 12
 
 
 class _Changes:
-    """One measure of the change from frame to frame, and what is usual for it."""
+    """Measure of the change between frames, with its usual size."""
 
     def __init__(self) -> None:
         self._last: deque[tuple[float, bool]] = deque(maxlen=_REMEMBERED)
 
     def is_step(self, change: float) -> bool:
-        """True if a change is far larger than usual; the first ones are not compared."""
+        """True if a change is far larger than usual; false until enough changes are known."""
         if len(self._last) < _FEW:
             found = change > _LEAST_AT_FIRST
         else:
-            # Steps are not usual, unless there is nothing else.
+            # Exclude steps from the usual changes, unless there are only steps.
             others = [each for each, is_step in self._last if not is_step]
             usual = float(np.median(others or [each for each, _ in self._last]))
             found = change > max(_LEAST, _RATIO * usual)
@@ -39,14 +40,14 @@ class _Changes:
 
 
 class Steps:
-    """Changes of the irradiance from frame to frame: of all of it, and beyond the exposure."""
+    """Changes of irradiance between frames: total, and after removal of exposure."""
 
     def __init__(self) -> None:
         self._last: MapSamples | None = None
         self._changes = _Changes(), _Changes()
 
     def is_step(self, samples: MapSamples) -> bool:
-        """True if the irradiance under the next frame differs far more than usual from the last."""
+        """True if the irradiance of the next frame differs far more than usual."""
         last, self._last = self._last, samples
         if last is None:
             return False

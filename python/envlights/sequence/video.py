@@ -1,4 +1,4 @@
-"""Frames of a video file, decoded by PyAV, which the extra `video` installs."""
+"""Frames of a video file, decoded by PyAV (extra `video`)."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from envlights.environment.envmap import EnvMap
 
 #: Suffixes of videos.
 VIDEOS = (".mp4", ".mov", ".mkv", ".webm", ".avi")
-#: Transfer curves of high dynamic range in ITU-T H.273, which need frames as linear files.
+#: HDR transfer curves of ITU-T H.273, which need linear image files instead.
 _CURVES = {16: "PQ", 18: "HLG"}
 _NOTE = "a frame of a video: 8-bit codes read as sRGB, so bright lights are clipped"
 
 
 def video_frames(path: str) -> tuple[Iterable[EnvMap], int | None, float | None]:
-    """Maps of the frames, read one at a time; their number and their rate if the file has them.
+    """Maps of the frames, read one at a time; frame count and rate if the file states them.
 
     Raises
     ------

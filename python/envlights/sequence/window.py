@@ -1,4 +1,4 @@
-"""Average of the rigs in a window around a frame."""
+"""Mean of the rigs in a window around a frame."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ from envlights.rigs.rig import Rig, error_of
 from envlights.sequence.frame_rig import FrameRig
 from envlights.sequence.steadiness import window_weights
 
-#: One of this many normals measures a rig. It shares no factor with the number of normals in a ring
-#: of equal height, so all azimuths remain.
+#: Stride of the normals at which a rig is measured. It shares no factor with the number of normals
+#: in a ring of equal height, so all azimuths occur.
 _STRIDE = 7
 
 
 def thin(samples: MapSamples) -> MapSamples:
-    """Every seventh normal, of 5120: the error of three real maps changes by 0.4 % of it."""
+    """Every seventh of 5120 normals, which changes the error of three real maps by 0.4 %."""
     return MapSamples(*(array[::_STRIDE] for array in samples))
 
 
 class FrameFit(NamedTuple):
-    """Fit of one frame, with the identities of its lights."""
+    """Fit of a frame, with identities of its lights."""
 
     frame: int
     rig: Rig
@@ -38,7 +38,7 @@ class FrameFit(NamedTuple):
 
 
 def average(fits: Sequence[FrameFit]) -> FrameRig:
-    """Rig of the frame in the middle of an odd number of consecutive fits.
+    """Mean rig for the middle of an odd number of consecutive fits.
 
     Irradiance and ambient radiance are means, and a light counts as black in frames without it, so
     the irradiance of lights that rest is the mean of those of the fits. Directions and radii are
@@ -83,7 +83,7 @@ def error_under(rig: Rig, samples: MapSamples) -> float:
 def _lights(
     fits: Sequence[FrameFit], weights: NDArray[np.float64]
 ) -> tuple[Lights, tuple[int, ...]]:
-    """Mean lights with their identities, brightest first; black ones are left out."""
+    """Mean lights with their identities, brightest first; black lights are omitted."""
     sums: dict[int, NDArray[np.float64]] = {}
     for weight, each in zip(weights, fits, strict=True):
         lights = each.rig.lights

@@ -1,4 +1,4 @@
-"""A map as lights and the map without them.
+"""Separation of a map into lights and the remaining map.
 
 | step                                | file                |
 |-------------------------------------|---------------------|

@@ -1,4 +1,4 @@
-"""Radiance of a map above a maximum, as lights."""
+"""Separation of radiance above a maximum from a map, as lights."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ from envlights.rigs.lights import Lights
 
 @former_attributes(rest="remainder")
 class Limit(NamedTuple):
-    """Map without samples above a maximum, and their excess as lights."""
+    """Map limited to a maximum, and the excess radiance as lights."""
 
     lights: Lights
-    """One light for each bright region, brightest first."""
+    """Light per bright region, brightest first."""
 
     remainder: EnvMap
-    """Map without their radiance, of the same size."""
+    """Map without the excess radiance, of the same size."""
 
     def __str__(self) -> str:
         return f"{self.lights}\n\n{self.remainder}"
@@ -98,7 +98,7 @@ def limit(env: AnyMap, maximum: float) -> Limit:
 
 
 def _flux(env: EnvMap) -> float:
-    """Integral of all channels of a map."""
+    """Integral of the radiance of a map, summed over channels."""
     angles = pixel_solid_angles(env.height, env.width, border_sampled=env.is_border_sampled)
     return float(np.einsum("hwc,hw->", env.radiance, angles, dtype=np.float64))
 
@@ -110,13 +110,13 @@ def _lights(
     maximum: float,
     units: str,
 ) -> Lights:
-    """Disc of the excess of each region."""
+    """Disc with the excess of each region."""
     count = int(regions.max(initial=-1)) + 1
     sums = np.zeros((count, 3, 4))
     np.add.at(sums, regions, excess[:, :, None] * integrals[:, None])
     vector, flux = np.einsum("nck,c->nk", sums[..., :3], LUMINANCE), sums[..., 3]
     length = np.linalg.norm(vector, axis=1)
-    # Mean cosine of the angle from the direction; 0.5 for a disc of half the sphere.
+    # Mean cosine of the angle to the direction; 0.5 for a hemisphere.
     cosine = length / (flux @ LUMINANCE)
     if (cosine < 0.5).any():
         raise EnvLightsError(

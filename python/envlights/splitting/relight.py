@@ -18,25 +18,25 @@ from envlights.splitting.removed_lights import RemovedLights
 
 
 class RemovedRadiance(NamedTuple):
-    """The radiance that was removed from a map."""
+    """Radiance that was removed from a map."""
 
     env: EnvMap
-    """The map before."""
+    """Map before the removal."""
 
     light_of_block: NDArray[np.uint32]
-    """Light of each block of pixels, counted from 1; 0 without one, (rows, columns)."""
+    """Light number of each block of pixels, from 1; 0 for none, (rows, columns)."""
 
     block: int
-    """Pixels along each side of a block."""
+    """Block size in pixels."""
 
     def light_of_pixel(self) -> NDArray[np.uint32]:
-        """Light of each pixel, counted from 1; 0 without one, (height, width)."""
+        """Light number of each pixel, from 1; 0 for none, (height, width)."""
         blocks = self.light_of_block.repeat(self.block, axis=0).repeat(self.block, axis=1)
         return blocks[: self.env.height, : self.env.width]
 
 
 class Change(NamedTuple):
-    """One light before and after."""
+    """Light before and after a change."""
 
     number: int
     """Number of the removed light in the map."""
@@ -49,20 +49,20 @@ class Change(NamedTuple):
 
     @property
     def keeps_pixels(self) -> bool:
-        """True if the light has its size, and no channel that was black."""
+        """True if the size is unchanged, and no black channel is lit."""
         old_size = min(self.old.angular_radius, np.pi / 2)
         is_lit = (self.old.irradiance > 0) | (self.new.irradiance == 0)
         return self.new.angular_radius == old_size and bool(is_lit.all())
 
     @property
     def gain(self) -> NDArray[np.float32]:
-        """Factor of each channel."""
+        """Factor on the irradiance of each channel."""
         old = np.where(self.old.irradiance > 0, self.old.irradiance, 1)
         return (self.new.irradiance / old).astype(np.float32)
 
     @property
     def keeps_place(self) -> bool:
-        """True if the light is not moved."""
+        """True if the direction is unchanged."""
         return np.array_equal(self.old.direction, self.new.direction)
 
 
@@ -91,7 +91,7 @@ def relight(
 
 
 def _changes(before: RemovedLights, lights: Lights) -> tuple[list[Change], Lights]:
-    """Lights that keep their pixels, and those to draw as discs."""
+    """Lights whose original pixels can be reused, and lights to draw as discs."""
     rows = {number: row for row, number in enumerate(before.origin or ())}
     lights = lights.discs()
     changes, discs = [], []
@@ -110,7 +110,7 @@ def _changes(before: RemovedLights, lights: Lights) -> tuple[list[Change], Light
 
 
 def _check_whole(env: EnvMap) -> None:
-    """Refuse maps in which no pixels can be drawn elsewhere."""
+    """Raise an error for maps into which no pixels can be drawn."""
     if env.coverage is not None:
         raise EnvLightsError(
             "the map shows a part of the sphere, where lights can be dimmed, coloured and left out,"
@@ -124,7 +124,7 @@ def _check_whole(env: EnvMap) -> None:
 
 
 def _turn(change: Change, pixels: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Pixels of a light at its place now, with its irradiance there."""
+    """Pixels of a light, rotated to its new direction and scaled to its irradiance."""
     new = change.new
     turned = EnvMap(pixels).rotated(_rotation(change.old.direction, new.direction))
     found = turned.probe(new.direction)
@@ -133,13 +133,13 @@ def _turn(change: Change, pixels: NDArray[np.float32]) -> NDArray[np.float32]:
 
 
 def _rotation(old: NDArray[np.float64], new: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Rotation from `old` to `new`: along the meridian, and then about the pole."""
+    """Rotation from `old` to `new`: along the meridian, then about the pole."""
     turned: NDArray[np.float64] = _frame(new) @ _frame(old).T
     return turned
 
 
 def _frame(direction: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Columns: to the east, along the meridian, and the direction."""
+    """Matrix with the columns east, along the meridian, and `direction`."""
     azimuth = azimuths(direction[None])[0]
     east = np.array([np.cos(azimuth), 0, np.sin(azimuth)])
     return np.column_stack([east, np.cross(direction, east), direction])

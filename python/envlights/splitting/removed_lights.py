@@ -40,13 +40,13 @@ class RemovedLights(DetectedLights):
     r""":math:`\int T \omega\, d\omega` of each channel, shape (n, 3 channels, 3 axes)."""
 
     reach: NDArray[np.float64] = None  # type: ignore[assignment]
-    """Angles in radians from each direction to the farthest removed radiance, shape (n,).
+    """Angle in radians from each direction to the farthest removed radiance, shape (n,).
 
     A surface faces all of a light if its normal is less than pi / 2 - reach from the direction."""
 
     @property
     def off_axis(self) -> NDArray[np.float64]:
-        """Fraction of each channel's vector irradiance across the direction, shape (n, 3).
+        """Fraction of each channel's vector irradiance orthogonal to the direction, (n, 3).
 
         A light has one direction, that of its luminance. In a channel with another direction, as in
         a window that is blue above and green below, the rest and the lights together differ from
@@ -60,13 +60,13 @@ class RemovedLights(DetectedLights):
         return shares
 
     def rotated(self, matrix: ArrayLike) -> RemovedLights:
-        """The lights after a rotation; members and report still describe the map before it."""
+        """Lights after a rotation; members and report still refer to the map before it."""
         vectors = self.vector_irradiance @ rotation(matrix).T
         return replace(super().rotated(matrix), vector_irradiance=vectors)
 
     def to_dict(self) -> dict[str, Any]:
         """All fields except the times as plain numbers, lists and strings."""
-        # Files of removed lights are files of `Lights`; the origin is for `Split.with_lights`.
+        # Write the file format of `Lights`; the origin is for `Split.with_lights`.
         return {**super().to_dict(), **LIGHTS_HEADER, "origin": list(self.origin or ())}
 
     @classmethod

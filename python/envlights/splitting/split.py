@@ -1,4 +1,4 @@
-"""Split a map into its lights and the rest."""
+"""Split of a map into its lights and the remaining map."""
 
 from __future__ import annotations
 
@@ -25,14 +25,15 @@ from envlights.rigs.lights import Lights
 from envlights.splitting.relight import RemovedRadiance, relight
 from envlights.splitting.removed_lights import RemovedLights
 
-#: Options of `detect` here. Without the removed lights, the threshold is lower (by less than a
-#: tenth for most maps), so weak lights would be detected in the remainder. Remove them too.
+#: Options of `detect` for splitting. Without the removed lights the threshold would be lower (by
+#: less than a tenth for most maps), so weak lights would be detected in the remainder. Remove them
+#: too.
 _OPTIONS: dict[str, Any] = {"rise": 2.25, "min_worth": 0.0}
 
-#: Largest relative difference of a light's peak from that of its map; files round it.
+#: Largest relative difference between a light's peak and the map, due to rounding in files.
 _PEAK_TOLERANCE = 1e-3
-#: Least columns of a map whose lights become cards: one pixel of 16 columns as a card missed 6 % of
-#: the irradiance, of 4 columns 58 %.
+#: Smallest number of columns of a map for cards: a single pixel of 16 columns as a card missed 6 %
+#: of the irradiance, of 4 columns 58 %.
 _LEAST_COLUMNS = 32
 _TOO_SMALL = (
     f"a map of less than {_LEAST_COLUMNS} columns has no cards, because a light is one pixel"
@@ -41,25 +42,25 @@ _TOO_SMALL = (
 
 
 class LightPixels(NamedTuple):
-    """Pixels of lights in the map averaged over square blocks, as the kernel reads them."""
+    """Pixels of lights in the map averaged over square blocks, as input of the kernel."""
 
     pixel: NDArray[np.int64]
     """Row and column of each pixel, shape (k, 2)."""
 
     light_of_pixel: NDArray[np.int64]
-    """Index of the light of each pixel; a light without a direction stays in the map."""
+    """Index of the light of each pixel; an index without a direction means that the light stays."""
 
     direction: NDArray[np.float64]
-    """Unit vectors towards the lights to remove, shape (n, 3)."""
+    """Unit vectors to the lights to remove, shape (n, 3)."""
 
     block: int
-    """Pixels of the map along each side of a block."""
+    """Block size in pixels of the map."""
 
     threshold: float
     """Luminance above which a pixel is bright."""
 
     luminance: NDArray[np.float32]
-    """Mean luminance of each block, row after row."""
+    """Mean luminance of each block, in row order."""
 
 
 class _SplitFields(NamedTuple):
@@ -69,7 +70,7 @@ class _SplitFields(NamedTuple):
     """Lights that were removed, brightest first."""
 
     remainder: EnvMap
-    """The map without them, of the same size and nowhere negative."""
+    """Map without the lights, of the same size, never negative."""
 
 
 @former_attributes(rest="remainder")
@@ -82,7 +83,7 @@ class Split(_SplitFields, LinkedParts):
         return f"{self.lights}\n\nthe map without these lights: {self.remainder}"
 
     def with_lights(self, lights: Lights) -> EnvMap:
-        """Draw changed lights into the map: moved, dimmed, coloured, left out or added.
+        """Draw changed lights into the map: moved, dimmed, coloured, removed or added.
 
         Parameters
         ----------
@@ -152,7 +153,7 @@ def split(
     shapes: bool = False,
     **options: Any,
 ) -> Split | CardSplit:
-    r"""Split a map into lights and the rest: a sun as a lamp, and the sky without it.
+    r"""Split a map into lights and the remaining map, for example a sun and the sky without it.
 
     Each light is removed with its rim and its glare. Its pixels are filled smoothly from around
     it, by Laplace's equation on the sphere; a pixel that is darker than the fill stays. In every
@@ -261,7 +262,7 @@ def split(
 def _cards_and_rest(
     env: EnvMap, removed: RemovedLights, remainder: NDArray[np.float32], pixels: LightPixels
 ) -> CardSplit:
-    """Cards of removed lights, and the map with all that lies beside them."""
+    """Cards for removed lights, and the map with everything outside of the cards."""
     blocks = pixels.pixel, pixels.light_of_pixel
     cards, around = cut(
         env, remainder, blocks, pixels.block, (removed.direction, removed.angular_radius)
@@ -276,7 +277,7 @@ def _choose(
     fraction: float | None,
     options: dict[str, Any],
 ) -> tuple[DetectedLights, DetectedLights, NDArray[np.float32]]:
-    """All lights of the map, the ones to remove, and the luminance of the reduced map."""
+    """All lights of the map, the lights to remove, and the luminance of the reduced map."""
     if isinstance(lights, DetectedLights):
         given = [*options, *(["fraction"] if fraction is not None else [])]
         if given:
@@ -308,7 +309,7 @@ def _count(lights: object) -> int:
 
 
 def _check_origin(env: EnvMap, report: DetectionReport) -> None:
-    """Refuse lights of another method or of a map of another size."""
+    """Raise an error for lights of another method, or of a map of another size."""
     if report.method != "tree":
         raise EnvLightsError(
             f'split needs lights of `detect`; got those of method "{report.method}"'
@@ -323,7 +324,7 @@ def _check_origin(env: EnvMap, report: DetectionReport) -> None:
 
 
 def _check_peaks(lights: DetectedLights, pixels: LightPixels) -> None:
-    """Refuse lights whose peak differs from the map at their pixels.
+    """Raise an error for lights whose peak differs from the map at their pixels.
 
     A peak is one pixel of the map, which has at least 1 / block^3 of the weight in its block.
     """
@@ -344,7 +345,7 @@ def _check_peaks(lights: DetectedLights, pixels: LightPixels) -> None:
 def _light_pixels(
     env: EnvMap, lights: DetectedLights, luminance: NDArray[np.float32]
 ) -> LightPixels:
-    """Pixels of all lights; lights that stay have the index after the last one to remove."""
+    """Pixels of all lights; lights that stay get an index beyond those to remove."""
     members, report = lights.members, lights.report
     pixel = np.concatenate([members.others, members.pixel])
     light = np.concatenate([np.full(len(members.others), len(lights)), members.light])
@@ -366,14 +367,14 @@ def _removed_lights(
         "vector_irradiance": parts.vectors,
         "reach": parts.reach,
         "report": report,
-        # Numbers of the pixels' lights: the constructor sorts them.
+        # Index of the lights in the pixels, because the constructor sorts the lights.
         "origin": range(len(chosen)),
     }
     return RemovedLights(**(detected | measured))
 
 
 def _report(chosen: DetectedLights, found: int, seconds: float) -> DetectionReport:
-    """The report of the detection, with the lights that stay."""
+    """Detection report that also states the lights that stay."""
     report = chosen.report
     stay = found - len(chosen)
     others = "1 light stays" if stay == 1 else f"{stay} lights stay"

@@ -1,4 +1,4 @@
-"""The sun of a map: in an 8-bit sky, among the lights of a float map, or by time and place.
+"""Sun of a map: from a clipped sky, from the lights of a float map, or from time and place.
 
 | step                                                    | file             |
 |---------------------------------------------------------|------------------|

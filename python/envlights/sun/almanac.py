@@ -19,15 +19,15 @@ from envlights._native import EnvLightsError
 
 #: Noon of 1 January 2000, from which the formula counts days.
 _EPOCH = datetime.datetime(2000, 1, 1, 12, tzinfo=datetime.timezone.utc)
-#: Years for which the formula is good to 0.01 degrees.
+#: Range of years in which the formula is accurate to 0.01 degrees.
 _FIRST_YEAR, _LAST_YEAR = 1950, 2050
-#: Elevation in degrees below which no refraction is added, because the sun has set.
+#: Elevation in degrees below which refraction is ignored, because the sun has set.
 _SET = -1.0
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SunAt(Result):
-    """The sun at a time and a place.
+    """Position of the sun at a time and place.
 
     Parameters
     ----------
@@ -85,14 +85,14 @@ class SunAt(Result):
 
     @property
     def azimuth(self) -> float | None:
-        """Azimuth in the map in radians, as that of `Lights`; None without `north`."""
+        """Azimuth in the map in radians, as in `Lights`; None without `north`."""
         if self.north is None:
             return None
         return (math.radians(self.north) + self.from_north) % (2 * math.pi)
 
     @property
     def direction(self) -> NDArray[np.float64] | None:
-        """Unit vector towards the sun in the frame of the map, (3,); None without `north`."""
+        """Unit vector to the sun in the frame of the map, (3,); None without `north`."""
         if self.azimuth is None:
             return None
         flat = math.cos(self.elevation)
@@ -100,7 +100,7 @@ class SunAt(Result):
         return np.array([x, math.sin(self.elevation), z])
 
     def _true_position(self) -> tuple[float, float]:
-        """Elevation without refraction, and bearing, in radians."""
+        """Elevation without refraction, and bearing from north, in radians."""
         days = (self.time - _EPOCH) / datetime.timedelta(days=1)
         ascension, declination = _equatorial(days)
         sidereal = math.radians(280.46062 + 360.98564737 * days + self.longitude)
@@ -140,7 +140,7 @@ def _horizontal(latitude: float, declination: float, hour_angle: float) -> tuple
 
 
 def _refraction(elevation: float) -> float:
-    """Radians by which the air raises a body at this true elevation."""
+    """Angle in radians by which refraction raises a body at this true elevation."""
     degrees = math.degrees(elevation)
     if degrees < _SET:
         return 0.0

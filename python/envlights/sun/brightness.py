@@ -1,4 +1,4 @@
-r"""Irradiance of the sun, from two light meters: the ground, and the sky.
+r"""Irradiance of the sun, estimated from the brightness of the ground and of the sky.
 
 With the horizontal irradiance E of the map without its sun, the mean unclipped luminance L of the
 ground, and the sine s of the sun's elevation,
@@ -17,18 +17,20 @@ from numpy.typing import NDArray
 from envlights.kernels.image import LUMINANCE
 from envlights.sun.sky_image import SkyImage
 
-#: Constant of the formula, the median over the sunny maps of `benchmarks/sun.py`.
+#: Factor of the estimate: median over the sunny maps of `benchmarks/sun.py`.
 FACTOR = 2.8
-#: Constant of the sky alone, where no ground is seen unclipped.
+#: Factor of an estimate by the sky only, if all of the ground is clipped or hidden.
 _SKY_FACTOR = 6.0
-#: Albedo of the ground, and least irradiance by the ground over that of the sky.
+#: Assumed albedo of the ground, and smallest ratio of irradiance by ground to irradiance by sky.
 _ALBEDO, _LEAST_GROUND = 0.2, 0.1
-#: Elevation in degrees below which there is ground; also the least elevation of a sun's irradiance.
+#: Angle in degrees below the horizon at which ground begins; also the lowest elevation in the
+#: estimate.
 _GROUND = 3.0
-#: Least unclipped fraction of the ground for a measurement.
+#: Smallest unclipped fraction of the ground for an estimate.
 _LEAST_UNCLIPPED = 0.1
 
-#: Factors of the estimate between which two of three, and nine of ten, suns of that benchmark lie.
+#: Factors of the estimate that bound the true irradiance for two of three suns, and for nine of
+#: ten, in that benchmark.
 INTERVAL, WIDE_INTERVAL = (0.57, 1.5), (0.3, 2.0)
 
 #: Colour of the sun above the air, and how much less, or more, of it than of green each unit of air
@@ -39,7 +41,7 @@ _ABOVE_AIR, _DEPTH = np.array([1.105, 1.0, 0.951]), np.array([-0.064, 0.0, 0.175
 
 
 def sun_colour(sine: float) -> NDArray[np.float64]:
-    """Colour of luminance 1 of a sun in a clear sky, for the sine of its elevation.
+    """Colour of a sun in a clear sky, with luminance 1; `sine` is that of its elevation.
 
     The air mass is that of Kasten and Young (1989).
     """
@@ -50,7 +52,7 @@ def sun_colour(sine: float) -> NDArray[np.float64]:
 
 
 def sun_irradiance(image: SkyImage, sine: float) -> tuple[NDArray[np.float64], bool]:
-    """RGB at normal incidence over white, and True if the ground was measured.
+    """RGB irradiance relative to the clip level, and True if the ground was used.
 
     `sine` is that of the sun's elevation.
     """

@@ -1,4 +1,4 @@
-"""Sun of an argument: found in the map, in a given direction, or a `Sun` itself."""
+"""Conversion of an argument `sun` to a `Sun`: found in the map, by direction, or as given."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ from envlights.sun.almanac import SunAt
 from envlights.sun.find import find_sun
 from envlights.sun.result import Sun
 
-#: Name for the sun that `find_sun` finds.
+#: Name that requests a search by `find_sun`.
 AUTO = "auto"
-#: Cosine of the largest angle between a given direction and the sun of a map, of 5 degrees.
+#: Cosine of the largest angle, 5 degrees, at which a given direction matches the sun of a map.
 _SAME = math.cos(math.radians(5))
-#: Argument `sun` of public functions.
+#: Accepted types of the argument `sun` in public functions.
 AnySun = str | ArrayLike | SunAt | Sun
 
 
 def sun_of(env: EnvMap, sun: AnySun) -> Sun:
-    """Sun of a map for an argument, or a refusal that names it."""
+    """Sun of a map for an argument; raises an error if the argument fits no sun."""
     if isinstance(sun, Sun):
         return _of_map(env, sun)
     if isinstance(sun, SunAt):
@@ -41,12 +41,12 @@ def sun_of(env: EnvMap, sun: AnySun) -> Sun:
 
 
 def is_of_map(sun: Sun) -> bool:
-    """True for the sun of a map that shows its true radiance."""
+    """True if the map shows the sun with its true radiance."""
     return sun.answer == "sun" and "map" in sun.evidence
 
 
 def _towards(env: EnvMap, direction: NDArray[np.float64]) -> Sun:
-    """Sun in a direction; that of the map itself if it holds one."""
+    """Sun in a given direction; the map's own sun if it matches."""
     if env.clip_level is None:
         own = find_sun(env)
         if "map" in own.evidence and own.direction is not None:
@@ -60,7 +60,7 @@ def _towards(env: EnvMap, direction: NDArray[np.float64]) -> Sun:
 
 
 def _of_map(env: EnvMap, sun: Sun) -> Sun:
-    """Sun itself, or a refusal if it cannot be that of the map."""
+    """The given `Sun`; raises an error if it cannot belong to the map."""
     if sun.direction is not None and (sun.elevation or 0) <= 0:
         raise _below_horizon(sun.elevation or 0)
     if sun.units != env.units:
@@ -77,7 +77,7 @@ def _of_map(env: EnvMap, sun: Sun) -> Sun:
 
 
 def _direction(sun: Any) -> NDArray[np.float64]:
-    """Unit vector above the horizon, or a refusal."""
+    """Unit vector above the horizon; raises an error for other directions."""
     try:
         vector = np.asarray(sun)
     except ValueError:

@@ -1,4 +1,4 @@
-"""Direction of the sun in its part of the core: by depth, by symmetry, and by a fit of the sky."""
+"""Direction of the sun in a clipped region: by depth, by symmetry, and by a fit of the sky."""
 
 from __future__ import annotations
 
@@ -13,39 +13,39 @@ from envlights.sun.sky_fit import MeridianFit, fit_meridian, samples_of
 from envlights.sun.sky_image import SkyImage
 from envlights.sun.symmetry import best_meridian
 
-#: Contrast of symmetry below which it counts, and its error in degrees.
+#: Contrast below which symmetry is clear enough, and the error of its azimuth in degrees.
 _SYMMETRIC, _SYMMETRY_ERROR = 0.4, 1.5
-#: Relative residual of the fit of the sky below which it counts, its error in degrees without any
-#: residual, and the growth of the error with the residual.
+#: Relative residual below which the fit of the sky is used, its error in degrees at residual 0, and
+#: the growth of the error with the residual.
 _FITTING, _FIT_ERROR, _FIT_SLOPE = 0.07, 2.5, 15.0
-#: Error in degrees of a spot: a pixel of a small map.
+#: Direction error of a spot in degrees: one pixel of a small map.
 _SPOT_ERROR = 0.3
-#: Elevation in degrees above which an azimuth says little.
+#: Elevation in degrees above which azimuths are not meaningful.
 _ZENITH = 80.0
 
 Array = NDArray[np.float64]
 
 
 class SunPosition(NamedTuple):
-    """Direction of the sun, and the fit of the sky about it."""
+    """Direction of the sun, and the fit of the sky around it."""
 
     direction: Array
     uncertainty: float
-    """Root of the sum of the squared errors along both axes, in degrees."""
+    """Root of the sum of squared errors along both axes, in degrees."""
     evidence: tuple[str, ...]
     fit: MeridianFit | None
 
 
 def depth_error(radius: float) -> float:
-    """Error in degrees of the centroid of a part of a radius in degrees."""
+    """Error in degrees of the centroid of a clipped region with a radius in degrees."""
     return 0.5 + 0.14 * radius + 0.18 * max(radius - 12, 0)
 
 
 def sun_position(image: SkyImage, part: Part, elevation: float | None = None) -> SunPosition:
-    """Direction of the sun in a part; `elevation` in degrees if it is known."""
+    """Direction of the sun in a clipped region; `elevation` in degrees if known."""
     width = image.core.shape[1]
     ((u, v),) = direction_to_uv(part.direction[None])
-    # Turn the part to the middle of the image, away from the seam.
+    # Rotate the region to the middle of the image, away from the seam.
     shift = width // 2 - int(u * width)
     error = depth_error(part.radius)
     azimuth = Estimate(float(u), error)
@@ -70,13 +70,13 @@ def sun_position(image: SkyImage, part: Part, elevation: float | None = None) ->
 
 
 class Estimate(NamedTuple):
-    """Value, and its error in degrees on the sphere."""
+    """Value with its error, in degrees on the sphere."""
 
     value: float
     error: float
 
     def joined(self, other: Estimate, degrees: float = 1.0, period: float = np.inf) -> Estimate:
-        """Mean of two estimates, weighted by their errors; `degrees` is the size of a unit of both.
+        """Mean of two estimates, weighted by their errors; `degrees` per unit of both values.
 
         If they differ by more than both errors, the error grows by the ratio of Birge (1932).
         """
@@ -93,7 +93,7 @@ class Estimate(NamedTuple):
 def _azimuth_by_symmetry(
     image: SkyImage, part: Part, shift: int, elevation: float
 ) -> Estimate | None:
-    """Azimuth, a fraction of the circle, by the meridian of the best symmetry if that is clear."""
+    """Azimuth as a fraction of the circle, from the best symmetry; None if not clear."""
     if elevation >= _ZENITH:
         return None
     width = image.core.shape[1]
@@ -107,7 +107,7 @@ def _azimuth_by_symmetry(
 
 
 def _fit(image: SkyImage, azimuth: float, shift: int) -> MeridianFit | None:
-    """Fit of the sky about each place of the core on the meridian of an azimuth."""
+    """Fits of the sky for all sun positions in the core on the meridian of an azimuth."""
     height, width = image.core.shape
     depth = image.depth[:, int(azimuth * width) % width]
     rows = np.flatnonzero(depth > 0)
@@ -119,11 +119,11 @@ def _fit(image: SkyImage, azimuth: float, shift: int) -> MeridianFit | None:
 
 
 def spot_position(image: SkyImage, direction: Array) -> SunPosition:
-    """Position of a spot in smooth sky, and the fit of the sky about it."""
+    """Position of a spot in a smooth sky, and the fit of the sky around it."""
     return SunPosition(direction, _SPOT_ERROR, ("depth",), fit_about(image, direction))
 
 
 def fit_about(image: SkyImage, direction: Array) -> MeridianFit | None:
-    """Fit of the sky about a single direction; None with too little sky."""
+    """Fit of the sky around a direction; None if too little sky is visible."""
     samples = samples_of(image, 0)
     return None if samples is None else fit_meridian(samples, direction[None], np.ones(1))

@@ -1,4 +1,4 @@
-"""Disc of a sun in the pixels of a map."""
+"""Rendering of a sun disc into the pixels of a map."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from envlights.rigs.lights import Lights
 
 
 def add_disc(env: EnvMap, lights: Lights) -> NDArray[np.float32]:
-    r"""Radiance of a map with one light in the pixels that its disc covers, and no others.
+    r"""Radiance of a map with one light drawn into the pixels that its disc covers.
 
     The disc is at least one pixel in radius. Pixels on its rim count by their covered part. A small
     linear term in the direction makes :math:`\int L\, \omega\, d\omega` that of the light, so that
@@ -30,7 +30,7 @@ def add_disc(env: EnvMap, lights: Lights) -> NDArray[np.float32]:
 def _weights(
     env: EnvMap, towards: NDArray[np.float64], radius: float
 ) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.float64]]:
-    """Rows and columns of pixels, and their radiance for an irradiance of 1."""
+    """Rows and columns of covered pixels, and their radiance for an irradiance of 1."""
     pixel = math.pi / env.height
     radius = max(radius, pixel)
     polar = math.acos(min(max(float(towards[1]), -1.0), 1.0))
@@ -40,7 +40,7 @@ def _weights(
     integrals = PixelIntegrals(env.height, env.width, env.is_border_sampled).of(rows, columns)
     vectors = integrals[:, :3]
     middles = vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
-    # The chord keeps small angles exact.
+    # Compute angles from chords, which is exact for small angles.
     angle = 2 * np.arcsin(np.minimum(np.linalg.norm(middles - towards, axis=1) / 2, 1))
     cover = np.clip((radius + pixel / 2 - angle) / pixel, 0, 1)
     used = np.flatnonzero(cover)

@@ -25,10 +25,10 @@ from envlights.sun.result import SUN_RADIUS, Sun
 from envlights.sun.sky_image import SkyImage, sky_image
 from envlights.sun.spots import single_spot
 
-#: Angle in degrees around a sun whose light is its own.
+#: Angle in degrees around a sun within which all light belongs to the sun.
 _NEAR = 3.0
 
-#: Notes on the answer.
+#: Notes on the answers.
 _SUN_OR_MOON = "sun or moon: a picture does not say which"
 _NO_PART = "no clipped part above the horizon is like a sun"
 _NO_GROUND = "too little unclipped ground: the irradiance is from the sky alone"
@@ -39,7 +39,7 @@ _UNSEEN = "parts of the sphere are not seen and count as black"
 def find_sun(
     env: AnyMap, *, direction: ArrayLike | None = None, elevation: float | None = None
 ) -> Sun:
-    """Find the sun of a map: its direction, its irradiance, and an answer if there is one.
+    """Find the sun of a map: its direction, its irradiance, and the certainty of the answer.
 
     The disc of the sun is smaller than most pixels, and an 8-bit picture is white for degrees
     around it. The clipped part, the symmetry of the sky and a fit of the sky give the direction,
@@ -88,10 +88,10 @@ def find_sun(
 
 
 def _sun_of(world: EnvMap, height: float | None) -> Sun:
-    """Result without a known direction."""
+    """Sun of a map without a given direction."""
     if world.clip_level is None or not world.clipped_fraction:
         own = sun_of_float_map(world)
-        # Floats of a clipped picture hold no sun of their own.
+        # Floats made from a clipped picture do not contain the radiance of the sun.
         if own.answer != "no" or not world.clipped_fraction:
             return own
     radiance, clip_level = world.cells(), _level(world)
@@ -106,25 +106,25 @@ def _sun_of(world: EnvMap, height: float | None) -> Sun:
 
 
 class _Search(NamedTuple):
-    """Clipped part, and the direction in it."""
+    """Clipped region that may hold the sun, and the estimated direction of the sun."""
 
     part: Part | None
     position: SunPosition
 
 
 def _answer(world: EnvMap, image: SkyImage, found: _Search) -> Sun:
-    """Result for a clipped map, by the points."""
+    """Sun of a clipped map, with the answer that follows from the points."""
     points = points_of(image, *found)
     count = sum(points.values())
     if count < PERHAPS:
         return Sun("no", points, notes=(f"{count} of {len(points)} points",), units=world.units)
-    # Three points of a spot are given by its ring, so the others must all be yes.
+    # A spot gets three of the points automatically, so it needs all of the others.
     answer = "sun" if count >= (SUN if found.part is not None else len(points)) else "perhaps"
     return _with_irradiance(world, image, found, answer, points)
 
 
 def _given_sun(world: EnvMap, direction: NDArray[np.float64]) -> Sun:
-    """Result for a known direction."""
+    """Sun in a given direction."""
     clip_level = _level(world)
     if clip_level <= 0:
         raise EnvLightsError("the map is black, so the irradiance of its sun is not known")
@@ -142,7 +142,7 @@ def _with_irradiance(
     answer: str,
     points: dict[str, bool],
 ) -> Sun:
-    """Result with irradiance and plateau."""
+    """Sun with irradiance and clipped region filled in."""
     part, position = found
     clip_level = _level(world)
     relative, is_measured = sun_irradiance(image, float(position.direction[1]))
@@ -152,7 +152,7 @@ def _with_irradiance(
     notes += _contradiction(world, position.direction, clip_level * relative)
     plateau = None
     if part is not None:
-        # Without evidence of the sky, its fit is not better than white.
+        # Without evidence from the sky, the fit is no better than the clip level.
         usable = position.fit is not None and "sky" in position.evidence
         fit = position.fit.fit if usable and position.fit is not None else None
         plateau = plateau_of(world.radiance, world.is_border_sampled, clip_level, part.mask, fit)
@@ -174,14 +174,14 @@ def _with_irradiance(
 
 
 def _level(world: EnvMap) -> float:
-    """Radiance of white in the reduced image: the clip level, or the largest sample."""
+    """Clip level of the reduced image, or its largest sample."""
     return world._pixels.found_clip_level or float(world.radiance.max())
 
 
 def _contradiction(
     world: EnvMap, direction: NDArray[np.float64], irradiance: NDArray[np.float64]
 ) -> list[str]:
-    """Note on an estimate that is far above the light of a map that is not clipped."""
+    """Note if the estimate far exceeds the light in a map that is not clipped."""
     if world.clipped_fraction:
         return []
     cells = world.cells()
@@ -197,7 +197,7 @@ def _contradiction(
 
 
 def _direction(values: ArrayLike) -> NDArray[np.float64]:
-    """Unit vector of a known direction above the horizon, or a refusal."""
+    """Unit vector of a given direction; raises an error below the horizon."""
     vector = reals("direction", values, 1)
     length = np.linalg.norm(vector)
     if vector.shape != (3,) or not (np.isfinite(length) and length > 0):
@@ -213,7 +213,7 @@ def _direction(values: ArrayLike) -> NDArray[np.float64]:
 
 
 def _elevation(value: float) -> float:
-    """Known elevation in degrees, or a refusal."""
+    """Given elevation in degrees; raises an error for impossible values."""
     degrees = amount("elevation", value, 0.0, 90.0)
     if degrees == 0:
         raise EnvLightsError("elevation must be above 0 degrees, where the sun shines; got 0")

@@ -1,4 +1,4 @@
-"""Sun of a map that is not clipped: the brightest detected light, if the sky around it agrees."""
+"""Sun of an unclipped map: the brightest detected light, if the surrounding sky agrees."""
 
 from __future__ import annotations
 
@@ -15,16 +15,17 @@ from envlights.sun.questions import PERHAPS, SUN, points_of
 from envlights.sun.result import SUN_RADIUS, Sun
 from envlights.sun.sky_image import sky_image
 
-#: Largest radius of a sun with its blur, in degrees, and its least irradiance over that of the sky.
+#: Largest radius of a blurred sun, in degrees, and smallest ratio of its irradiance to that of the
+#: sky.
 _WIDEST, _LEAST_RATIO = 2.5, 0.5
-#: Largest radius of a disc of the size of the sun with its blur, in degrees and in pixels, and the
-#: least fraction of all light that makes it dominant. Suns among clouds have 0.5 and 6 to 7 points,
-#: lamps in dark rooms and squares 4.
+#: Largest radius of a disc of solar size with its blur, in degrees and in pixels, and smallest
+#: fraction of all light for it to dominate. Suns among clouds have a fraction of 0.5 and 6 to 7
+#: points; lamps in dark rooms and squares get 4 points.
 _SUN_SIZE, _SUN_PIXELS, _DOMINANT = 1.1, 1.5, 0.4
-#: Fraction of the upper half that is above the clip level at which the sky is looked at.
+#: Clipped fraction of the upper half of the map from which the sky is examined.
 _CLIPPED = 0.004
 
-#: Note of a map that holds its sun already.
+#: Note on a map that already contains its sun.
 _OWN_SUN = "the map is not clipped and holds its own sun"
 _OWN_LAMP = "the map holds a light of the size of the sun, but its surroundings are not like a sky"
 NO_SUN = "no pixel is clipped, and no light of the map is like a sun"
@@ -37,7 +38,7 @@ def sun_of_float_map(env: EnvMap) -> Sun:
         return Sun("no", notes=(NO_SUN,), units=env.units)
     points = _points(env, lights.direction[0])
     count = sum(points.values())
-    # A disc of the size of the sun with half of the light needs no picture of a clear sky.
+    # A disc of solar size with half of the light does not need a clear sky.
     is_dominant = _is_dominant(env, lights)
     if count < SUN and not is_dominant:
         return Sun("no", points, notes=(NO_SUN,), units=env.units)
@@ -56,7 +57,7 @@ def sun_of_float_map(env: EnvMap) -> Sun:
 
 
 def _is_compact(env: EnvMap, lights: DetectedLights) -> bool:
-    """True if the first light is small, up, and bright beside the sky and the other lights."""
+    """True if the first light is small, above the horizon, and much brighter than the rest."""
     if not len(lights) or lights.direction[0, 1] <= 0:
         return False
     if lights.angular_radius[0] > np.radians(_WIDEST):
@@ -68,14 +69,14 @@ def _is_compact(env: EnvMap, lights: DetectedLights) -> bool:
 
 
 def _is_dominant(env: EnvMap, lights: DetectedLights) -> bool:
-    """True if the first light has the size of the sun and about half of all light."""
+    """True if the first light has the size of the sun and a large fraction of all light."""
     radius = np.degrees(lights.angular_radius[0])
     is_small = radius <= max(_SUN_SIZE, _SUN_PIXELS * 180 / env.height)
     return bool(is_small and lights.flux_fraction[0] > _DOMINANT)
 
 
 def _points(env: EnvMap, direction: NDArray[np.float64]) -> dict[str, bool]:
-    """Answers about the sky around a light, in the map as a picture would show it."""
+    """Answers on the sky around a light, for the map clipped as a picture would be."""
     radiance = env.cells()
     luminance = _native.luminance(radiance)
     upper = luminance[: len(luminance) // 2]

@@ -1,4 +1,4 @@
-"""Candidates for the sun: parts of the clipped core, or a single small spot in smooth sky."""
+"""Candidate regions for the sun: clipped regions, or a single small spot in a smooth sky."""
 
 from __future__ import annotations
 
@@ -12,30 +12,31 @@ from envlights.kernels.image import uv_to_pixel
 from envlights.kernels.sphere import direction_to_uv
 from envlights.sun.sky_image import SkyImage
 
-#: Logarithm of the weight of a part at the zenith over that of one on the horizon; as in detection.
+#: Logarithm of the weight of a region at the zenith relative to one on the horizon, as in
+#: detection.
 _UPWARDS = 1.5
-#: Ratio of width to height from which a part at the horizon is a strip, its least width, and the
-#: elevation, in degrees, below which it must begin. A clear sky is white along the horizon.
+#: Ratio of width to height from which a region at the horizon is a strip, smallest width of a
+#: strip, and elevation below which it begins, in degrees. A clear sky is clipped along the horizon.
 _STRIP, _STRIP_WIDTH, _STRIP_BELOW = 4.0, 10.0, 6.0
 
 Array = NDArray[np.float64]
 
 
 class Part(NamedTuple):
-    """Part of the core that may hold the sun."""
+    """Clipped region that may contain the sun."""
 
     mask: NDArray[np.bool_]
     depth: Array
-    """Degrees to the rim, and 0 outside of the part."""
+    """Distance to the edge in degrees, 0 outside of the region."""
     direction: Array
     """Centroid weighted by the cube of the depth."""
     radius: float
-    """Radius in degrees of a disc of the same solid angle."""
+    """Radius in degrees of a disc with the same solid angle."""
     solid_angle: float
 
 
 def best_part(image: SkyImage) -> Part | None:
-    """Part with the largest depth, higher ones first; None if there is none but strips."""
+    """Region with the largest depth, preferring higher ones; None without a candidate."""
     depth = image.depth
     rows, columns = np.nonzero(depth > 0)
     if not len(rows):
@@ -56,7 +57,7 @@ def best_part(image: SkyImage) -> Part | None:
 
 
 def part_at(image: SkyImage, direction: Array) -> Part | None:
-    """Part that holds a direction; None if there is no clipped cell."""
+    """Region that contains a direction; None if the direction is not clipped."""
     ((row, column),) = uv_to_pixel(direction_to_uv(direction[None]), *image.core.shape)
     depth = image.depth
     if not depth[row, column] > 0:
@@ -78,7 +79,7 @@ def _part(image: SkyImage, rows: NDArray[np.intp], columns: NDArray[np.intp]) ->
 
 
 def _is_strip(image: SkyImage, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> bool:
-    """True if the deep half of a part is a strip along the horizon."""
+    """True if the deep half of a region is a strip along the horizon."""
     depth = image.depth[rows, columns]
     deep = depth >= 0.5 * depth.max()
     elevation = image.elevation[rows[deep], 0]

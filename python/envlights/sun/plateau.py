@@ -1,4 +1,4 @@
-"""Luminance of the sky behind the sun, in the pixels of its clipped part."""
+"""Luminance of the sky behind the sun, for the pixels of its clipped region."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from envlights.kernels.image import LUMINANCE
 from envlights.kernels.sphere import uv_to_direction
 from envlights.sun.sky_fit import SkyFit
 
-#: Largest luminance of the filled sky over white.
+#: Largest luminance of the filled sky, relative to the clip level.
 _MOST = 20.0
 
 
@@ -21,7 +21,7 @@ def plateau_of(
     part: NDArray[np.bool_],
     fit: SkyFit | None,
 ) -> NDArray[np.float32]:
-    """Luminance of the sky behind the sun in each clipped pixel of a part; 0 elsewhere.
+    """Luminance of the sky behind the sun in the clipped pixels of a region; 0 elsewhere.
 
     `part` is a mask of cells. The luminance is at least that of the pixel, and that of the `fit`
     of the sky where it is more.
@@ -45,7 +45,7 @@ def plateau_of(
 
 
 def _places(count: int, border_sampled: bool) -> NDArray[np.float64]:
-    """Positions of the rows or columns, from 0 to 1."""
+    """Coordinates of the rows or columns, from 0 to 1."""
     if border_sampled:
         return np.arange(count) / (count - 1)
     return (np.arange(count) + 0.5) / count

@@ -1,4 +1,4 @@
-"""Eight questions that distinguish a sun from a lamp, a window and a cloud; each yes is a point."""
+"""Eight questions that distinguish a sun from a lamp, window or cloud; each yes is a point."""
 
 from __future__ import annotations
 
@@ -9,33 +9,34 @@ from envlights.sun.direction import SunPosition
 from envlights.sun.parts import Part
 from envlights.sun.sky_image import SkyImage
 
-#: Points from which the answer is "sun", and from which it is "perhaps".
+#: Smallest number of points for the answers "sun" and "perhaps".
 SUN, PERHAPS = 7, 5
 
-#: Least median of log(blue / red) of a blue sky.
+#: Smallest median of log(blue / red) of a blue sky.
 _BLUE = 0.15
-#: Least fraction of sky or white in the ring around the part, and the width of the ring in degrees.
+#: Smallest fraction of sky or clipped cells in the ring around the region, and ring width in
+#: degrees.
 _AROUND, _RING = 0.55, 10.0
-#: Least fraction of the clipped solid angle above the horizon that is in the part.
+#: Smallest fraction of the clipped solid angle above the horizon that lies in the region.
 _ALONE = 0.5
-#: Least log of the residual of bands of elevation over that of a sky with a sun.
+#: Smallest log ratio of the residual of elevation bands to that of a sky with a sun.
 _GAIN = 0.5
 #: Largest correlation of log luminance and log(blue / red) on the ground.
 _BLUE_SHADOWS = -0.05
-#: Least depth over the radius of a disc of the same area.
+#: Smallest ratio of depth to the radius of a disc with the same area.
 _ROUND = 0.45
 #: Largest deviation of log luminance from the fitted sky.
 _SMOOTH = 0.12
-#: Least elevation and depth in degrees.
+#: Smallest elevation and smallest depth, in degrees.
 _UP, _DEEP = 3.0, 1.0
-#: Range of the elevations of ground in degrees.
+#: Range of elevations that count as ground, in degrees.
 _GROUND = -60.0, -3.0
 
 Array = NDArray[np.float64]
 
 
 def points_of(image: SkyImage, part: Part | None, position: SunPosition) -> dict[str, bool]:
-    """Questions and answers; `part` is None for a spot in smooth sky."""
+    """Questions with their answers; `part` is None for a spot in a smooth sky."""
     fit = position.fit
     is_up = bool(position.direction[1] > np.sin(np.radians(_UP)))
     answers = {
@@ -52,7 +53,7 @@ def points_of(image: SkyImage, part: Part | None, position: SunPosition) -> dict
 
 
 def _blueness(image: SkyImage, mask: NDArray[np.bool_]) -> float:
-    """Median of log(blue / red); -1 without cells."""
+    """Median of log(blue / red); -1 if no cell is selected."""
     return float(np.median(_log_blue(image, mask))) if mask.any() else -1.0
 
 
@@ -63,7 +64,7 @@ def _log_blue(image: SkyImage, mask: NDArray[np.bool_]) -> Array:
 
 
 def _around(image: SkyImage, part: Part) -> float:
-    """Fraction of the ring around the part that is sky or clipped."""
+    """Fraction of sky or clipped cells in the ring around the region."""
     centre = part.direction
     angle = np.degrees(np.arccos(np.clip(image.directions @ centre, -1, 1)))
     ring = (angle >= part.radius) & (angle < part.radius + _RING) & (image.elevation > 2)
@@ -71,7 +72,7 @@ def _around(image: SkyImage, part: Part) -> float:
 
 
 def _alone(image: SkyImage, part: Part) -> float:
-    """Solid angle of the part over that of all clipped cells above the horizon."""
+    """Fraction of the clipped solid angle above the horizon that lies in the region."""
     clipped = (image.solid_angles * image.core).sum()
     return float(part.solid_angle / max(clipped, 1e-9))
 

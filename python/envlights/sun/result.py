@@ -22,13 +22,13 @@ from envlights.sun import wording
 #: Angular radius of the sun and of the moon, in radians.
 SUN_RADIUS = math.radians(0.265)
 
-#: Values of `Sun.answer`.
+#: Possible values of `Sun.answer`.
 ANSWERS = ("sun", "perhaps", "no")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Sun(Result):
-    r"""The sun (or the moon) of a map: the answer, its direction, and its irradiance.
+    r"""Sun (or moon) of a map: the answer, its direction, and its irradiance.
 
     Examples
     --------
@@ -49,32 +49,32 @@ class Sun(Result):
     """Unit vector towards the sun, shape (3,): right-handed, +y up. None if the answer is "no"."""
 
     direction_uncertainty: float = 0.0
-    """Direction error in radians that two of three suns stay below; 0 for a given direction."""
+    """Direction error in radians that two of three suns do not exceed; 0 for a given direction."""
 
     irradiance: NDArray[np.float64] | None = None
     """Linear RGB at normal incidence, shape (3,). None if the answer is "no"."""
 
     interval: tuple[float, float] = (1.0, 1.0)
-    """Factors of the irradiance between which the truth lies for two of three suns."""
+    """Factors on the irradiance that bound the true value for two of three suns."""
 
     wide_interval: tuple[float, float] = (1.0, 1.0)
-    """Factors of the irradiance between which the truth lies for nine of ten suns."""
+    """Factors on the irradiance that bound the true value for nine of ten suns."""
 
     angular_radius: float = SUN_RADIUS
-    """Radius of the disc in radians, that of the sun and the moon."""
+    """Radius of the disc in radians, by default that of the sun and the moon."""
 
     plateau_radius: float = 0.0
-    """Radius in radians of a disc with the solid angle of the clipped part; 0 without one."""
+    """Radius in radians of a disc as large as the clipped region; 0 if there is none."""
 
     evidence: tuple[str, ...] = ()
     """Sources of the direction: "depth", "symmetry", "sky", "given" or "map"."""
 
     notes: tuple[str, ...] = ()
-    """Remarks on the answer."""
+    """Notes on the answer."""
 
     plateau: NDArray[np.float32] | None = field(default=None, compare=False)
-    """Luminance of the sky behind the sun in the pixels of the clipped part, and 0 elsewhere, shape
-    (height, width); see `Sun.sky`. None if there is no such part."""
+    """Luminance of the sky behind the sun in the pixels of the clipped region, and 0 elsewhere,
+    shape (height, width); see `Sun.sky`. None without such a region."""
 
     units: str = field(default=OWN_SCALE, kw_only=True)
     """Unit of the radiance of the map; with "cd/m2", the luminance of `irradiance` is in lux."""
@@ -125,7 +125,7 @@ class Sun(Result):
         return wording.of_light(f"{self.in_short()}{moon}", self.evidence, irradiance)
 
     def sky(self, radiance: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Radiance of the map with the sky in place of the clipped part, each pixel in its colour.
+        """Radiance of the map with sky in the clipped region; each pixel keeps its colour.
 
         The radiance is that of the map of `find_sun`, shape (height, width, 3). No sample falls.
         Without a `plateau`, the radiance itself is returned.
@@ -140,7 +140,7 @@ class Sun(Result):
         return filled
 
     def rotated(self, matrix: ArrayLike) -> Sun:
-        """The sun after a rotation, without the `plateau`, whose pixels are those of the map."""
+        """Sun after a rotation, without `plateau`, whose pixels belong to the map before it."""
         turn = rotation(matrix)
         direction = None if self.direction is None else self.direction @ turn.T
         return replace(self, direction=direction, plateau=None)
@@ -174,7 +174,7 @@ class Sun(Result):
         )
 
     def verbose(self) -> str:
-        """Text with the questions, their answers, and the sizes."""
+        """Text with the questions, their answers, and sizes."""
         low, high = self.wide_interval
         wide = f"irradiance in nine of ten: times {low:.2g} to {high:.2g}"
         return "\n".join(

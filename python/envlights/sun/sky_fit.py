@@ -1,4 +1,4 @@
-"""Elevation of the sun by a fit of a clear sky about each place on its meridian.
+"""Elevation of the sun, from fits of a clear sky for each position on its meridian.
 
 The logarithm of the luminance is a function of the angle from the sun plus one of the elevation, as
 in the general sky of the CIE (ISO 15469) and of Perez et al. (1993), here with linear coefficients:
@@ -20,59 +20,59 @@ from numpy.typing import NDArray
 from envlights.kernels.sphere import pixel_directions
 from envlights.sun.sky_image import SkyImage
 
-#: Steps of the reweighted least squares.
+#: Iterations of the reweighted least squares.
 _STEPS = 4
-#: Residual in robust deviations from which a cell counts less: clouds, houses.
+#: Residual in robust deviations above which a cell has less weight: clouds, houses.
 _OUTLIER = 1.5
-#: Ridge over the mean diagonal; without it a small sky has no fit.
+#: Ridge parameter relative to the mean diagonal; without it, a small sky has no solution.
 _RIDGE = 1e-5
-#: Residual from which the cost grows slowly, and the cost of noise.
+#: Residual above which the cost grows slowly, and cost of noise.
 _COST_SCALE, _NOISE = 0.1, 2e-4
-#: Power of the ratio of costs in the weight of an elevation.
+#: Exponent of the cost ratio in the weight of an elevation.
 _SHARPNESS = 32
-#: Luminance over white at which the film curve ends.
+#: Luminance at which the film curve ends, relative to the clip level.
 _FILM_END = 1.03
-#: Gain in log likelihood for each cell from which a picture has a film curve.
+#: Smallest gain in log likelihood per cell for which a film curve is assumed.
 _LEAST_GAIN = 0.12
-#: Columns of the image of the fit, and the least number of its cells.
+#: Columns of the image for the fit, and smallest number of its cells.
 _COLUMNS, _LEAST_CELLS = 128, 100
 
 Array = NDArray[np.float64]
 
 
 class SkyFit(NamedTuple):
-    """Fit of a sky about a sun."""
+    """Fit of a sky model with a sun."""
 
     sun: Array
     """Unit vector towards the sun."""
     coefficients: Array
     is_film: bool
-    """True if the luminance was transformed by the film curve."""
+    """True if a film curve was applied to the luminance."""
     relative: float
-    """Cost of the residuals over the deviation of the sky: small if the fit explains the sky."""
+    """Residual cost relative to the deviation of the sky: small for a good fit."""
 
     def luminance(self, directions: Array) -> Array:
-        """Fitted luminance over white at unit vectors, (n, 3)."""
+        """Fitted luminance relative to the clip level, at unit vectors, (n, 3)."""
         value = (basis(directions, self.sun[None])[0] @ self.coefficients).clip(-20, 20)
         level: Array = _FILM_END / (1 + np.exp(-value)) if self.is_film else np.exp(value)
         return level
 
 
 class SkySamples(NamedTuple):
-    """Cells of the sky, on a coarse grid, which depends on no random number."""
+    """Cells of the sky on a coarse regular grid."""
 
     directions: Array
     luminance: Array
     weight: Array
 
     def values(self, is_film: bool) -> Array:
-        """Transformed luminance of a tone."""
+        """Luminance of the samples, transformed by the film curve or logarithm."""
         if is_film:
             return _log(self.luminance / (_FILM_END - self.luminance))
         return _log(self.luminance)
 
     def stretch(self) -> float:
-        """Mean log derivative of the film curve's values by those of the plain curve."""
+        """Mean log derivative of film values with respect to plain log luminance."""
         slope = np.log(_FILM_END / (_FILM_END - self.luminance))
         return float(np.average(slope, weights=self.weight))
 
@@ -83,7 +83,7 @@ def _log(values: Array) -> Array:
 
 
 def samples_of(image: SkyImage, shift: int) -> SkySamples | None:
-    """Samples of the sky of an image, in blocks that begin at a shift by columns; None if few."""
+    """Samples of the sky in blocks, from a column shift on; None if there are too few."""
     height, width = image.core.shape
     block = max(1, width // _COLUMNS)
     rows, columns = height // block, width // block
@@ -104,14 +104,14 @@ def samples_of(image: SkyImage, shift: int) -> SkySamples | None:
 
 
 def _turned_back(directions: Array, turns: float) -> Array:
-    """Directions before a shift of the columns by a fraction of a turn."""
+    """Directions before the columns were shifted by a fraction of a turn."""
     sine, cosine = np.sin(2 * np.pi * turns), np.cos(2 * np.pi * turns)
     x, y, z = directions.T
     return np.stack([x * cosine + z * sine, y, z * cosine - x * sine], axis=1)
 
 
 def basis(directions: Array, suns: Array) -> Array:
-    """Functions of the sky at n directions for m suns, (m, n, 7)."""
+    """Basis functions of the sky at n directions for m suns, (m, n, 7)."""
     angle = np.arccos(np.clip(suns @ directions.T, -1, 1))
     low = np.broadcast_to(1 - directions[:, 1], angle.shape)
     columns = [np.ones_like(angle), np.log(angle + 0.05), np.exp(-2.5 * angle)]
@@ -120,7 +120,7 @@ def basis(directions: Array, suns: Array) -> Array:
 
 
 class Fits(NamedTuple):
-    """Robust fits of m suns."""
+    """Robust fits for m suns."""
 
     coefficients: Array
     deviation: Array
@@ -128,7 +128,7 @@ class Fits(NamedTuple):
 
 
 def robust_fits(functions: Array, values: Array, weight: Array) -> Fits:
-    """Robust fits of `values`, (n,), by functions, (m, n, k)."""
+    """Robust fits of `values`, (n,), by basis functions, (m, n, k)."""
     weights = np.broadcast_to(weight, functions.shape[:2])
     size = functions.shape[-1]
     for _ in range(_STEPS):
@@ -146,22 +146,22 @@ def robust_fits(functions: Array, values: Array, weight: Array) -> Fits:
 
 
 class MeridianFit(NamedTuple):
-    """Fits about the places of a meridian."""
+    """Summary of the fits for the positions on a meridian."""
 
     fit: SkyFit
-    """Fit about the best place."""
+    """Fit for the best position."""
     mean: float
     """Mean elevation in degrees, weighted by cost and depth."""
     spread: float
-    """Deviation of these elevations in degrees."""
+    """Standard deviation of the elevation in degrees."""
     gain: float
-    """Log of the residual of bands of elevation alone over that of the best fit."""
+    """Log ratio of the residual of elevation bands without a sun to that of the best fit."""
     deviation: float
     """Robust deviation of log luminance from the best fit."""
 
 
 def fit_meridian(samples: SkySamples, suns: Array, depth: Array) -> MeridianFit:
-    """Fit the sky about each of m suns on a meridian, (m, 3), whose depths are (m,)."""
+    """Fit the sky for each of m suns on a meridian, (m, 3), with clipped depths (m,)."""
     functions = basis(samples.directions, suns)
     tones = [robust_fits(functions, samples.values(film), samples.weight) for film in (False, True)]
     best = [int(fits.cost.argmin()) for fits in tones]

@@ -1,4 +1,4 @@
-"""Reduced image of a clipped map, with its clipped core and its sky."""
+"""Reduced image of a clipped map, with the masks of its clipped core and its sky."""
 
 from __future__ import annotations
 
@@ -14,26 +14,26 @@ from envlights import _native
 from envlights.kernels.image import LUMINANCE
 from envlights.kernels.sphere import pixel_directions, pixel_solid_angles
 
-#: Most columns of the image. A sky is smooth, and its plateaus are degrees wide.
+#: Largest number of columns. A sky is smooth, and its clipped regions are degrees wide.
 COLUMNS = 512
 
-#: Fraction of the pixels of a cell that are clipped in all channels, for the core.
+#: Smallest fraction of fully clipped pixels for a cell in the core.
 _CORE = 0.5
-#: Fraction of the pixels of a cell that are clipped in any channel, beside which nothing is sky.
+#: Fraction of pixels with a clipped channel above which neighbouring cells are not sky.
 _TOUCHED = 0.25
 
-#: Elevation in degrees above which there may be sky: trees and houses stand below.
+#: Elevation in degrees above which sky is expected, because trees and houses are below.
 _SKY_ABOVE = 3.0
-#: Elevation in degrees above which the core may hold a sun.
+#: Elevation in degrees above which the core may contain a sun.
 _CORE_ABOVE = -1.0
-#: Deviation of log luminance in 5x5 cells, below which a place is as smooth as sky.
+#: Deviation of log luminance in 5x5 cells below which a cell is as smooth as sky.
 _SMOOTH = 0.12
-#: Least luminance of sky over the median of the smooth part above the horizon.
+#: Smallest luminance of sky relative to the median of the smooth part above the horizon.
 _LEAST_SKY = 0.25
-#: Least ratio of blue to red of sky: brick and wood have less.
+#: Smallest ratio of blue to red in the sky; brick and wood have less.
 _LEAST_BLUE = 0.75
 
-#: Least luminance over white whose logarithm is taken: one code of 8 bits is 3e-4.
+#: Smallest luminance relative to the clip level, before the logarithm; an 8-bit code is 3e-4.
 _DARK = 1e-4
 
 Mask = NDArray[np.bool_]
@@ -42,16 +42,16 @@ Image = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class SkyImage:
-    """Radiance of a clipped map in units of its clip level, on at most 512 columns."""
+    """Radiance of a clipped map relative to its clip level, on at most 512 columns."""
 
     radiance: Image
     """Mean radiance of each cell, (height, width, 3)."""
     clipped: Image
-    """Fraction of its pixels that are clipped in all channels, (height, width)."""
+    """Fraction of pixels per cell that are clipped in all channels, (height, width)."""
     touched: Image
-    """Fraction of its pixels that are clipped in any channel, (height, width)."""
+    """Fraction of pixels per cell that are clipped in any channel, (height, width)."""
     peak: Image
-    """Largest luminance of its pixels, (height, width)."""
+    """Largest luminance of the pixels in each cell, (height, width)."""
 
     @cached_property
     def directions(self) -> Image:
@@ -60,12 +60,12 @@ class SkyImage:
 
     @cached_property
     def solid_angles(self) -> Image:
-        """Steradians of each cell, (height, width)."""
+        """Solid angle of each cell in steradians, (height, width)."""
         return pixel_solid_angles(*self.clipped.shape)
 
     @cached_property
     def elevation(self) -> Image:
-        """Degrees above the horizon of each row, (height, 1)."""
+        """Elevation of each row in degrees, (height, 1)."""
         height = len(self.clipped)
         return 90 - 180 * (np.arange(height)[:, None] + 0.5) / height
 
@@ -82,30 +82,30 @@ class SkyImage:
 
     @cached_property
     def core(self) -> Mask:
-        """Cells above the horizon that are clipped."""
+        """Mask of clipped cells above the horizon."""
         return (self.clipped > _CORE) & (self.elevation > _CORE_ABOVE)
 
     @cached_property
     def is_touched(self) -> Mask:
-        """Cells with clipped pixels."""
+        """Mask of cells with clipped pixels."""
         return self.touched > _TOUCHED
 
     @cached_property
     def depth(self) -> Image:
-        """Degrees from each cell of the core to the nearest cell outside, small gaps filled."""
+        """Degrees from each core cell to the nearest cell outside, with small gaps filled."""
         image = np.repeat(self.core[..., None].astype(np.float32), 3, axis=2)
         width = self.core.shape[1]
         return np.degrees(_native.clipped_depth(image, False, 1.0, width, 2 * np.pi / width))
 
     @cached_property
     def roughness(self) -> Image:
-        """Deviation of log luminance in the 5x5 cells around each cell."""
+        """Standard deviation of log luminance in 5x5 cells around each cell."""
         mean = _mean_of_25(self.log)
         return np.sqrt(np.maximum(_mean_of_25(self.log**2) - mean**2, 0))
 
     @cached_property
     def sky(self) -> Mask:
-        """Unclipped cells of the sky: above the horizon, smooth, not dark and not brown."""
+        """Mask of the unclipped sky: above the horizon, smooth, neither dark nor brown."""
         near_clipped = _mean_of_9(self.is_touched.astype(float)) > 0.01
         smooth = (self.elevation > _SKY_ABOVE) & (self.roughness < _SMOOTH) & ~near_clipped
         if not smooth.any():
@@ -135,7 +135,7 @@ def sky_image(radiance: NDArray[np.float32], clip_level: float) -> SkyImage:
 
 
 def _means(band: NDArray[Any], columns: int) -> Image:
-    """Mean of a band of rows, (rows, width, channels), in each of some columns."""
+    """Block means of a band of rows, (rows, width, channels), in a number of columns."""
     sums = band.sum(axis=0, dtype=np.float64)
     width = len(sums)
     starts = _starts(width, columns)
@@ -145,7 +145,7 @@ def _means(band: NDArray[Any], columns: int) -> Image:
 
 
 def _starts(width: int, columns: int) -> NDArray[np.intp]:
-    """First column of each part of a row."""
+    """First pixel column of each image column."""
     return np.arange(columns) * width // columns
 
 
@@ -158,7 +158,7 @@ def _mean_of_9(image: Image) -> Image:
 
 
 def _box(image: Image, reach: int) -> Image:
-    """Mean over a square of cells; columns meet at the seam, and the poles repeat their row."""
+    """Mean over a square window; columns wrap at the seam, rows repeat at the poles."""
     size = 2 * reach + 1
     wide = np.pad(np.pad(image, ((reach, reach), (0, 0)), "edge"), ((0, 0), (reach, reach)), "wrap")
     height, width = image.shape

@@ -1,4 +1,4 @@
-"""A single small clipped spot in smooth sky: the disc itself, in a picture without glare."""
+"""Search for a single small clipped spot in smooth sky: the sun in a picture without glare."""
 
 from __future__ import annotations
 
@@ -9,26 +9,26 @@ from envlights import _native
 from envlights.kernels.image import LUMINANCE
 from envlights.sun.sky_image import SkyImage
 
-#: Least luminance over white of a spot's brightest pixel: JPEG darkens a lonely pixel by 3 %.
+#: Smallest peak luminance of a spot relative to the clip level: JPEG darkens single pixels by 3 %.
 _LEAST_PEAK = 0.96
-#: Angles in degrees between which the ring around a spot lies.
+#: Inner and outer radius of the ring around a spot, in degrees.
 _INNER, _OUTER = 1.5, 3.5
-#: Largest luminance in the ring over the peak of the spot: 95 % of the ring is below it.
+#: Largest luminance of the ring, at its 95 % quantile, relative to the peak of the spot.
 _MOST_RING = 0.95
-#: Largest deviation of log luminance in the ring from an even slope and glow: clouds have more.
+#: Largest deviation of log luminance in the ring from a plane plus a glow; clouds exceed it.
 _SMOOTH_RING = 0.03
-#: Largest fraction of clipped pixels in the ring; the noise of a bright sky clips a few.
+#: Largest fraction of clipped pixels in the ring; noise of a bright sky clips a few.
 _MOST_CLIPPED = 0.02
-#: Elevation in degrees above which a spot must be.
+#: Elevation in degrees below which spots are ignored.
 _ABOVE = 3.0
-#: Most places that are looked at; a picture with more has no lonely spot.
+#: Largest number of candidates; a picture with more has no isolated spot.
 _MOST_PLACES = 256
 
 Array = NDArray[np.float64]
 
 
 def single_spot(image: SkyImage, radiance: NDArray[np.float32], clip_level: float) -> Array | None:
-    """Direction of the only spot of a map clipped at `clip_level`; None for no spot or several.
+    """Direction of the only spot of a map clipped at `clip_level`; None unless exactly one.
 
     `radiance` holds the cells of the map, (height, 2 height, 3).
     """
@@ -48,7 +48,7 @@ def single_spot(image: SkyImage, radiance: NDArray[np.float32], clip_level: floa
 
 
 def _peaks(image: SkyImage) -> NDArray[np.intp]:
-    """Cells with a bright pixel, brightest first, whose column is unclipped nearby."""
+    """Cells with a bright pixel, brightest first, in columns that are unclipped nearby."""
     is_peak = (image.peak >= _LEAST_PEAK) & (image.elevation > _ABOVE)
     height = len(is_peak)
     step = int(np.ceil(_INNER / 180 * height)) + 1
@@ -61,12 +61,12 @@ def _peaks(image: SkyImage) -> NDArray[np.intp]:
 
 
 def _is_lonely(image: SkyImage, row: int, column: int) -> bool:
-    """True for a bright cell in a ring of smooth, blue, unclipped sky."""
+    """True for a bright cell within a ring of smooth, blue, unclipped sky."""
     reach = int(np.ceil(_OUTER / 180 * len(image.core)))
     rows = slice(max(row - reach, 0), row + reach + 1)
     cosine = image.directions[rows] @ image.directions[row, column]
     ring = (cosine < np.cos(np.radians(_INNER))) & (cosine > np.cos(np.radians(_OUTER)))
-    # JPEG darkens a lonely pixel; then pixels clipped in one channel count, too.
+    # Also count pixels clipped in one channel, because JPEG darkens an isolated pixel.
     clipped = image.clipped if image.clipped[row, column] else image.touched
     if np.count_nonzero(ring) < 16 or clipped[rows][ring].mean() > _MOST_CLIPPED:
         return False
@@ -77,7 +77,7 @@ def _is_lonely(image: SkyImage, row: int, column: int) -> bool:
 
 
 def _deviation(image: SkyImage, rows: slice, ring: NDArray[np.bool_], cosine: Array) -> float:
-    """Robust deviation of log luminance in a ring from a plane and a cone, the glow of a sun."""
+    """Robust deviation of log luminance in a ring from a plane plus a cone, the glow of a sun."""
     cone = np.arccos(cosine[ring])
     functions = np.column_stack([image.directions[rows][ring], cone])
     values = image.log[rows][ring]
@@ -86,7 +86,7 @@ def _deviation(image: SkyImage, rows: slice, ring: NDArray[np.bool_], cosine: Ar
 
 
 def _centre(radiance: NDArray[np.float32], clip_level: np.float32, near: Array) -> Array:
-    """Centroid of the excess of the pixels around a direction, at full resolution."""
+    """Centroid of the excess radiance around a direction, at full resolution."""
     height, width = radiance.shape[:2]
     middle = int(np.arccos(np.clip(near[1], -1, 1)) / np.pi * height)
     reach = int(np.ceil(_OUTER / 180 * height)) + 1
@@ -97,7 +97,7 @@ def _centre(radiance: NDArray[np.float32], clip_level: np.float32, near: Array) 
     luminance = radiance[rows] @ LUMINANCE / clip_level
     background = np.median(luminance[ring & ~inside])
     peak = luminance[inside].max()
-    # Half of the height keeps the noise of the ring out.
+    # Subtract half of the peak height, to exclude the noise of the ring.
     excess = np.maximum(luminance - 0.5 * (peak + background), 0) * inside
     weight = excess * np.sqrt(1 - directions[..., 1] ** 2)
     sum_ = (directions * weight[..., None]).sum(axis=(0, 1))

@@ -1,4 +1,4 @@
-"""Sun of a map as a light of its own, and the sky without it."""
+"""Separation of a map into the sun as a light, and the sky without it."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from envlights.sun.choice import AUTO, AnySun, is_of_map, sun_of
 from envlights.sun.disc_pixels import add_disc
 from envlights.sun.result import Sun
 
-#: Cosine of the largest angle between the sun of a map and its brightest light, of 3 degrees.
+#: Cosine of the largest angle, 3 degrees, between the sun of a map and its brightest light.
 _SAME = math.cos(math.radians(3))
 
 
@@ -31,10 +31,10 @@ class _SunSplitFields(NamedTuple):
     """Fields of a `SunSplit`."""
 
     lights: Lights
-    """The sun as a disc; no light if there is none. `notes` say how sure it is."""
+    """Sun as a disc; empty if there is none. `notes` state the sources of its values."""
 
     remainder: EnvMap
-    """The map with the sky in place of the clipped part around the sun."""
+    """Map with sky in place of the clipped region around the sun."""
 
 
 @former_attributes(rest="remainder")
@@ -77,7 +77,7 @@ class SunSplit(_SunSplitFields, LinkedParts):
 
 
 def _check_seen(env: EnvMap, lights: Lights) -> None:
-    """Refuse a sun in the unseen part, which stays black."""
+    """Raise an error if the sun lies in the uncovered part, which stays black."""
     if env.coverage is None:
         return
     ((u, v),) = direction_to_uv(lights.direction)
@@ -98,7 +98,7 @@ def with_sun(
     ratio: float | None = None,
     fill: Fill = None,
 ) -> SunSplit:
-    r"""Sun of a clipped map as a light of 0.265 degrees in radius, and the sky without it.
+    r"""Sun of a clipped map as a light with a radius of 0.265 degrees, and the sky without it.
 
     An 8-bit picture shows a sun as a white glow that is degrees wide and much too dark. Here the
     sun is a light with the size of the sun, for sharp shadows, and the glow becomes sky. Nothing
@@ -165,7 +165,7 @@ def with_sun(
 def parts_of(
     env: EnvMap, sun: Sun, irradiance: float | None, ratio: float | None, fill: Fill
 ) -> SunSplit:
-    """Light and rest for a sun; see `with_sun`."""
+    """Light and remaining map for a sun; see `with_sun`."""
     if irradiance is not None and ratio is not None:
         raise EnvLightsError("give irradiance or ratio, not both")
     for name, reading in (("irradiance", irradiance), ("ratio", ratio)):
@@ -205,7 +205,7 @@ def _split_from_map(env: EnvMap, sun: Sun) -> tuple[Sun, EnvMap] | None:
 def _of_reading(
     sun: Sun, remainder: EnvMap, irradiance: float | None, ratio: float | None, fill: Fill
 ) -> tuple[Lights, str]:
-    """Sun with the irradiance of a reading, and the reading in words."""
+    """Sun with the irradiance of a meter reading, and a text on the reading."""
     sky = float(remainder.probe(np.array([0.0, 1.0, 0.0]), fill=fill) @ LUMINANCE)
     name, reading, least = "irradiance", irradiance or 0.0, sky
     if ratio is not None:
@@ -223,7 +223,7 @@ def _of_reading(
 
 
 def _without_sun(sun: Sun) -> str:
-    """Note on a map for which no sun was added."""
+    """Note on why no sun was added to the map."""
     if sun.answer == "sun":
         return "no sun was added, because it is not the brightest light of the map; use `split`"
     why = f": {sun.notes[0]}" if sun.notes else ""

@@ -1,4 +1,4 @@
-"""Azimuth of the sun by symmetry: a sky is its own mirror image about the sun's meridian."""
+"""Azimuth of the sun by symmetry: a sky is mirror-symmetric about the meridian of the sun."""
 
 from __future__ import annotations
 
@@ -7,33 +7,33 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-#: Largest angle of azimuth between the meridian and a pair's cells, in degrees.
+#: Largest azimuth difference between the meridian and a pair of cells, in degrees.
 _REACH = 100.0
-#: Least pairs of a meridian, as a fraction of the cells of the sky's half sphere.
+#: Smallest number of pairs for a meridian, as a fraction of the cells in a hemisphere of sky.
 _LEAST_PAIRS = 0.02
-#: Most meridians that are tried, so that a wide part takes no longer than a narrow one.
+#: Largest number of meridians to test, which limits the time for wide regions.
 _MOST_MERIDIANS = 128
-#: Power of the ratio of costs in the weight of a meridian, and the cost of noise.
+#: Exponent of the cost ratio in the weight of a meridian, and cost of noise.
 _SHARPNESS, _NOISE = 8, 0.005
-#: Fraction of the largest depth below which a meridian is not tried.
+#: Fraction of the largest depth below which a meridian is not tested.
 _SHALLOW = 0.2
 
 
 class Meridian(NamedTuple):
-    """Meridian of the best symmetry."""
+    """Meridian with the best symmetry."""
 
     column: float
-    """Column, as a continuous coordinate: 0.5 is the middle of the first."""
+    """Column coordinate: 0.5 is the centre of the first column."""
     spread: float
-    """Deviation over the meridians that fit about as well, in columns."""
+    """Spread of the meridians that fit about as well, in columns."""
     contrast: float
-    """Least cost over the median cost: small if the symmetry is clear."""
+    """Ratio of the smallest cost to the median cost: small if the symmetry is clear."""
 
 
 def best_meridian(
     values: NDArray[np.float64], sky: NDArray[np.bool_], depth: NDArray[np.float64]
 ) -> Meridian | None:
-    """Meridian of the best symmetry among those through the deep part; None without enough sky.
+    """Most symmetric meridian through the deep part; None without enough sky.
 
     The arrays are images, (height, width), in which the deep part does not meet the seam. The cost
     of a meridian is the median difference of `values` over pairs of `sky`.
@@ -42,7 +42,7 @@ def best_meridian(
     columns = depth.max(axis=0)
     deep = np.flatnonzero(columns >= _SHALLOW * columns.max())
     doubled = _meridians(2 * deep[0], 2 * deep[-1])
-    # The upper half, every other row: neighbours say much the same.
+    # Use every other row of the upper half, because neighbouring rows are similar.
     step = 2 if height > 64 else 1
     top = height // 2
     level, shown = (np.tile(values[:top:step], 3), np.tile(sky[:top:step], 3))
@@ -62,7 +62,7 @@ def best_meridian(
 
 
 def _meridians(first: int, last: int) -> NDArray[np.intp]:
-    """Doubled columns from `first` to `last`, evenly and about their middle."""
+    """Doubled column indices from `first` to `last`, evenly spaced and centred."""
     step = max(1, -(-(last - first + 1) // _MOST_MERIDIANS))
     return np.arange(first + (last - first) % step // 2, last + 1, step)
 
@@ -70,7 +70,7 @@ def _meridians(first: int, last: int) -> NDArray[np.intp]:
 def _cost(
     values: NDArray[np.float64], sky: NDArray[np.bool_], twice: int, width: int
 ) -> tuple[float, int]:
-    """Median difference over the pairs about a doubled column, and their number."""
+    """Median difference over the pairs about a doubled column, and the number of pairs."""
     start, reach = twice // 2 + 1, int(_REACH / 360 * width)
     right = slice(start, start + reach)
     left = slice(twice - start, twice - start - reach, -1)

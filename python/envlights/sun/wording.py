@@ -1,10 +1,10 @@
-"""Notes on a sun: a guess is called a guess."""
+"""Notes that say whether the direction and irradiance of a sun are measured, given or guessed."""
 
 from __future__ import annotations
 
 
 def of_light(sun: str, evidence: tuple[str, ...], irradiance: str) -> str:
-    """Note on a sun as a light, with words for the sun and for its irradiance."""
+    """Note on a sun as a light; `sun` and `irradiance` are the texts to combine."""
     return f"{sun}: {_of_direction(evidence)}; {irradiance}"
 
 
@@ -17,7 +17,7 @@ def _of_direction(evidence: tuple[str, ...]) -> str:
 
 
 def of_irradiance(evidence: tuple[str, ...], interval: tuple[float, float]) -> str:
-    """Source of the irradiance of a sun, and its interval."""
+    """Text on the source of the irradiance of a sun, and its interval."""
     if "map" in evidence:
         return "irradiance measured in the map"
     low, high = interval
@@ -26,5 +26,5 @@ def of_irradiance(evidence: tuple[str, ...], interval: tuple[float, float]) -> s
     return f"the irradiance is a guess, in two of three maps true times {low:.2g} to {high:.2g}"
 
 
-#: Note on a repair of a map that holds its own sun.
+#: Note on the repair of a map that contains its own sun.
 HOLDS_SUN = "no sun was added, because the map is not clipped and holds its own"

@@ -1,4 +1,4 @@
-"""Maps with exactly known lights, for the demo, the tests and the benchmarks.
+"""Maps with exactly known lights, for the demo, tests and benchmarks.
 
 Frame and units are those of `EnvMap`; pixels are cell-centred.
 

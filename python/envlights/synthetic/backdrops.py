@@ -1,4 +1,4 @@
-"""Surroundings without lights: skies, walls, clouds, glare.
+"""Backgrounds without lights: skies, walls, clouds, glare.
 
 Each function draws random numbers from `rng` and returns the radiance of a whole map,
 (height, 2 * height, 3), with the brightest luminance about 1.
@@ -18,12 +18,12 @@ from envlights.synthetic.shapes import Lamp, Rectangle, smoothstep
 
 
 def constant(rng: np.random.Generator, height: int) -> NDArray[np.float64]:
-    """One radiance in all directions."""
+    """Equal radiance in all directions."""
     return np.broadcast_to(tint(rng), (height, 2 * height, 3))
 
 
 def gradient(rng: np.random.Generator, height: int) -> NDArray[np.float64]:
-    """A clear sky over a darker ground, without an edge."""
+    """Clear sky above darker ground, without a horizon edge."""
     ground, steepness = rng.uniform(0.02, 0.3), rng.uniform(1, 3)
     colour = tint(rng)
 
@@ -35,7 +35,7 @@ def gradient(rng: np.random.Generator, height: int) -> NDArray[np.float64]:
 
 
 def white_wall(rng: np.random.Generator, height: int) -> NDArray[np.float64]:
-    """One bright wall of a room."""
+    """Room with one bright wall."""
     phi, (broad, high) = rng.uniform(0, 2 * np.pi), rng.uniform([70, 50], [120, 90])
     wall = Rectangle((np.sin(phi), 0, -np.cos(phi)), broad, high, (1, 1, 1)).coverage(height)
     room = rng.uniform(0.1, 0.4)
@@ -45,7 +45,7 @@ def white_wall(rng: np.random.Generator, height: int) -> NDArray[np.float64]:
 def checker(rng: np.random.Generator, height: int) -> NDArray[np.float64]:
     """Tiles of two greys."""
     squares, dark = int(rng.integers(8, 20)), rng.uniform(0.1, 0.6)
-    # Align tiles with pixels, with an even number around the horizon.
+    # Align tiles with pixels, with an even number of tiles around the horizon.
     row = np.arange(height) * squares // height
     column = np.arange(2 * height) * 2 * squares // (2 * height)
 
@@ -56,7 +56,7 @@ def checker(rng: np.random.Generator, height: int) -> NDArray[np.float64]:
 
 
 def clouds(rng: np.random.Generator, height: int) -> NDArray[np.float64]:
-    """White clouds in a darker sky over a still darker ground."""
+    """White clouds in a darker sky above still darker ground."""
     up = sphere.pixel_directions(height, 2)[:, :1, 1]
     noise, least = _waves(rng, height), rng.uniform(-0.2, 0.4)
     sky, ground = rng.uniform(0.15, 0.3), rng.uniform(0.03, 0.1)
@@ -93,7 +93,7 @@ def lit_walls(rng: np.random.Generator, height: int) -> NDArray[np.float64]:
 
 
 def glare(rng: np.random.Generator, height: int, lamps: Sequence[Lamp]) -> NDArray[np.float64]:
-    """Halos of a lens around lights, with a few per cent of their radiance at the rim.
+    """Lens halos around lights, with a few per cent of the lights' radiance at the rim.
 
     A halo falls off as exp(-(angle from the rim) / width). Around a light smaller than this width
     it is fainter by the ratio of their solid angles, because a lens spreads flux and adds none.
@@ -117,26 +117,26 @@ def glare(rng: np.random.Generator, height: int, lamps: Sequence[Lamp]) -> NDArr
 def _colour(
     level: Callable[[slice], NDArray[np.float64]], height: int, colour: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """A map of one colour, from its level in some rows."""
+    """Map of one colour from its level, computed in blocks of rows."""
     return in_blocks((height, 2 * height, 3), lambda rows: level(rows)[..., None] * colour)
 
 
 def _radius_deg(lamp: Lamp, height: int) -> float:
-    """Radius of a disc about as large as the light."""
+    """Radius in degrees of a disc about as large as the light."""
     if isinstance(lamp, Rectangle):
         return float(np.sqrt(lamp.width_deg * lamp.height_deg / np.pi))
-    return max(lamp.reach_deg, 90 / height)  # a pixel sun is as large as its pixel
+    return max(lamp.reach_deg, 90 / height)  # a one-pixel sun has the size of its pixel
 
 
 def tint(rng: np.random.Generator) -> NDArray[np.float64]:
-    """A slightly warm or cold white of luminance 1."""
+    """Slightly warm or cold white with luminance 1."""
     colour = np.array([1.0, 1.0, 1.0]) + rng.uniform(-0.25, 0.25) * np.array([1.0, 0.1, -1.0])
     white: NDArray[np.float64] = colour / (colour @ LUMINANCE)
     return white
 
 
 def _waves(rng: np.random.Generator, height: int) -> NDArray[np.float64]:
-    """Smooth noise without seam or poles: plane waves, in octaves of half the height each."""
+    """Smooth noise without seam or poles: plane waves, in octaves of half amplitude each."""
     waves = [
         (octave, axis, rng.uniform(0, 2 * np.pi))
         for octave in range(4)

@@ -114,7 +114,7 @@ def _colour(channels: tuple[float, float, float]) -> NDArray[np.float64]:
 
 
 def _direction(sun: ArrayLike) -> NDArray[np.float64]:
-    """Unit vector above the horizon, or a refusal."""
+    """Unit vector above the horizon; raises an error for other directions."""
     vector = reals("sun", sun, 1)
     length = float(np.linalg.norm(vector))
     if vector.shape != (3,) or not (0 < length < math.inf) or vector[1] <= 0:

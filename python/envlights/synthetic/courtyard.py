@@ -34,7 +34,7 @@ _ALBEDO = {
 }
 
 
-#: The centre of a rectangle, and half of each of two sides: their cross product is its normal.
+#: Centre of a rectangle, and half of each of two sides, whose cross product is the normal.
 _Face = tuple[ArrayLike, NDArray[np.float64], NDArray[np.float64]]
 
 

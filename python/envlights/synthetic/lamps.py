@@ -12,12 +12,12 @@ from envlights.kernels.image import LUMINANCE
 from envlights.synthetic.backdrops import tint
 from envlights.synthetic.shapes import Disc, Lamp, PixelSun, Rectangle, unit
 
-#: Draws a light, or a group of lights, of the given radiance.
+#: Function that draws a random light or group of lights with the given radiance.
 Kind = Callable[[np.random.Generator, NDArray[np.float64]], list[Lamp]]
 _Place = Callable[[np.random.Generator], NDArray[np.float64]]
 _Outline = Callable[[np.random.Generator, NDArray[np.float64], NDArray[np.float64]], Lamp]
 
-#: Directions that are tried before a light is left out.
+#: Number of random directions to try before a light is omitted.
 _TRIES = 50
 #: Luminance of a sun, relative to the brightest surroundings.
 _SUN = 1e5
@@ -156,7 +156,7 @@ def _pair(rng: np.random.Generator, radiance: NDArray[np.float64]) -> list[Lamp]
 
 
 def _at(place: _Place, *outlines: _Outline) -> Kind:
-    """A kind of light at `place` with one of the outlines."""
+    """Function that draws a light in direction `place`, with one of the outlines."""
 
     def kind(rng: np.random.Generator, radiance: NDArray[np.float64]) -> list[Lamp]:
         outline = outlines[rng.integers(len(outlines))]

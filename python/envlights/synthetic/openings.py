@@ -14,7 +14,7 @@ from envlights.synthetic import backdrops
 from envlights.synthetic.scene import MOST_ROWS, SyntheticMap, scene
 from envlights.synthetic.shapes import Disc, Rectangle, Shape, unit
 
-#: Narrowest and widest bar, in degrees, and the widest as a share of a pane.
+#: Narrowest and widest bar in degrees, and widest bar relative to a pane.
 _NARROWEST_BAR_DEG, _WIDEST_BAR_DEG, _WIDEST_SHARE = 0.5, 2.2, 0.3
 #: Rows of the smallest map that shows the narrowest bar.
 _LEAST_HEIGHT = 256

@@ -24,15 +24,14 @@ from envlights.transfer.files.database import ImagePairs
 _ROOM = np.array([[-1.0, 0.0, -1.0], [1.0, 2.0, 1.0]])
 _BOXES = np.array([[[-0.7, 0.0, -0.6], [-0.1, 1.2, 0.0]], [[0.2, 0.0, 0.0], [0.7, 0.6, 0.6]]])
 
-#: Numbers along one side: charts of the lightmap, patches of a chart, samples of direct light of a
-#: patch.
+#: Numbers along a side: charts per lightmap, patches per chart, direct-light samples per patch.
 _CHARTS, _PATCHES, _SAMPLES = 4, 8, 2
 #: Least distance in metres between a lamp and a wall. A lamp that touches a wall lights one texel
 #: of the direct image, which says little about its place.
 _CLEARANCE = 0.2
 #: Texels along a side of the direct image.
 _DIRECT = 16
-#: Texels whose form factors are computed at once.
+#: Number of texels whose form factors are computed at once.
 _BLOCK = 256
 
 
@@ -79,7 +78,7 @@ def room_charts() -> list[Chart]:
 
 
 def _faces() -> list[tuple[NDArray[np.float64], int, int, int]]:
-    """Box, axis, end and outward sign of each face: six of the room, five of each box."""
+    """Box, axis, end and outward sign of each face: six of the room, five per box."""
     faces = [(_ROOM, axis, end, -1) for axis in range(3) for end in (0, 1)]
     for box in _BOXES:
         # No light reaches the face on the floor.
@@ -155,7 +154,7 @@ class _Texels:
 
 
 def _charts(width: int) -> _Texels:
-    """The lightmap of `width` columns: chart after chart, six of the room, five of each box."""
+    """Texels of a lightmap with `width` columns: six charts of the room, five per box."""
     side = width // _CHARTS
     faces = [_face(chart, side) for chart in room_charts()]
     # Put their texels into the order of the lightmap's rows.
@@ -176,7 +175,7 @@ def _face(
 
 
 def _in_rows(values: NDArray[Any], side: int) -> NDArray[Any]:
-    """Values of (chart, texel of the chart, ...) in the order of the lightmap's rows."""
+    """Values (chart, texel of the chart, ...) reordered to lightmap rows."""
     tail = values.shape[2:]
     grid = values.reshape(_CHARTS, _CHARTS, side, side, *tail)
     return grid.swapaxes(1, 2).reshape(-1, *tail)
@@ -211,7 +210,7 @@ def _lamps(rng: np.random.Generator, at: _Texels) -> NDArray[np.float64]:
 
 
 def _free_place(rng: np.random.Generator) -> NDArray[np.float64]:
-    """A point of the room, off the walls and the boxes."""
+    """Random point in the room, with distance to walls and boxes."""
     while True:
         place = rng.uniform(_ROOM[0] + _CLEARANCE, _ROOM[1] - _CLEARANCE)
         outside = np.maximum(_BOXES[:, 0] - place, place - _BOXES[:, 1]).max(axis=1)
@@ -257,7 +256,7 @@ def _form_factors(at: _Texels, patches: _Texels) -> NDArray[np.float64]:
 
 
 def _open(start: NDArray[np.float64], end: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """True if no box is between two points; the faces of the points do not count."""
+    """True if no box lies between two points, ignoring the faces that contain the points."""
     clear = np.ones(np.broadcast_shapes(start.shape, end.shape)[:-1], np.bool_)
     with np.errstate(divide="ignore", invalid="ignore"):
         inverse = 1.0 / (end - start)

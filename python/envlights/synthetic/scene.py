@@ -1,4 +1,4 @@
-"""Shapes before a background.
+"""Rendering of shapes in front of a background.
 
 Each light is summed from the pixels of the stored map, so the lights of a `SyntheticMap` are exact
 for its map.
@@ -26,13 +26,13 @@ from envlights.synthetic.shapes import Shape
 
 #: Largest number of rows; NumPy cannot index much larger maps.
 MOST_ROWS = 2**20
-#: Linear radiance to stored radiance, (height, width, 3) -> (height, width, 3).
+#: Function from linear radiance to stored radiance, (height, width, 3) -> (height, width, 3).
 Camera = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SyntheticMap(Result):
-    """A map and the lights in it."""
+    """Map with exactly known lights."""
 
     radiance: NDArray[np.float32]
     """Linear RGB, (height, 2 * height, 3)."""
@@ -44,7 +44,7 @@ class SyntheticMap(Result):
     """Solid angle of each light in steradians, in the order of `lights`."""
 
     irradiance_with_background: NDArray[np.float64]
-    """RGB integral of the map over the solid angle of each light, as detectors measure it."""
+    """RGB integral of the map over the solid angle of each light, as a detector measures it."""
 
     note: str = ""
     """Description of the map."""
@@ -112,7 +112,7 @@ def scene(
     height = count("height", height, least=2, most=MOST_ROWS)
     map_shape = (height, 2 * height, 3)
     backdrop = _radiance("background", background, map_shape)
-    # Find the share of every pixel that shows each shape, behind those in front of it.
+    # Compute the fraction of each pixel that shows each shape, behind the shapes in front.
     shown: list[NDArray[np.float64]] = []
     for shape in shapes:
         covered = shape.coverage(height)[..., None]
@@ -122,7 +122,7 @@ def scene(
 
 
 def normal_numbers(rng: np.random.Generator, shape: tuple[int, ...]) -> NDArray[np.float64]:
-    """The numbers of `rng.standard_normal`, drawn in blocks."""
+    """Numbers of `rng.standard_normal`, drawn in blocks."""
     numbers = np.empty(shape)
     for part in blocks((numbers.size,)):
         rng.standard_normal(out=numbers.reshape(-1)[part])
@@ -140,7 +140,7 @@ def _measure(
     note: str,
 ) -> SyntheticMap:
     """The map as stored, and its lights summed over the pixels that show them."""
-    # Replace the share of the background that shows a shape.
+    # Replace the fraction of the background that shows a shape.
     whole = in_blocks(backdrop.shape, lambda rows: _add(backdrop, shown, rows))
     # Store the map with and without its lights.
     lit = in_blocks(backdrop.shape, lambda rows: backdrop[rows] + whole[rows])
@@ -149,7 +149,7 @@ def _measure(
     direction, irradiance, with_background, solid_angle = np.zeros((4, len(shown), 3))
     for i, each in enumerate(shown):
         direction[i], irradiance[i], with_background[i], solid_angle[i] = picture.light(i, *each)
-    # Sort as `Lights` does; shapes may share a direction, so the order cannot be read from it.
+    # Sort as `Lights` does; shapes may share a direction, which therefore does not identify them.
     order = brightest_first(irradiance)
     lights = Lights(direction, irradiance)
     return SyntheticMap(picture.stored, lights, solid_angle[order, 0], with_background[order], note)
@@ -159,12 +159,12 @@ def _in_floats(radiance: NDArray[np.float64]) -> NDArray[np.float32]:
     return in_blocks(radiance.shape, lambda rows: radiance[rows].astype(np.float32))
 
 
-#: The share of each pixel that shows a shape, (height, width, 1), and its radiance.
+#: Fraction of each pixel that shows a shape, (height, width, 1), and the shape's radiance.
 _Shown = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 
 def _behind(fraction: NDArray[np.float64], covered: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Visible fraction of a shape behind others that have `covered` it."""
+    """Visible fraction of a shape behind other shapes with coverage `covered`."""
     return in_blocks(fraction.shape, lambda rows: fraction[rows] * (1 - covered[rows]))
 
 
@@ -185,16 +185,16 @@ class _Picture:
     """
 
     stored: NDArray[np.float32]
-    """The map, (height, width, 3)."""
+    """Map as stored, (height, width, 3)."""
 
     behind: NDArray[np.float64]
-    """The map without lights, as stored."""
+    """Map without lights, as stored."""
 
     backdrop: NDArray[np.float64]
-    """The map without lights, before the camera."""
+    """Map without lights, before the camera response."""
 
     whole: NDArray[np.float64]
-    """Radiance that all shapes add before the camera."""
+    """Radiance of all shapes, before the camera response."""
 
     @cached_property
     def solid_angles(self) -> NDArray[np.float64]:
@@ -209,13 +209,13 @@ class _Picture:
 
         `fraction` of each pixel shows it.
         """
-        # Find its pixels. A shape wholly behind another keeps a rounding error of its coverage.
+        # Find the pixels of the shape; hidden shapes keep a rounding error of their coverage.
         at = (fraction[..., 0] > 1e-9).nonzero()
         height, width, _ = self.stored.shape
         v, u = ((place + 0.5) / side for place, side in zip(at, (height, width), strict=True))
         solid_angles, directions = self.solid_angles[at], sphere.uv_to_direction(np.c_[u, v])
         own = fraction[at] * (colour - self.backdrop[at])
-        # Divide the stored light between the shapes in proportion to what they add.
+        # Divide the stored light between shapes in proportion to their radiance.
         whole = self.whole[at]
         part = np.divide(own, whole, out=np.zeros((len(at[0]), 3)), where=whole != 0)
         flux = (self.stored[at] - self.behind[at]) * part * solid_angles
@@ -234,7 +234,7 @@ class _Picture:
 
 
 def _radiance(name: str, values: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float64]:
-    """`values` as an RGB radiance of `shape`, or a refusal that names it."""
+    """`values` as RGB radiance of `shape`; raises an error that names the argument."""
     array = reals(name, values, 1 if is_vector(values) else len(shape))
     if array.shape not in ((3,), shape) or not np.isfinite(array).all() or (array < 0).any():
         raise EnvLightsError(

@@ -203,7 +203,7 @@ def smoothstep(values: NDArray[np.float64], start: float, end: float) -> NDArray
 
 
 def unit(direction: ArrayLike) -> NDArray[np.float64]:
-    """`direction` at the length 1, or a refusal."""
+    """Normalised `direction`; raises an error for a zero vector."""
     vector = reals("a direction", direction, 1)
     length = np.linalg.norm(vector)
     if vector.shape != (3,) or not np.isfinite(length) or length == 0:

@@ -1,4 +1,4 @@
-"""Transfer of direct to indirect light: from a small image of the one to an image of the other.
+"""Transfer of direct to indirect light: from small direct images to images of indirect light.
 
 A model is learnt from pairs of images of one scene under many lights. These are the steps of
 `TransferModel.fit`, and what else a model does:

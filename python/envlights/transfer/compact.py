@@ -20,7 +20,7 @@ from numpy.typing import DTypeLike, NDArray
 from envlights import _native
 from envlights._common.result import Result
 
-#: Texels of a tile, and texels that share a scale, as the kernel defines them.
+#: Texels in a tile, and texels with a common scale, as the kernel defines them.
 TILE, SHARE = _native.BASIS_TILE, _native.BASIS_SHARE
 #: Largest value before scaling, for each type in which a basis is stored, the most compact first.
 LARGEST: dict[str, float] = {"int8": 127.0, "float16": 1.0}
@@ -30,7 +30,7 @@ _BLOCK = 8192
 
 @dataclass(frozen=True, eq=False, repr=False)
 class CompactBasis(Result):
-    """Orthonormal columns, rounded, over tiles of 32 texels of the image."""
+    """Orthonormal columns, rounded, stored in tiles of 32 texels of the image."""
 
     values: NDArray[Any]
     """int8 or float16, (tiles, rank, 32)."""
@@ -39,7 +39,7 @@ class CompactBasis(Result):
     """Factor of the values in each half of a tile, (tiles, rank, 2)."""
 
     places: NDArray[np.int64]
-    """Index of the values of each tile of the image, or -1 for a black tile."""
+    """Index into `values` for each tile of the image, or -1 for a black tile."""
 
     def in_short(self) -> str:
         """Type and size."""
@@ -47,7 +47,7 @@ class CompactBasis(Result):
 
     @property
     def dtype(self) -> np.dtype[np.float32]:
-        """Type of the images that it expands to."""
+        """Type of the expanded images."""
         return self.scales.dtype
 
     def expand(
@@ -74,13 +74,14 @@ class CompactBasis(Result):
 def compress(
     basis: NDArray[Any], lit: NDArray[np.bool_], coefficients: NDArray[np.float64], error: float
 ) -> tuple[NDArray[Any] | CompactBasis, str]:
-    """Basis in the most compact type that keeps the `error`, and a note on the choice.
+    """Most compact basis that stays within the `error`, and a note on the choice.
 
     `coefficients` of the pairs, (k, 3, rank), give their own error for the note.
     """
     energy = np.einsum("kcr,kcs->rs", coefficients, coefficients)
     for dtype in LARGEST:
-        # Round, and bound the change of any frame by its largest singular value.
+        # Round, and bound the change of every frame by the largest singular value of the rounding
+        # error.
         compact, wrong = round_basis(basis, lit, dtype)
         most = np.sqrt(np.linalg.eigvalsh(wrong)[-1])
         if most <= error:
@@ -112,7 +113,7 @@ def round_basis(
 
 
 def _round_tiles(tiles: NDArray[Any], dtype: DTypeLike) -> tuple[NDArray[Any], NDArray[np.float32]]:
-    """Values of `dtype` for tiles (n, rank, 32), and their scales."""
+    """Tiles (n, rank, 32) rounded to `dtype`, and their scales."""
     largest = np.abs(tiles).reshape(*tiles.shape[:2], TILE // SHARE, SHARE).max(axis=3)
     scales = (largest / LARGEST[np.dtype(dtype).name]).astype(np.float32)
     inverse = np.divide(1.0, scales, out=np.zeros(scales.shape), where=scales > 0)

@@ -71,7 +71,7 @@ def _check_basis(
 
 
 def pixels_of(size: tuple[int, int]) -> int:
-    """Pixels of a direct image of `size`, or a refusal."""
+    """Number of pixels of a direct image; raises an error for an invalid `size`."""
     if not isinstance(size, tuple) or len(size) != 2:
         raise EnvLightsError("size must be two numbers, height and width")
     height, width = (count("size", side, least=1) for side in size)

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from envlights._common.check import describe
 from envlights._native import EnvLightsError
 
-#: Texels of a block: the rows of a few images fit into the cache.
+#: Texels in a block: the rows of a few images fit into the cache.
 _BLOCK = 8192
-#: Numbers in a block of many images: a block takes tenths of a second, so that Ctrl-C works.
+#: Numbers in a block of many images: a block takes a few tenths of a second, so that Ctrl-C works.
 _NUMBERS = 2**21
 
 
@@ -46,12 +46,12 @@ def expand(
 def check_range(
     coefficients: NDArray[np.float64], norm: NDArray[np.float64], mean: NDArray[Any], dtype: Any
 ) -> None:
-    """Refuse frames that may hold values beyond the range of `dtype`.
+    """Raise an error for frames that may hold values beyond the range of `dtype`.
 
     The columns of the basis are orthonormal: no texel, and no part of its sum, is larger than the
     norm of its coefficients. A rounded basis is so within a factor far below 2.
     """
-    with np.errstate(over="ignore"):  # an infinity is refused, too
+    with np.errstate(over="ignore"):  # infinity raises the error, too
         largest = np.linalg.norm(coefficients, axis=2).max(initial=0.0)
     largest += norm.max(initial=0.0) * np.abs(mean).max(initial=0.0)
     most = float(np.finfo(dtype).max) / 2
@@ -65,7 +65,7 @@ def check_range(
 def project(
     images: NDArray[Any], basis: NDArray[Any], lit: NDArray[np.bool_], mean: NDArray[Any]
 ) -> NDArray[np.float64]:
-    """Coefficients of images (n, H, W, 3) less the `mean`, in the basis: (n, 3, rank)."""
+    """Coefficients in the basis, (n, 3, rank), of images (n, H, W, 3) minus the `mean`."""
     flat = images.reshape(len(images), -1, 3)
     coefficients = np.zeros((3 * len(images), basis.shape[1]))
     for part, texels in _blocks(lit, len(images)):
@@ -77,7 +77,7 @@ def project(
 
 
 def truncate(coefficients: NDArray[np.float64], error: float) -> NDArray[np.float64]:
-    """First components of each frame that keep its relative `error`; the others become 0.
+    """Leading components of each frame, as many as its relative `error` needs; the others become 0.
 
     The columns of the basis are orthonormal, so the squared error is the sum of the squares of the
     omitted components. Components that no frame needs are dropped.
@@ -91,7 +91,7 @@ def truncate(coefficients: NDArray[np.float64], error: float) -> NDArray[np.floa
 
 
 def region_mask(region: Any, shape: tuple[int, int]) -> NDArray[np.bool_]:
-    """Mask of the texels in two slices, (H, W), or a refusal."""
+    """Mask of the texels in two slices, (H, W); raises an error for other regions."""
     needed = np.zeros(shape, np.bool_)
     try:
         rows, columns = region
@@ -106,9 +106,9 @@ def region_mask(region: Any, shape: tuple[int, int]) -> NDArray[np.bool_]:
 
 
 def _blocks(lit: NDArray[np.bool_], images: int) -> list[tuple[slice, Any]]:
-    """Slices of rows of the basis, and the texels of these rows: their numbers or a slice.
+    """Row slice of the basis, and matching texels, of each block.
 
-    Blocks of many `images` have fewer texels.
+    Texels are indices, or a slice if all are lit. Blocks of many `images` have fewer texels.
     """
     rows = min(max(_NUMBERS // (3 * max(images, 1)), 1), _BLOCK)
     parts = [slice(start, start + rows) for start in range(0, np.count_nonzero(lit), rows)]

@@ -27,16 +27,16 @@ from envlights.transfer.training.around_prior import Learning, check_prior, trai
 from envlights.transfer.training.basis import check_parameters
 from envlights.transfer.training.train import nonnegative_priors, solve, train
 
-#: Largest number of directions without a request, of a model without a prior.
+#: Default limit on the number of directions, for models without a prior.
 _RANK = 64
 #: End of the note on black texels.
 _BLACK = "texels are black in every image, so they are predicted black"
 
-#: Arrays of a model, and of a `PairSummary` in the order of its fields.
+#: Arrays of a model, and those of a `PairSummary` in the order of its fields.
 _ARRAYS = ("lit", "transfer", "mean")
 _SUMMARY = ("direct", "coefficients", "outside", "energy")
-#: Version 1 had wall times in its report; no model before version 3 was non-negative, and none
-#: before version 4 had a prior. `scales` are those of a compact basis.
+#: Version 1 had wall times in its report. Versions before 3 had no non-negative models, and
+#: versions before 4 had no priors. `scales` belong to a compact basis.
 _KIND = Kind(
     "model",
     "envlights transfer model",
@@ -164,7 +164,7 @@ class TransferModel(Predictor):
         is_free = prior is not None and rank is None and error is None
         limits = check_parameters(_RANK if rank is None else rank, ridge, error)
         check_progress(progress)
-        # Keep parameters as plain numbers, which a file can hold.
+        # Store parameters as plain numbers, because a file holds only those.
         parameters = {
             "rank": limits.rank,
             "ridge": ridge if isinstance(ridge, str) else float(ridge),
@@ -189,7 +189,7 @@ class TransferModel(Predictor):
         return replace(model, report=replace(model.report, seconds=seconds))
 
     def compressed(self, error: float = 0.005) -> TransferModel:
-        """Model with a smaller basis, a third or half of the bytes, for faster frames.
+        """Model with a rounded basis, a third or half of the bytes, for faster frames.
 
         The basis is stored in the most compact type that keeps the bound: int8, float16, or
         unchanged. The notes of the report name the type and its error. Single frames gain most,
@@ -220,7 +220,7 @@ class TransferModel(Predictor):
         return replace(self, basis=compact, report=self._noted(note))
 
     def add(self, direct: ArrayLike, indirect: ArrayLike) -> TransferModel:
-        """Add pairs to those of the model; only the new pairs are read.
+        """Add pairs to a trained model; only the new pairs are read.
 
         The model holds only the part of its earlier pairs inside the basis. So the new basis is
         slightly worse than that of a fit to all pairs, and errors of earlier pairs are estimates.
@@ -245,12 +245,12 @@ class TransferModel(Predictor):
             )
         basis = self._dense("take more pairs")
         start = perf_counter()
-        # Check the sizes by one image of each, before the work on all.
+        # Check the sizes with one image of each kind, before the work on all images.
         direct, indirect = as_array("direct", direct), as_array("indirect", indirect)
         image_stack("direct", direct[:1], self.size)
         image_stack("indirect", indirect[:1], self._shape)
         pairs = pairs_of(direct, indirect)
-        # Grow the basis, then solve for its matrix.
+        # Extend the basis, then solve for the matrix.
         limits = check_parameters(**self.parameters)
         columns, lit, learnt = grow.extend(basis, self.lit, self.learnt, pairs, limits)
         notes = (*self.report.notes, *pairs.notes)
@@ -267,7 +267,7 @@ class TransferModel(Predictor):
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> TransferModel:
-        """Read a model that `save` wrote, or refuse a file of another kind or version."""
+        """Read a model that `save` wrote; raises an error for another kind or version of file."""
         return npz_file.load(path, _KIND, _from_file)
 
 
@@ -297,7 +297,7 @@ def _around(
 
 
 def _noting_black(notes: tuple[str, ...], lit: NDArray[np.bool_]) -> tuple[str, ...]:
-    """Notes with one on black texels, instead of that of an earlier model."""
+    """Notes, with the note on black texels replaced by the current one."""
     notes = tuple(note for note in notes if not note.endswith(_BLACK))
     black = np.count_nonzero(~lit)
     return (*notes, f"{black} of {lit.size} {_BLACK}") if black else notes
@@ -319,7 +319,7 @@ def _solve(
 
 
 def _to_file(model: TransferModel) -> dict[str, Any]:
-    """Arrays of a file."""
+    """Arrays to store in a file."""
     basis: dict[str, Any] = {"basis": model.basis}
     if isinstance(model.basis, CompactBasis):
         basis = {"basis": model.basis.values, "scales": model.basis.scales}
@@ -334,7 +334,7 @@ def _to_file(model: TransferModel) -> dict[str, Any]:
 
 
 def _from_file(data: Mapping[str, NDArray[Any]]) -> TransferModel:
-    """Model of the arrays of a file; its constructor checks them."""
+    """Model from the arrays of a file; its constructor checks them."""
     basis: NDArray[Any] | CompactBasis = data["basis"]
     if "scales" in data:
         basis = CompactBasis(data["basis"], data["scales"], places_of(data["lit"]))

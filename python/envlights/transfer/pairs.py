@@ -1,4 +1,4 @@
-"""Checks of the images, and pairs at one scale."""
+"""Checks of images, and pairs scaled to norm 1."""
 
 from __future__ import annotations
 
@@ -16,37 +16,37 @@ from envlights._native import EnvLightsError
 
 @dataclass(frozen=True, eq=False)
 class Pairs:
-    """Images of direct and indirect light under the same lights, `k` of each."""
+    """Direct and indirect images of the same lights, `k` of each."""
 
     direct: NDArray[np.float64]
-    """Direct light, (k, 3, h * w), each image at norm 1; a black one stays black."""
+    """Direct images, (k, 3, h * w), each scaled to norm 1; black images stay black."""
 
     indirect: Any
-    """Indirect light at its own scale, without alpha, (k, H, W, 3): an array of NumPy or Dask."""
+    """Indirect images as given, without alpha, (k, H, W, 3): a NumPy or Dask array."""
 
     scale: NDArray[np.float64]
-    """Factor of each pair, (k,): one over the norm of its direct image, or 0 where that is black.
+    """Scale factor of each pair, (k,): 1 / norm of its direct image, or 0 for a black one.
 
     Light is linear, so every pair may be scaled. At one norm all pairs count the same, however
     bright their lights were, and a ridge means the same for each scene.
     """
 
     notes: tuple[str, ...]
-    """Channels that were dropped and images that were left out."""
+    """Notes on dropped channels and omitted images."""
 
     @property
     def dtype(self) -> np.dtype[Any]:
-        """Type of the large arrays: float64 if the indirect images are, otherwise float32."""
+        """Type of the large arrays: float64 for indirect images in float64, otherwise float32."""
         return np.dtype(np.float64 if self.indirect.dtype.itemsize >= 8 else np.float32)
 
     @property
     def is_lazy(self) -> bool:
-        """True if the indirect images are an array of Dask, which has yet to be computed."""
+        """True if the indirect images are a Dask array, which is not computed yet."""
         return _is_lazy(self.indirect)
 
 
 def pairs_of(direct: ArrayLike, indirect: ArrayLike) -> Pairs:
-    """Pairs of two stacks of images, or a refusal."""
+    """Pairs of two stacks of images; raises an error if the stacks do not match."""
     # Check both stacks; only the small images are read here.
     large, dropped = images("indirect", indirect)
     small, dropped_too = images("direct", direct)
@@ -57,7 +57,7 @@ def pairs_of(direct: ArrayLike, indirect: ArrayLike) -> Pairs:
         )
     small = np.asarray(small)
     check_finite("direct", small)
-    # Find the factor that brings each direct image to norm 1.
+    # Compute the factor that scales each direct image to norm 1.
     rows = rgb_rows(small)
     norm = np.linalg.norm(rows, axis=(1, 2))
     if not norm.any():
@@ -68,7 +68,7 @@ def pairs_of(direct: ArrayLike, indirect: ArrayLike) -> Pairs:
 
 
 def images(name: str, values: Any) -> tuple[Any, tuple[str, ...]]:
-    """A stack of RGB images, (k, height, width, 3), as a view, and a note if it had alpha.
+    """Stack of RGB images, (k, height, width, 3), as a view, and a note if alpha was dropped.
 
     An array of Dask stays an array of Dask.
     """
@@ -77,7 +77,7 @@ def images(name: str, values: Any) -> tuple[Any, tuple[str, ...]]:
         raise EnvLightsError(
             f"{name} must hold linear light as floating point; got the dtype {array.dtype}"
         )
-    # Dask gives NaN for a side that it does not know.
+    # Dask reports an unknown length of an axis as NaN.
     has_texels = all(side > 0 for side in array.shape)
     if array.ndim != 4 or array.shape[3] not in (3, 4) or not has_texels:
         raise EnvLightsError(
@@ -88,7 +88,7 @@ def images(name: str, values: Any) -> tuple[Any, tuple[str, ...]]:
 
 
 def as_array(name: str, values: ArrayLike) -> NDArray[Any]:
-    """`values` as an array in memory, or a refusal if the images are of several sizes."""
+    """`values` as an array in memory; raises an error if the images differ in size."""
     try:
         return np.atleast_1d(np.asarray(values))
     except ValueError as error:
@@ -96,13 +96,13 @@ def as_array(name: str, values: ArrayLike) -> NDArray[Any]:
 
 
 def _is_lazy(values: object) -> bool:
-    # No array of Dask exists before `dask.array` is imported.
+    # Dask arrays exist only if `dask.array` is imported.
     dask_array = sys.modules.get("dask.array")
     return dask_array is not None and isinstance(values, dask_array.Array)
 
 
 def rgb_rows(stack: NDArray[Any]) -> NDArray[np.float64]:
-    """Each channel of a stack (k, height, width, 3) as a row of float64, (k, 3, texels)."""
+    """Rows of float64, (k, 3, texels), one per channel of a stack (k, height, width, 3)."""
     rows: NDArray[np.float64] = np.moveaxis(stack, -1, 1).reshape(len(stack), 3, -1)
     return rows.astype(np.float64)
 
@@ -110,7 +110,7 @@ def rgb_rows(stack: NDArray[Any]) -> NDArray[np.float64]:
 def image_stack(
     name: str, values: ArrayLike, size: tuple[int, int], owner: str = "model"
 ) -> tuple[NDArray[Any], bool]:
-    """One image or a stack, of the `size` of its owner, as a stack; True if it was one image."""
+    """One image or a stack of the `size` of its owner, as a stack; True if it was one image."""
     array = as_array(name, values)
     is_one = array.ndim == 3
     stack, _ = images(name, array[None] if is_one else array)
@@ -122,7 +122,7 @@ def image_stack(
 
 
 def check_finite(name: str, stack: NDArray[Any], first_row: int = 0) -> None:
-    """Refuse the first texel that is NaN or infinite; image by image, so that none is copied.
+    """Raise an error at the first NaN or infinite texel; checks image by image, without a copy.
 
     `first_row` is the row of the whole images at which `stack` begins.
     """
@@ -147,16 +147,16 @@ def _black(which: NDArray[np.intp]) -> tuple[str, ...]:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class PairSummary(Result):
-    """Summary of the pairs of a model, without their texels, so that more pairs can be added."""
+    """Summary of the training pairs, without their texels, so that more pairs can be added."""
 
     direct: NDArray[np.float64]
-    """Direct images at norm 1, (k, 3, h * w)."""
+    """Direct images scaled to norm 1, (k, 3, h * w)."""
 
     coefficients: NDArray[np.float64]
     """Coefficients of the indirect images in the basis, (k, 3, rank)."""
 
     outside: NDArray[np.float64]
-    """Inner products of the residuals of the three rows of each image, (k, 3, 3)."""
+    """Inner products of the residuals of the three colour channels of each image, (k, 3, 3)."""
 
     energy: NDArray[np.float64]
     """Sum of squares of each indirect image, (k,)."""

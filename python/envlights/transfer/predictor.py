@@ -1,4 +1,4 @@
-"""Indirect light from a basis and a matrix: all of a model but its learning."""
+"""Prediction of indirect light from a basis and a matrix: a model without its training."""
 
 from __future__ import annotations
 
@@ -29,18 +29,18 @@ _PARAMETERS = {"rank", "ridge", "error", "nonnegative", "prior"}
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Predictor(Result):
-    """A basis of indirect images, with a matrix from direct light to its coefficients."""
+    """Basis of indirect images, with a matrix from direct light to coefficients in the basis."""
 
     basis: NDArray[Any] | CompactBasis
-    """Orthonormal columns over the texels of `lit`, (texels, rank); rounded in a model that is
+    """Orthonormal columns over the texels of `lit`, (texels, rank); rounded if the model is
     `compressed`."""
 
     lit: NDArray[np.bool_]
-    """Texels that are not black in every image, (H, W). The others are predicted black."""
+    """Texels that are lit in at least one image, (H, W). All other texels are predicted black."""
 
     transfer: NDArray[np.float64]
-    """Matrices from direct light to coefficients, one for each channel, (3, h * w, rank). With
-    ``notebook=True`` each takes all channels, (3, 3 * h * w, rank)."""
+    """Matrices from direct light to coefficients, one per channel, (3, h * w, rank). With
+    ``notebook=True`` each matrix takes all channels, (3, 3 * h * w, rank)."""
 
     mean: NDArray[Any]
     """Mean of all images in the texels of `lit` with ``notebook=True``; otherwise empty."""
@@ -49,13 +49,13 @@ class Predictor(Result):
     """Height and width of the direct images."""
 
     parameters: Mapping[str, Any]
-    """Arguments `rank`, `ridge`, `error` and `nonnegative` of `fit`, and if it had a `prior`."""
+    """Arguments `rank`, `ridge`, `error`, `nonnegative` of `fit`; True if it had a `prior`."""
 
     learnt: PairSummary
-    """Summary of the pairs, without their texels."""
+    """Summary of the training pairs, without their texels."""
 
     report: TransferReport
-    """Size, times and errors of the model, among them those on lights outside its pairs."""
+    """Size, times and errors of the model, also for lights outside the training pairs."""
 
     def __post_init__(self) -> None:
         if not isinstance(self.learnt, PairSummary) or not isinstance(self.report, TransferReport):
@@ -69,7 +69,7 @@ class Predictor(Result):
 
     @property
     def is_notebook(self) -> bool:
-        """True for the notebook's model."""
+        """True for a model with ``notebook=True``."""
         return len(self.mean) > 0
 
     def predict(
@@ -107,15 +107,15 @@ class Predictor(Result):
         """
         stack, is_one = image_stack("direct", direct, self.size)
         rows = rgb_rows(stack)
-        # The notebook's model is linear at a given norm: its mean is multiplied by that norm.
+        # Scale the mean of a notebook model by the norm of each direct image.
         norm = np.linalg.norm(rows, axis=(1, 2)) if self.is_notebook else np.zeros(len(rows))
         features = rows.reshape(len(rows), 1, -1) if self.is_notebook else rows
         coefficients = np.swapaxes(features.swapaxes(0, 1) @ self.transfer, 0, 1)
-        # Leave out the directions that each frame can spare.
+        # Drop the directions that each frame does not need for this error.
         if amount("error", error, most=1.0) > 0:
             self._refuse_mean("leave directions out of a frame")
             coefficients = truncate(coefficients, error)
-        # Compute the blocks of texels that the region touches, then crop.
+        # Compute the blocks of texels in the region, then crop.
         wanted = None if region is None else region_mask(region, self._shape)
         predicted = self._expanded(coefficients, norm, wanted)
         if self.parameters["nonnegative"]:
@@ -141,12 +141,12 @@ class Predictor(Result):
         return self.lit.shape[0], self.lit.shape[1]
 
     def _refuse_mean(self, what: str) -> None:
-        # The mean is not at right angles to the basis: nothing is known of the error.
+        # The mean is not orthogonal to the basis, so the error is unknown.
         if self.is_notebook:
             raise EnvLightsError(f"a model with notebook=True cannot {what}; fit without it")
 
     def project(self, indirect: ArrayLike) -> NDArray[Any]:
-        """Project images onto the basis: the nearest images that `predict` could give.
+        """Project images onto the basis: the nearest images that `predict` could return.
 
         Parameters
         ----------
@@ -195,7 +195,7 @@ class Predictor(Result):
         return found[0] if is_one else found
 
     def next_lights(self, candidates: ArrayLike, count: int) -> NDArray[np.int64]:
-        """Candidates to bake next: each the most unfamiliar after the pairs and those before it.
+        """Indices of candidates to bake next, each the most unfamiliar after all earlier ones.
 
         Parameters
         ----------
@@ -251,7 +251,7 @@ class Predictor(Result):
         return (html.picture(thumbnails.of_signed(self.directions(4)), "first directions"),)
 
     def directions(self, most: int) -> NDArray[Any]:
-        """First columns of the basis as images, black where all images are.
+        """First columns of the basis as images; black texels stay black.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""Indirect light of a diffuse scene from its geometry, without pairs.
+"""Indirect light of a diffuse scene from its geometry, without training pairs.
 
 With the form factors G from texels of the lightmap to direct texels, F among direct texels, the
 fraction v of each direct texel that is not inside a solid, and the albedo rho of both,
@@ -28,14 +28,14 @@ from envlights.transfer.files import npz_file
 from envlights.transfer.files.npz_file import Kind
 from envlights.transfer.pairs import image_stack, pairs_of, rgb_rows
 
-#: Largest number of rays from a texel, which two bytes can count.
+#: Largest number of rays per texel, because a count has two bytes.
 MOST_RAYS = 65535
-#: Texels whose form factors are held as floats at once.
+#: Number of texels whose form factors are held as floats at once.
 _BLOCK = 4096
-#: Arrays of a file, and its kind.
+#: Arrays in a file.
 _ARRAYS = ("hits", "between", "visible", "albedo", "covered", "direct_albedo")
 _KIND = Kind("prior", "envlights transfer prior", 1, (1,), (*_ARRAYS, "rays", "size", "irradiance"))
-#: Relative rounding of sums of fractions.
+#: Relative rounding error of sums of fractions.
 _ROUNDING = 1e-9
 #: Assumptions of every prior.
 _ASSUMED = "diffuse surfaces, the same light over each direct texel"
@@ -53,14 +53,14 @@ class TransferPrior(Result):
     _is_headed = True
 
     hits: NDArray[np.uint16]
-    """Rays from each texel of `covered` that hit each direct texel, (texels, h * w)."""
+    """Number of rays from each texel of `covered` that hit each direct texel, (texels, h * w)."""
 
     rays: int
-    """Rays from each texel."""
+    """Number of rays per texel."""
 
     between: NDArray[np.float64]
-    """Form factors among direct texels, (h * w, h * w): the fraction of the rays from each row that
-    hit each column."""
+    """Form factors between direct texels, (h * w, h * w): the fraction of the rays from each row
+    that hit each column."""
 
     visible: NDArray[np.float64]
     """Fraction of each direct texel that is not inside a solid, (h * w,)."""
@@ -69,7 +69,7 @@ class TransferPrior(Result):
     """Reflectance of the texels of the indirect images, (H, W, 3)."""
 
     covered: NDArray[np.bool_]
-    """Texels with a surface, (H, W); the others are predicted black."""
+    """Texels with a surface, (H, W); all other texels are predicted black."""
 
     direct_albedo: NDArray[np.float64]
     """Reflectance of the direct texels, (h * w, 3)."""
@@ -104,7 +104,7 @@ class TransferPrior(Result):
 
     @cached_property
     def leaving(self) -> NDArray[np.float64]:
-        """Light that leaves each direct texel after all bounces, by the direct light of each.
+        """Matrix from direct light to the light that leaves each direct texel after all bounces.
 
         One matrix for each channel, (3, h * w, h * w). Light is that of the visible part, for
         direct images averaged with hidden parts.
@@ -118,12 +118,12 @@ class TransferPrior(Result):
         return shown * self.direct_albedo.T[:, None] if self.irradiance else shown
 
     def factors(self, texels: slice) -> NDArray[np.float32]:
-        """Form factors of some of the covered texels, (texels, h * w)."""
+        """Form factors of a slice of the covered texels, (texels, h * w)."""
         return np.asarray(self.hits[texels] / np.float32(self.rays), np.float32)
 
     @cached_property
     def strength(self) -> NDArray[np.float64]:
-        """Norm of the indirect image of each direct texel, in each channel, (3, h * w).
+        """Norm of the indirect image that each direct texel causes, by channel, (3, h * w).
 
         Light that leaves several direct texels adds up in squares, as if their images were at right
         angles.
@@ -136,12 +136,12 @@ class TransferPrior(Result):
 
     @cached_property
     def reflectance(self) -> NDArray[np.float32]:
-        """Factor from gathered light to the images in the covered texels, (texels, 3)."""
+        """Factor from gathered light to image values in the covered texels, (texels, 3)."""
         albedo = self.albedo[self.covered].astype(np.float32)
         return np.ones_like(albedo) if self.irradiance else albedo
 
     def gathered(self, light: NDArray[np.float64], texels: slice) -> NDArray[np.float32]:
-        """Indirect light of some of the covered texels, (n, texels, 3).
+        """Indirect light of a slice of the covered texels, (n, texels, 3).
 
         `light`: that leaves the direct texels, (n, 3, h * w).
         """
@@ -150,12 +150,12 @@ class TransferPrior(Result):
         return seen.reshape(-1, n, 3).swapaxes(0, 1) * self.reflectance[texels]
 
     def bounces(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Light that leaves the direct texels, for rows of direct light (n, 3, h * w)."""
+        """Light that leaves the direct texels, for direct images (n, 3, h * w)."""
         light: NDArray[np.float64] = rows.swapaxes(0, 1) @ self.leaving.swapaxes(1, 2)
         return light.swapaxes(0, 1)
 
     def predict(self, direct: ArrayLike) -> NDArray[np.float32]:
-        """Indirect light under new direct light, without any pair.
+        """Indirect light under new direct light, without training pairs.
 
         Parameters
         ----------
@@ -178,7 +178,7 @@ class TransferPrior(Result):
         return images[0] if is_one else images
 
     def errors(self, direct: ArrayLike, indirect: ArrayLike) -> NDArray[np.float64]:
-        """Relative error of each of some pairs, without learning from them.
+        """Relative error of the prior for each of the given pairs, without training on them.
 
         Parameters
         ----------
@@ -209,11 +209,11 @@ class TransferPrior(Result):
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> TransferPrior:
-        """Read a prior that `save` wrote, or refuse a file of another kind or version."""
+        """Read a prior that `save` wrote; raises an error for another kind or version of file."""
         return npz_file.load(path, _KIND, _from_file)
 
     def in_short(self) -> str:
-        """Sizes of the images, and rays."""
+        """Sizes of the images, and number of rays."""
         (rows, columns), (height, width) = self.size, self.covered.shape
         return f"{columns}x{rows} to {width}x{height} pixels by {self.rays} rays a texel"
 
@@ -244,7 +244,7 @@ def _check_albedo(albedo: NDArray[np.float64]) -> None:
 
 
 def _sum_of_bounces(reflected: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Sum of all bounces, or a refusal if light would not fade.
+    """Sum of all bounces; raises an error if the light does not decay.
 
     The inverse is that sum, without negative numbers, if and only if it converges.
     """

@@ -29,27 +29,27 @@ class TransferReport(Result):
     """Number of pairs."""
 
     rank: int
-    """Directions of the basis."""
+    """Number of directions in the basis."""
 
     energy: float
-    """Fraction of the energy of the images that the basis holds."""
+    """Fraction of the energy of the images that the basis represents."""
 
     ridge: float
-    """Ridge for direct images of norm 1."""
+    """Ridge parameter for direct images of norm 1."""
 
     unseen_errors: tuple[float, ...]
-    """Leave-one-out error of each pair, which new lights of the same kind will have; with
-    ``nonnegative=True`` its error without its fold. With a prior, also the part of new light that
-    the basis leaves out."""
+    """Leave-one-out error of each pair: the error to expect for new lights of the same kind. With
+    ``nonnegative=True``, errors of 8-fold cross-validation. With a prior, also includes the error
+    of the basis for new light."""
 
     training_errors: tuple[float, ...]
-    """Error of each pair in the model that was trained on it; says little about new lights."""
+    """Error of each training pair in the trained model; a poor estimate for new lights."""
 
     prior_errors: tuple[float, ...] = ()
-    """Error of each pair in the prior alone, which is not learnt from pairs; empty without one."""
+    """Error of the prior for each pair, without training; empty without a prior."""
 
     notes: tuple[str, ...] = ()
-    """Remarks on dropped channels, omitted images, unreached bounds, and black texels."""
+    """Notes on dropped channels, omitted images, unreached error bounds, and black texels."""
 
     seconds: Mapping[str, float] = field(default_factory=dict, compare=False)
     """Wall time of each stage."""
@@ -65,7 +65,7 @@ class TransferReport(Result):
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> TransferReport:
-        """Report that `to_dict` wrote."""
+        """Report from the dictionary that `to_dict` returned."""
         return read_fields(cls, data)
 
     def in_short(self) -> str:
@@ -91,5 +91,5 @@ class TransferReport(Result):
 
 
 def _percentiles(errors: tuple[float, ...]) -> list[str]:
-    """Median, 90th percentile and largest, in percent."""
+    """Median, 90th percentile and largest error, in percent."""
     return [percent(each) for each in (*np.percentile(errors, [50, 90]), max(errors))]

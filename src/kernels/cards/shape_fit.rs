@@ -122,7 +122,7 @@ impl Fit {
         self.place().iter().zip(other.place()).map(|(one, other)| (one - other).abs()).fold(0.0, f64::max)
     }
 
-    /// Shape of the larger overlap, larger by an angle on all sides.
+    /// Rectangle or ellipse, whichever fits better, enlarged by `grow` on all sides.
     fn shape_grown(&self, grow: f64) -> Box<dyn SoftShape<5>> {
         let larger = |&[x, y, a, b, angle]: &[f64; 5]| [x, y, a + grow, b + grow, angle];
         if self.ellipse_overlap > self.rectangle_overlap {

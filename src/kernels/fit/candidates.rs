@@ -93,7 +93,7 @@ impl Beside<'_> {
         self.predictions(self.state.cost, self.state.cost, &zero, |_| (0.0, 0.0))
     }
 
-    /// The light j in each direction that would lower the cost below `most`.
+    /// Predicted costs below `most` of moving this light to each candidate direction.
     pub fn relocations(&self, light: usize, most: f64) -> Vec<Prediction> {
         let row = self.state.x.nrows() - self.state.lights() + light;
         let own = self.inverse[(row, row)];

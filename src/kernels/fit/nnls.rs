@@ -45,12 +45,12 @@ impl Support {
     }
 }
 
-/// A minimiser, and the columns that it uses.
+/// Solution, and the columns with nonzero unknowns.
 type Answer = (Vec<f64>, Arc<Support>);
 
-/// The minimiser for each column of `right`, and the columns that it uses. Its first `free` values may have any sign.
+/// Solution for each column of `right`, and its support. The first `free` unknowns may be negative.
 ///
-/// The search for the columns starts from those in `guess`, if any. Equal sets of columns are shared.
+/// `guess` holds initial supports, if any. Columns of `right` with equal supports share one object.
 pub fn solve(
     gram: &DMatrix<f64>,
     right: &DMatrix<f64>,

@@ -1,4 +1,4 @@
-"""Samples of a file to linear Rec.709.
+"""Conversion of the samples of a file to linear Rec.709.
 
 | step                                         | file                            |
 |----------------------------------------------|---------------------------------|

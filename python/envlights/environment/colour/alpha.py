@@ -1,4 +1,4 @@
-"""Meaning of an alpha channel: the share of each pixel that a file shows.
+"""Alpha channel of a file as the coverage of each pixel.
 
 Straight (unassociated) alpha, of PNG and of TIFF: the colour is multiplied by alpha, because colour
 under alpha 0 is no light. OpenEXR is premultiplied: a pixel of alpha 0 with a colour is a light
@@ -17,7 +17,7 @@ from envlights.environment.decoders.raw_image import Header
 
 
 def straight_codes(colours: NDArray[Any], alpha: NDArray[Any], header: Header) -> NDArray[Any]:
-    """Colours that are not multiplied by alpha; floating point stays as it is."""
+    """Colours divided by premultiplied alpha; floating-point colours are unchanged."""
     if header.alpha != "premultiplied" or header.dtype.kind == "f":
         return colours
     most = np.iinfo(header.dtype).max
@@ -30,7 +30,7 @@ def straight_codes(colours: NDArray[Any], alpha: NDArray[Any], header: Header) -
 
 
 def visible(colours: NDArray[Any], alpha: NDArray[Any]) -> NDArray[Any]:
-    """Colours with 0 where alpha, (rows, width, 0 or 1), hides them."""
+    """Colours, set to 0 where alpha, (rows, width, 0 or 1), is 0."""
     if not alpha.shape[2] or alpha.all():
         return colours
     codes: NDArray[Any] = np.where(alpha > 0, colours, colours.dtype.type(0))
@@ -40,7 +40,7 @@ def visible(colours: NDArray[Any], alpha: NDArray[Any]) -> NDArray[Any]:
 def seen_of_alpha(
     linear: NDArray[np.float32], alpha: NDArray[Any], header: Header
 ) -> NDArray[np.float32] | None:
-    """Share of each pixel that is seen; None if all are. `linear` is multiplied by it in place."""
+    """Coverage of each pixel, None if complete; multiplies straight colours `linear` in place."""
     fraction = _share(alpha)
     if header.alpha == "premultiplied" and header.dtype.kind == "f":
         is_seen = (fraction > 0) | (linear != 0).any(axis=-1)
@@ -48,13 +48,13 @@ def seen_of_alpha(
     if (fraction == 1).all():
         return None
     linear *= fraction[..., None]
-    # A hidden sample that is not finite would stay so.
+    # Set hidden samples to 0, because infinity or NaN times 0 is NaN.
     linear[fraction == 0] = 0
     return fraction
 
 
 def _share(alpha: NDArray[Any]) -> NDArray[np.float32]:
-    """Alpha from 0 to 1; NaN is opaque."""
+    """Alpha from 0 to 1; NaN counts as opaque."""
     if alpha.dtype.kind != "f":
         return alpha.astype(np.float32) / np.float32(np.iinfo(alpha.dtype).max)
     fraction: NDArray[np.float32] = np.nan_to_num(alpha.astype(np.float32), nan=1.0).clip(0, 1)

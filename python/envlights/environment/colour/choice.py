@@ -1,4 +1,4 @@
-"""Conversion of samples to linear Rec.709: choice among the statements of a file.
+"""Conversion of samples to linear Rec.709, chosen by the metadata of a file.
 
 | file              | statement that counts                                             |
 |-------------------|-------------------------------------------------------------------|
@@ -27,36 +27,37 @@ from envlights.environment.colour.colour_spaces import Space
 from envlights.environment.colour.transfer_curves import Curve
 from envlights.environment.decoders.raw_image import Header
 
-#: Colour space by hand: a name of `colour_spaces.NAMES`, or an ICC profile as path or bytes.
+#: Colour space from the caller: a name of `colour_spaces.NAMES`, or an ICC profile as path or
+#: bytes.
 ColourArgument = str | bytes | os.PathLike[str]
 
-#: Formats of linear samples, whatever other statements are in the file.
+#: Formats whose samples are always linear, whatever the metadata.
 _LINEAR_KINDS = {"openexr", "radiance"}
 
-#: Exponents of gAMA beyond which the chunk is wrong.
+#: Range of plausible exponents in a PNG gAMA chunk.
 _EXPONENTS = (0.1, 10.0)
 
-#: Way out of a refusal.
+#: Advice at the end of an error message.
 _BY_HAND = 'name the colour space, such as colour="srgb" or colour="linear"'
 
-#: Spaces of integers and of floating point without a statement.
+#: Default spaces of integer and floating-point samples.
 _SRGB, _LINEAR = colour_spaces.SRGB, colour_spaces.LINEAR
 
 
 class ColourConversion(NamedTuple):
-    """Steps from samples to linear Rec.709."""
+    """Conversion of samples to linear Rec.709."""
 
     curve: Curve | None
-    """Linear values of codes from 0 to 1, (..., 3); None for samples that are linear."""
+    """Function from codes in 0 to 1, (..., 3), to linear values; None for linear samples."""
 
     matrix: NDArray[np.float64] | None
-    """Linear RGB of the file to linear Rec.709, (3, 3); None for Rec.709."""
+    """Matrix from linear RGB of the file to linear Rec.709, (3, 3); None for Rec.709."""
 
     clip_level: float | None
-    """Linear value of the largest code; None for floating point."""
+    """Linear value of the largest code; None for floating-point samples."""
 
     notes: tuple[str, ...]
-    """Remarks on what is converted."""
+    """Notes on the conversion."""
 
     def table(self, bits: int) -> NDArray[np.float32]:
         """Linear value of each code, (n,), or (3, n) if the channels have different curves."""
@@ -75,7 +76,7 @@ class ColourConversion(NamedTuple):
 
 
 def conversion(header: Header, colour: ColourArgument | None) -> ColourConversion:
-    """Conversion that a file asks for, or that of `colour`.
+    """Conversion by the metadata of a file, or by `colour`.
 
     Raises
     ------
@@ -93,7 +94,7 @@ def conversion(header: Header, colour: ColourArgument | None) -> ColourConversio
 
 
 def _notes(space: Space, is_integer: bool) -> list[str]:
-    """Remarks on the curve and the primaries; the conversion of sRGB codes is one, too."""
+    """Notes on the curve and the primaries, also for plain sRGB codes."""
     samples = "integer" if is_integer else "floating point"
     notes = []
     if space.curve_name:
@@ -115,7 +116,7 @@ def _space_by_hand(colour: ColourArgument) -> Space:
 
 
 def _profile_bytes(colour: object) -> bytes:
-    """Bytes of a profile by hand."""
+    """Bytes of an ICC profile that the caller gave."""
     if isinstance(colour, bytes):
         return colour
     if isinstance(colour, str | os.PathLike):
@@ -134,7 +135,7 @@ def _profile_bytes(colour: object) -> bytes:
 
 
 def _space_of(header: Header) -> Space:
-    """Space of a file, by the first of its statements that counts."""
+    """Colour space of a file, from the first of its metadata that is valid."""
     said = header.colour
     is_integer = header.dtype.kind != "f"
     default = _SRGB if is_integer else _LINEAR
@@ -152,7 +153,7 @@ def _space_of(header: Header) -> Space:
 
 
 def _space_of_cicp(cicp: tuple[int, int, int, int], header: Header) -> Space:
-    # Other formats than PNG widen the range of video themselves.
+    # Decoders of formats other than PNG expand the video range themselves.
     is_full = cicp[3] if header.kind == "png" else 1
     space = colour_spaces.by_cicp((*cicp[:3], is_full), 8 * header.dtype.itemsize)
     if space is None:
@@ -164,7 +165,7 @@ def _space_of_cicp(cicp: tuple[int, int, int, int], header: Header) -> Space:
 
 
 def _space_of_embedded(data: bytes, default: Space) -> Space:
-    """Space of the profile in a file, or the default if the profile is of a kind without use."""
+    """Colour space of the embedded profile, or the default for an unusable kind of profile."""
     try:
         return _space_of_profile(data)
     except icc.UnusedProfileError as reason:
@@ -173,7 +174,7 @@ def _space_of_embedded(data: bytes, default: Space) -> Space:
 
 
 def _space_of_profile(data: bytes) -> Space:
-    """Space of a profile, or a refusal of damaged bytes."""
+    """Colour space of a profile; raises an error for damaged bytes."""
     try:
         profile = icc.parse(data)
     except icc.UnusedProfileError:
@@ -220,7 +221,7 @@ def _with_primaries(space: Space, header: Header) -> Space:
 
 
 def _space_of_name(name: str, default: Space, is_integer: bool) -> Space:
-    """Space with a name of OpenImageIO; of floating point, only one that is linear counts."""
+    """Colour space with an OpenImageIO name; for floating point only a linear space is accepted."""
     space = colour_spaces.by_openimageio_name(name)
     if space is None:
         assumed = default.curve_name or "linear Rec.709"

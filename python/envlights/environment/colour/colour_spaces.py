@@ -1,4 +1,4 @@
-"""Colour spaces with a name or with codes of ITU-T H.273."""
+"""Colour spaces by name or by codes of ITU-T H.273."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from envlights.environment.colour.transfer_curves import Curve, Power
 
 
 class Space(NamedTuple):
-    """Colour space of samples, and its parts in words for notes."""
+    """Colour space of samples, with the names of its parts for notes."""
 
     curve: Curve | None
-    """Linear values of codes; None if the codes are linear."""
+    """Function from codes to linear values; None if the codes are linear."""
 
     matrix: NDArray[np.float64] | None
     """Linear RGB to linear Rec.709; None for Rec.709."""
@@ -29,10 +29,10 @@ class Space(NamedTuple):
     """Name of the primaries; empty for Rec.709."""
 
     notes: tuple[str, ...] = ()
-    """Remarks on assumptions."""
+    """Notes on assumptions."""
 
 
-#: Curves, and their names in notes.
+#: Transfer curves, and their names in notes.
 _CURVES: dict[str, tuple[Curve | None, str]] = {
     "linear": (None, ""),
     "srgb": (curves.srgb, "sRGB"),
@@ -61,7 +61,7 @@ _PRIMARIES: dict[str, p.Chromaticities] = {
     "EBU 3213": (0.630, 0.340, 0.295, 0.605, 0.155, 0.077, 0.3127, 0.3290),
 }
 
-#: Names for `colour`: curve and primaries.
+#: Curve and primaries of each name for `colour`.
 _NAMES = {
     "linear": ("linear", "Rec.709"),
     "srgb": ("srgb", "Rec.709"),
@@ -91,7 +91,7 @@ _ALIASES = {
 }
 _BY_KEY = {name.replace("-", ""): name for name in _NAMES} | _ALIASES
 
-#: Names for `colour`, as refusals list them.
+#: Names for `colour`, as error messages list them.
 NAMES = tuple(_NAMES)
 
 #: Primaries and curves of the codes of ITU-T H.273; 2 is "unspecified".
@@ -140,7 +140,7 @@ _OIIO_CURVES = {"lin": "linear", "srgb": "srgb", "pq": "pq", "hlg": "hlg"}
 
 
 def linear(chromaticities: p.Chromaticities | tuple[float, ...], name: str) -> Space:
-    """Linear space of some primaries.
+    """Linear space with these primaries.
 
     Raises
     ------
@@ -168,7 +168,7 @@ def power(exponent: float) -> tuple[Curve | None, str]:
 
 
 def by_cicp(cicp: tuple[int, int, int, int], bits: int) -> Space | None:
-    """Space with codes of ITU-T H.273; None for codes that have no conversion here.
+    """Colour space of codes of ITU-T H.273; None for codes without a conversion here.
 
     A full range of 0 asks for integers of `bits` bits in the narrow range of video.
     """

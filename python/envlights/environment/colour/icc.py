@@ -32,34 +32,34 @@ _HEADER, _ENTRY = 128, 12
 _MOST_TAGS = 1000
 #: Largest size; printer profiles with large tables have 4 MB.
 MOST_BYTES = 2**26
-#: Longest part of a profile's name that a note shows.
+#: Longest profile name in a note; longer ones are cut.
 _LONGEST_NAME = 60
 
 #: Number of parameters of each type of parametric curve.
 _PARAMETERS = (1, 3, 4, 5, 7)
 
-#: Classes of profiles that describe no pixels: links of devices, effects and names of colours.
+#: Classes of profiles that describe no pixels: device links, abstract effects and named colours.
 _NOT_OF_PIXELS = {b"link", b"abst", b"nmcl"}
 
 
 class Profile(NamedTuple):
-    """Conversion that a profile describes."""
+    """Conversion described by a profile."""
 
     name: str
     """Description in the profile; empty if there is none."""
 
     curve: Curve | None
-    """Linear values of codes; None if the codes are linear."""
+    """Function from codes to linear values; None if the codes are linear."""
 
     matrix: NDArray[np.float64] | None
     """Linear RGB to linear Rec.709; None for Rec.709 and for grey."""
 
     cicp: tuple[int, int, int, int] | None
-    """Codes of primaries and transfer, which come before the curve and the matrix."""
+    """Codes of primaries and transfer, which override the curve and the matrix."""
 
 
 class UnusedProfileError(ValueError):
-    """A profile of a kind that is not applied."""
+    """Error for a profile of a kind that is not applied."""
 
 
 def parse(data: bytes) -> Profile:
@@ -87,12 +87,12 @@ def parse(data: bytes) -> Profile:
 
 
 def _noun(name: str) -> str:
-    """Noun for the profile."""
+    """Phrase for the profile in a sentence."""
     return f"the ICC profile '{name}'" if name else "the ICC profile"
 
 
 def _tags(data: bytes) -> dict[bytes, bytes]:
-    """Content of each tag; a tag that ends beyond the data is cut off there."""
+    """Content of each tag; a tag that extends beyond the data is truncated."""
     if len(data) < _HEADER + 4 or len(data) > MOST_BYTES:
         raise ValueError(f"it has {len(data)} bytes")
     if data[36:40] != b"acsp":
@@ -127,7 +127,7 @@ def _cicp(tags: dict[bytes, bytes]) -> tuple[int, int, int, int] | None:
 
 
 def _curves(tags: dict[bytes, bytes], names: list[bytes], name: str) -> Curve | None:
-    """One curve for all channels if they are equal; None if all are linear."""
+    """A single curve if all channels are equal, None if all are linear."""
     bodies = [_body(tags, tag, name) for tag in names]
     curves = [_curve(body) for body in bodies]
     if all(map(is_linear, curves)):
@@ -179,12 +179,12 @@ def _parametric(body: bytes) -> Curve:
 
 
 def _formula(kind: int, values: list[float]) -> Curve:
-    """Curve of the types 1 to 4: a power above a limit, a line below it (ICC.1, table 70)."""
+    """Parametric curve of type 1 to 4: a power, or a line below a limit (ICC.1, table 70)."""
     exponent, a, b, c, limit, e, f = values + [0.0] * (7 - len(values))
     if kind <= 2:
         if a <= 0:
             raise ValueError("a curve has an impossible slope")
-        # The parameter c of type 2 is added to both parts.
+        # In type 2 the parameter c is added to both parts.
         limit, e, f, c = -b / a, c, c, 0.0
 
     @odd

@@ -1,4 +1,4 @@
-"""Samples of a file as linear Rec.709: transfer curve, exposure of the header, primaries."""
+"""Samples of a file as linear Rec.709, by transfer curve, header exposure and primaries."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from envlights._common.srgb import look_up
 from envlights.environment.colour.choice import ColourConversion
 from envlights.environment.decoders.raw_image import Header
 
-#: Rows of a block of floating point samples, whose conversion needs memory beside the result.
+#: Number of rows that are converted at once from floating point, to limit memory.
 _ROWS_AT_ONCE = 64
 
 
 class Linear:
-    """Function from samples of some rows to linear Rec.709; counts the pixels outside of it."""
+    """Conversion of rows of samples to linear Rec.709, which counts pixels outside the gamut."""
 
     def __init__(
         self,
@@ -63,7 +63,7 @@ class Linear:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Remark on the share of the pixels so far that lay outside Rec.709, if there are any."""
+        """Note on the fraction of pixels so far outside Rec.709; empty if there are none."""
         if not self._outside:
             return ()
         fraction = f"{100 * self._outside / self._pixels:.2g} %"
@@ -72,7 +72,7 @@ class Linear:
     def _decode(
         self, samples: NDArray[Any], out: NDArray[np.float32] | None
     ) -> NDArray[np.float32]:
-        """Linear values in the primaries of the file, in `out` if it is given and they are new."""
+        """Linear values in the primaries of the file, in `out` if given and newly computed."""
         if samples.dtype.kind == "u":
             return self._look_up(samples, self._table, out)
         curve = self._conversion.curve
@@ -88,7 +88,7 @@ class Linear:
     def _look_up(
         self, codes: NDArray[Any], table: NDArray[np.float32], out: NDArray[np.float32] | None
     ) -> NDArray[np.float32]:
-        """Values of codes; a grey channel has the curve of green."""
+        """Table values of codes; a grey channel uses the curve of green."""
         is_grey = table.ndim == 2 and codes.shape[2] == 1
         return look_up(codes, table[1] if is_grey else table, out)
 
@@ -98,13 +98,13 @@ class Linear:
 
     @cached_property
     def _table_of_halves(self) -> NDArray[np.float32]:
-        """Linear value of each bit pattern of half precision."""
+        """Linear value of each half-precision bit pattern."""
         halves = np.arange(1 << 16, dtype=np.uint16).view(np.float16)
         return self._conversion.values(halves.astype(np.float64))
 
 
 def _widen(halves: NDArray[np.float16], out: NDArray[np.float32] | None) -> NDArray[np.float32]:
-    """Half floats in single precision, in `out` if it is given."""
+    """Half floats in single precision, in `out` if given."""
     values = np.empty(halves.shape, np.float32) if out is None else out
     _native.widen(np.ascontiguousarray(halves), values)
     return values
@@ -113,7 +113,7 @@ def _widen(halves: NDArray[np.float16], out: NDArray[np.float32] | None) -> NDAr
 def _in_blocks(
     values: Callable[[NDArray[Any]], NDArray[Any]], samples: NDArray[Any]
 ) -> NDArray[np.float32]:
-    """Values of floating point samples, which need memory for few rows at a time."""
+    """Converted floating-point samples, computed a few rows at a time to limit memory."""
     linear = np.empty(samples.shape, np.float32)
     for top in range(0, len(samples), _ROWS_AT_ONCE):
         rows = slice(top, top + _ROWS_AT_ONCE)

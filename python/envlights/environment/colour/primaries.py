@@ -11,11 +11,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-#: x and y of red, green, blue and white, in the order of OpenEXR.
+#: x and y of red, green, blue and the white point, in the order of OpenEXR.
 Chromaticities = tuple[float, float, float, float, float, float, float, float]
 
 _D65 = (0.3127, 0.3290)
-#: White of the digital cinema projector, and of ACES.
+#: White points of digital cinema projectors and of ACES.
 _DCI, _D60 = (0.314, 0.351), (0.32168, 0.33767)
 
 REC709: Chromaticities = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, *_D65)
@@ -25,20 +25,20 @@ ADOBE_RGB: Chromaticities = (0.64, 0.33, 0.21, 0.71, 0.15, 0.06, *_D65)
 REC2020: Chromaticities = (0.708, 0.292, 0.170, 0.797, 0.131, 0.046, *_D65)
 ACES_AP0: Chromaticities = (0.7347, 0.2653, 0.0, 1.0, 0.0001, -0.0770, *_D60)
 ACES_AP1: Chromaticities = (0.713, 0.293, 0.165, 0.830, 0.128, 0.044, *_D60)
-#: ROMM RGB (ISO 22028-2), whose white is D50.
+#: ROMM RGB (ISO 22028-2), with the white point D50.
 PROPHOTO: Chromaticities = (0.7347, 0.2653, 0.1596, 0.8404, 0.0366, 0.0001, 0.3457, 0.3585)
 
-#: Radiance's own primaries; image libraries write them into every file, whatever its pixels are.
+#: Default primaries of Radiance, which image libraries write into every file, whatever its pixels.
 _RADIANCE = (0.640, 0.330, 0.290, 0.600, 0.150, 0.060, 0.333, 0.333)
 
-#: Chromaticities this close to Rec.709 are those of Rec.709, rounded.
+#: Chromaticities this close to Rec.709 count as Rec.709.
 _TOLERANCE = 1e-3
-#: Largest difference of a matrix from the identity that rounded profiles of sRGB have. The next
+#: Largest difference from the identity matrix that counts as a rounded sRGB profile. The next
 #: primaries in use, those of European television, differ by 0.04.
 _MATRIX_TOLERANCE = 5e-3
 #: Smallest area of the triangle of primaries; that of Rec.709 is 0.11.
 _LEAST_AREA = 1e-4
-#: Smallest determinant of the XYZ of primaries; that of Rec.709 is 0.2.
+#: Smallest determinant of the XYZ matrix of primaries; that of Rec.709 is 0.2.
 _LEAST_DETERMINANT = 1e-6
 
 _BRADFORD = np.array(
@@ -68,7 +68,7 @@ def to_rec709(chromaticities: Sequence[float]) -> NDArray[np.float64] | None:
 
 
 def columns_to_rec709(columns: ArrayLike) -> NDArray[np.float64] | None:
-    """Matrix from RGB whose primaries have the XYZ of `columns`, (3, 3); None near Rec.709.
+    """Matrix from RGB to linear Rec.709, by the XYZ of the primaries, (3, 3); None near Rec.709.
 
     Their sum is white, whose luminance becomes 1.
 
@@ -86,12 +86,12 @@ def columns_to_rec709(columns: ArrayLike) -> NDArray[np.float64] | None:
 
 
 def xyz_to_rec709() -> NDArray[np.float64]:
-    """Matrix from CIE XYZ to linear Rec.709, without adaptation of white."""
+    """Matrix from CIE XYZ to linear Rec.709, without adaptation of the white point."""
     return np.asarray(np.linalg.inv(_to_xyz(np.array(REC709))), np.float64)
 
 
 def _from_xyz(columns: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Matrix from RGB whose primaries have the XYZ of `columns` to linear Rec.709."""
+    """Matrix from RGB to linear Rec.709, by the XYZ of the primaries."""
     if abs(np.linalg.det(columns)) < _LEAST_DETERMINANT:
         raise ValueError("its primaries lie on a line")
     rec709 = _to_xyz(np.array(REC709))
@@ -103,7 +103,7 @@ def _from_xyz(columns: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _to_xyz(chromaticities: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Matrix from linear RGB to XYZ with a luminance of white of 1."""
+    """Matrix from linear RGB to XYZ, in which white has the luminance 1."""
     if chromaticities.shape != (8,) or not np.isfinite(chromaticities).all():
         raise ValueError("they must be eight finite numbers")
     x, y = chromaticities.reshape(4, 2).T
@@ -112,7 +112,7 @@ def _to_xyz(chromaticities: NDArray[np.float64]) -> NDArray[np.float64]:
         raise ValueError("they lie on a line")
     if y[3] < _TOLERANCE:
         raise ValueError("their white has no luminance")
-    # Scale the primaries, as (x, y, z), so that they add up to white.
+    # Scale the primaries, as (x, y, z), so that their sum is white.
     points = np.array([x, y, 1 - x - y])
     gains = np.linalg.solve(points[:, :3], points[:, 3] / y[3])
     if min(gains) <= 0:

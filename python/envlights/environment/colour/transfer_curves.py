@@ -1,4 +1,4 @@
-"""Transfer curves: linear values of codes from 0 to 1.
+"""Transfer curves: functions from codes in 0 to 1 to linear values.
 
 A curve is a function of an array of codes. Negative codes of floating point files get the negative
 value of the positive code, and codes above 1 continue the formula.
@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from envlights._common.srgb import decode_srgb, encode_srgb
 
 Reals = NDArray[np.float64]
-#: Linear values of codes, in an array of the same shape.
+#: Function from codes to linear values, in an array of the same shape.
 Curve = Callable[[Reals], Reals]
 
-#: Luminance in cd/m2 of diffuse white, which becomes 1 (ITU-R BT.2408).
+#: Luminance in cd/m2 of diffuse white, which is mapped to 1 (ITU-R BT.2408).
 DIFFUSE_WHITE = 203.0
 #: HLG signal of diffuse white (ITU-R BT.2408, table 1).
 _HLG_WHITE = 0.75
@@ -26,18 +26,18 @@ _HLG_WHITE = 0.75
 #: Exponents of Adobe RGB (1998), exactly 2 + 51/256, and of ROMM RGB.
 ADOBE_EXPONENT, PROPHOTO_EXPONENT = 563 / 256, 1.8
 
-#: Largest difference in code from sRGB of a curve that is sRGB, rounded: half an 8-bit code.
-#: Without it, pictures with the usual profiles differ from those without in the last digits.
+#: Largest difference from sRGB, in code, that counts as rounded sRGB: half an 8-bit code. Without
+#: it, pictures with the usual profiles differ in the last digits from pictures without.
 _SRGB_TOLERANCE = 0.5 / 255
 
-#: Last part of a sampled curve, whose exponent continues it above code 1.
+#: Last part of a sampled curve, whose exponent extrapolates it above code 1.
 _TAIL = 0.1
-#: Largest exponent of that continuation.
+#: Largest exponent of the extrapolation.
 _MOST_EXPONENT = 5.0
 
 
 def odd(curve: Curve) -> Curve:
-    """Curve with the negative value of the positive code at negative codes."""
+    """Curve extended to negative codes by odd symmetry."""
 
     def extension(codes: Reals) -> Reals:
         codes = np.asarray(codes, np.float64)
@@ -66,8 +66,8 @@ class Power:
 
 @odd
 def rec709(codes: Reals) -> Reals:
-    """Linear values of the scene: inverse of the camera curve of ITU-R BT.709 and BT.2020."""
-    # Both constants to the precision of 12 bits that BT.2020 gives.
+    """Linear scene values by the inverse of the camera curve of ITU-R BT.709 and BT.2020."""
+    # Both constants to the 12-bit precision of BT.2020.
     alpha, beta = 1.09929682680944, 0.018053968510807
     return np.where(codes < 4.5 * beta, codes / 4.5, ((codes + (alpha - 1)) / alpha) ** (1 / 0.45))
 
@@ -80,29 +80,29 @@ def prophoto(codes: Reals) -> Reals:
 
 @odd
 def pq(codes: Reals) -> Reals:
-    """Linear values of PQ codes (SMPTE ST 2084); 203 cd/m2 becomes 1."""
+    """Linear values of PQ codes (SMPTE ST 2084); 203 cd/m2 is mapped to 1."""
     m1, m2, c1, c2, c3 = 0.1593017578125, 78.84375, 0.8359375, 18.8515625, 18.6875
-    # Codes above 1 name no luminance; they get that of 1, 10000 cd/m2.
+    # Codes above 1 are undefined; they get the luminance of code 1, 10000 cd/m2.
     power = np.minimum(codes, 1) ** (1 / m2)
     return (np.maximum(power - c1, 0) / (c2 - c3 * power)) ** (1 / m1) * (10000 / DIFFUSE_WHITE)
 
 
 @odd
 def hlg(codes: Reals) -> Reals:
-    """Linear values of the scene of HLG codes (ITU-R BT.2100); diffuse white becomes 1."""
+    """Linear scene values of HLG codes (ITU-R BT.2100); diffuse white is mapped to 1."""
     return _hlg(codes) / _hlg(np.array(_HLG_WHITE))
 
 
 def _hlg(codes: Reals) -> Reals:
-    """Inverse of the camera curve of HLG; 1 at code 1."""
+    """Inverse of the camera curve of HLG, with the value 1 at code 1."""
     a, b, c = 0.17883277, 0.28466892, 0.55991073
-    # The exponential overflows far above code 1, where no signal is.
+    # Limit the codes, because the exponential overflows far above code 1.
     bright = np.exp((np.minimum(codes, 2) - c) / a) + b
     return np.where(codes <= 0.5, codes**2 / 3, bright / 12)
 
 
 class Interpolation:
-    """Curve through equidistant values, which straight lines join."""
+    """Piecewise linear curve through equidistant values."""
 
     def __init__(self, values: Reals) -> None:
         self.values: Reals = np.asarray(values, np.float64)
@@ -110,7 +110,7 @@ class Interpolation:
         self._exponent = _exponent_at_end(self._codes, self.values)
 
     def __call__(self, codes: Reals) -> Reals:
-        """Linear values of codes; a power continues the end of the curve."""
+        """Linear values of codes; a power law extrapolates the end of the curve."""
         codes = np.asarray(codes, np.float64)
         size = np.abs(codes)
         inside = np.interp(size, self._codes, self.values)
@@ -119,7 +119,7 @@ class Interpolation:
 
 
 def _exponent_at_end(codes: Reals, values: Reals) -> float:
-    """Exponent of the power law through the last value and one shortly before."""
+    """Exponent of the power law through the last value and one slightly before it."""
     before, end = np.interp([1 - _TAIL, 1], codes, values)
     if before <= 0 or end <= before:
         return 0.0
@@ -133,7 +133,7 @@ class PerChannel:
         self.curves = curves
 
     def __call__(self, codes: Reals) -> Reals:
-        """Linear values of codes, (..., 3); a single channel of grey follows green."""
+        """Linear values of codes, (..., 3); a single grey channel uses the curve of green."""
         codes = np.asarray(codes, np.float64)
         if codes.shape[-1] == 1:
             return self.curves[1](codes)
@@ -147,7 +147,7 @@ def narrow_range(curve: Curve, bits: int) -> Curve:
 
 
 def is_linear(curve: Curve) -> bool:
-    """True if the values are the codes, up to the rounding of 16 bits."""
+    """True if the curve is the identity, up to the rounding of 16 bits."""
     codes = np.linspace(0, 1, 1025)
     return bool(np.abs(curve(codes) - codes).max() < 2**-15)
 

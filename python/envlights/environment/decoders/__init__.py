@@ -1,4 +1,4 @@
-"""Bytes of a file to its header and samples, in the type of the file.
+"""Decoders from the bytes of a file to its header and samples, in the sample type of the file.
 
 | step                                            | file                                       |
 |-------------------------------------------------|--------------------------------------------|

@@ -1,4 +1,4 @@
-"""Lines of a file's description: the layout of its picture, and estimates in its pixels.
+"""Lines in the description of a file: the layout of its picture, and estimates in its pixels.
 
 | format   | description                                   |
 |----------|-----------------------------------------------|
@@ -14,14 +14,14 @@ import re
 
 from envlights._common.notes import Note
 
-#: Start of the line.
+#: Beginning of the line with the layout.
 LAYOUT = "envlights:layout="
-#: Codes of notes that a reader of the file needs: part of the light is an estimate.
+#: Codes of notes that matter to later users of the file: part of the light is an estimate.
 _ESTIMATES = ("repaired", "sun-added")
 
 
 def layout_of_description(description: str) -> str:
-    """Statement on the layout, without the start of its line; empty if there is none."""
+    """Layout text of the description, without the beginning of its line; empty if missing."""
     for line in description.splitlines():
         text = line.lstrip("# \t")
         if text.startswith(LAYOUT):
@@ -30,18 +30,18 @@ def layout_of_description(description: str) -> str:
 
 
 def estimates_of_description(description: str) -> tuple[str, ...]:
-    """Notes on estimates that `EnvMap.save` wrote, such as that of a repair."""
+    """Notes on estimates that `EnvMap.save` wrote, such as the note of a repair."""
     lines = (line.lstrip("# \t") for line in description.splitlines())
     return tuple(line for line in lines if Note(line).code in _ESTIMATES)
 
 
 def projection_of_layout(statement: str) -> str:
-    """Name of the projection in a statement on the layout; empty if it names none."""
+    """Name of the projection in a layout text; empty if missing."""
     found = re.search(r'"projection": *"([a-z-]{1,40})"', statement)
     return found[1] if found else ""
 
 
-#: Views of Radiance by the letter behind ``-vt``; none of them is equirectangular.
+#: Views of Radiance by the letter after ``-vt``; none of them is equirectangular.
 _VIEWS = {
     "v": "a perspective",
     "l": "a parallel projection",
@@ -53,7 +53,7 @@ _VIEWS = {
 
 
 def note_of_view(description: str) -> tuple[str, ...]:
-    """Note on the view that a Radiance header states; an indented line is that of an older file."""
+    """Note on the view in a Radiance header; indented lines of older files do not count."""
     found = re.findall(r"^VIEW= *(?:.* )?-vt([a-z])", description, re.MULTILINE)
     if not found or found[-1] not in _VIEWS:
         return ()

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 
-#: Largest logarithm in the APEX system that is believed: an aperture of 2^32, or 2^64 seconds.
+#: Largest plausible logarithm in the APEX system: an aperture of 2^32, or 2^64 seconds.
 _MOST_APEX = 64.0
 
 
 def exposure_of(exif: Mapping[str, float]) -> dict[str, float]:
-    """Exposure time in seconds, sensitivity and aperture, as far as the EXIF holds them."""
+    """Exposure time in seconds, sensitivity and aperture; keys missing in the EXIF are absent."""
     found = {
         "time": _number_or_apex(exif, "ExposureTime", "ShutterSpeedValue", lambda apex: 2.0**-apex),
         "speed": above_0(exif, "PhotographicSensitivity"),
@@ -27,7 +27,7 @@ def ev100_of(tags: Mapping[str, float]) -> float | None:
 
 
 def above_0(exif: Mapping[str, float], name: str) -> float | None:
-    """Value of a tag that is a finite number above 0; None for others."""
+    """Value of a tag if it is finite and above 0; otherwise None."""
     value = exif.get(name, 0.0)
     return value if 0 < value < math.inf else None
 
@@ -35,7 +35,7 @@ def above_0(exif: Mapping[str, float], name: str) -> float | None:
 def _number_or_apex(
     exif: Mapping[str, float], name: str, apex_name: str, of_apex: Callable[[float], float]
 ) -> float | None:
-    """Value of a tag, or that of its logarithm in the APEX system."""
+    """Value of a tag, or the value that its APEX logarithm gives."""
     if value := above_0(exif, name):
         return value
     apex = exif.get(apex_name, math.nan)

@@ -1,4 +1,4 @@
-"""Picture files that are read in Rust, with what they say in the terms of `raw_image`."""
+"""Reader of picture files by the Rust decoders, with headers in the types of `raw_image`."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from envlights.environment.decoders.exif_exposure import ev100_of, exposure_of
 from envlights.environment.decoders.raw_image import FileColour, Header, Part, RawImage
 from envlights.environment.decoders.source import WANTED, Source
 
-#: Kinds of files that are read in Rust.
+#: Kinds of files that the Rust decoders read.
 KINDS = ("radiance", "openexr", "png", "jpeg", "tiff")
 
-#: Remark on a picture of high dynamic range.
+#: Note on a picture of high dynamic range.
 _NOTE_OF_GAIN_MAP = "high dynamic range is that of the file's gain map, which ends at its maximum"
-#: Rows of one read, or more if rows are decoded together.
+#: Rows per read; more if rows are decoded in taller groups.
 _ROWS_AT_ONCE = 64
 
 
@@ -40,12 +40,12 @@ class NativeFile:
 
     @property
     def exif(self) -> dict[str, float]:
-        """Numbers of the EXIF of the first part, by their names."""
+        """Numeric EXIF tags of the first part, by name."""
         numbers: dict[str, float] = self._said[0]["exif"]
         return numbers
 
     def image(self, part: int, channels: Sequence[str]) -> RawImage:
-        """Some `channels` of a part, in this order."""
+        """Image of some `channels` of a part, in this order."""
         said = self._said[part]
         types = dict(said["channels"])
         places = [self.parts[part].channels.index(channel) for channel in channels]
@@ -68,7 +68,7 @@ class NativeFile:
         return RawImage(header, rows, -(-_ROWS_AT_ONCE // block) * block, gain)
 
     def close(self) -> None:
-        """Close the file; its bytes go with this object."""
+        """Close the file."""
 
 
 def open_native(source: Source, kind: str, max_pixels: int) -> NativeFile:
@@ -111,14 +111,14 @@ def _header(said: dict[str, Any], channels: tuple[str, ...], dtype: np.dtype[Any
 
 
 def _note_of_luminance(nits: float | None) -> tuple[str, ...]:
-    """Remark on the luminance of a value of 1."""
+    """Note on the luminance of a value of 1."""
     if not nits or nits == 1:
         return ()
     return (f"a value of 1 is {nits:g} cd/m2 (whiteLuminance); radiance was multiplied by it",)
 
 
 def _with_name(name: str, work: Callable[[], Any]) -> Any:
-    """Result of `work`, whose refusals get the name of the file."""
+    """Result of `work`; error messages get the name of the file."""
     try:
         return work()
     except DamagedBytesError as refusal:

@@ -1,4 +1,4 @@
-"""Reader of other formats than those in Rust, by OpenImageIO, which is an extra."""
+"""Reader of file formats without a Rust decoder, by OpenImageIO, an optional dependency."""
 
 from __future__ import annotations
 
@@ -32,9 +32,9 @@ if TYPE_CHECKING:
 
 __all__ = ["OpenImageIOFile", "open_with_openimageio"]
 
-#: Rows of one read, or more if tiles are taller.
+#: Rows per read; more if tiles are taller.
 _ROWS_AT_ONCE = 128
-#: NumPy type of each sample format that is read.
+#: NumPy type of each readable sample format.
 _DTYPES = {
     "uint8": np.uint8,
     "uint16": np.uint16,
@@ -45,7 +45,7 @@ _DTYPES = {
 
 
 def _library(name: str) -> Any:
-    """The module, or a refusal of the file `name` without it."""
+    """Module OpenImageIO; raises an error for the file `name` if it is not installed."""
     try:
         return import_module("OpenImageIO")
     except ImportError:
@@ -57,7 +57,7 @@ def _library(name: str) -> Any:
 
 @contextlib.contextmanager
 def open_with_openimageio(source: Source, kind: str, max_pixels: int) -> Iterator[OpenImageIOFile]:
-    """Open file of a kind, by the reader of this kind alone; an empty kind tries all readers."""
+    """Open file, read by the reader of `kind` only, or by any reader if `kind` is empty."""
     library = _library(source.name)
     with source.path_with(f".{kind}") if kind else _any_path(source) as path:
         file = _input_of(library, source.name, path, any_reader=not kind)
@@ -69,7 +69,7 @@ def open_with_openimageio(source: Source, kind: str, max_pixels: int) -> Iterato
 
 @contextlib.contextmanager
 def _any_path(source: Source) -> Iterator[str]:
-    """Path with its own suffix."""
+    """Path of the source with its own suffix."""
     if source.path:
         yield source.path
         return
@@ -113,14 +113,14 @@ class OpenImageIOFile:
         while self._file.seek_subimage(place, 0):
             spec = self._file.spec()
             said = _text(spec, "oiio:subimagename")
-            # The library invents names like "subimage00" when it writes.
+            # Ignore names like "subimage00", which the library invents when it writes.
             name = "" if re.fullmatch(r"subimage\d+", said) else said
             yield Part(name, tuple(spec.channelnames), _text(spec, "view"))
             place += 1
         _failure(self._file)  # there is no such image
 
     def image(self, part: int, channels: Sequence[str]) -> RawImage:
-        """Some `channels` of a part, in this order."""
+        """Image of some `channels` of a part, in this order."""
         if not self._file.seek_subimage(part, 0):
             raise DamagedFileError(f"cannot read {self._name}: {_failure(self._file)}")
         spec = self._file.spec()
@@ -138,7 +138,7 @@ class OpenImageIOFile:
         def rows(top: int, bottom: int) -> NDArray[Any]:
             block = _block(self._file, top, bottom, (first, last), as_type)
             if block is None or self._file.has_error:
-                # The path may be that of a temporary file.
+                # Replace the path, which may belong to a temporary file.
                 reason = _failure(self._file).replace(self._path, self._name)
                 raise DamagedFileError(
                     f"cannot read all pixels of {self._name}: {reason}; give an undamaged file"
@@ -213,7 +213,7 @@ def _check_spec(name: str, spec: oiio.ImageSpec, max_pixels: int) -> None:
 
 
 def _dtype(name: str, spec: oiio.ImageSpec, places: list[int]) -> np.dtype[Any]:
-    """Type of the samples of some channels; float32 for a mixture."""
+    """Common type of the samples of some channels; float32 if types differ."""
     formats = {str(spec.channelformat(place)) for place in places}
     if others := formats - set(_DTYPES):
         raise FileError(
@@ -242,7 +242,7 @@ def _environment(spec: oiio.ImageSpec) -> str:
 
 
 def _orientation(spec: oiio.ImageSpec) -> int:
-    """EXIF orientation; values that EXIF does not define are passed over."""
+    """EXIF orientation; 1 for values that EXIF does not define."""
     said = spec.get_int_attribute("Orientation", 1)
     return said if said in range(1, 9) else 1
 
@@ -255,7 +255,7 @@ def _alpha(spec: oiio.ImageSpec) -> str:
 
 
 def _text(spec: oiio.ImageSpec, key: str) -> str:
-    """Text of an attribute; empty if there is none."""
+    """Text of an attribute; empty if missing."""
     try:
         value = spec.getattribute(key)
     except UnicodeDecodeError:
@@ -264,14 +264,14 @@ def _text(spec: oiio.ImageSpec, key: str) -> str:
 
 
 def _number(value: Any) -> float | None:
-    """`value` of an attribute, a number or a fraction, as a finite float; None for others."""
+    """Number or fraction of an attribute as a finite float; None for other values."""
     if isinstance(value, tuple):
         value = value[0] / value[1] if len(value) == 2 and value[1] else None
     return float(value) if isinstance(value, int | float) and np.isfinite(value) else None
 
 
 def _failure(source: Any) -> str:
-    """Reason for the last failure of OpenImageIO or one of its files."""
+    """Message of the last failure of OpenImageIO or of a file."""
     try:
         message = source.geterror()
     except UnicodeDecodeError:  # it repeats the bytes of a damaged header

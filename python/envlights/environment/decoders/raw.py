@@ -1,4 +1,4 @@
-"""Reader of raw files of cameras by rawpy, as linear pictures."""
+"""Reader of camera raw files by rawpy, as linear pictures."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from envlights._common.errors import FileError, MissingFileError
 #: Suffixes of raw files.
 SUFFIXES = (".arw", ".cr2", ".cr3", ".dng", ".nef", ".orf", ".pef", ".raf", ".rw2", ".srw")
 
-#: Remark on a picture that was developed.
+#: Note on a developed raw file.
 NOTE = "raw files were developed by LibRaw: linear Rec.709, white balance of the camera"
 
 
 def is_raw(path: str | os.PathLike[str]) -> bool:
-    """True for the suffix of a raw file."""
+    """True if the suffix belongs to a raw file."""
     return Path(os.fsdecode(path)).suffix.lower() in SUFFIXES
 
 
@@ -40,7 +40,7 @@ def read(path: str | os.PathLike[str]) -> NDArray[np.float32]:
 
 
 def exposure(path: str | os.PathLike[str]) -> dict[str, float]:
-    """Exposure time, sensitivity and aperture of a raw file; what it does not hold is missing."""
+    """Exposure time, sensitivity and aperture of a raw file; missing values are absent."""
     with _open(_library(path), path) as file:
         shot = file.other
     found = {"time": shot.shutter_speed, "speed": shot.iso_speed, "aperture": shot.aperture}

@@ -1,4 +1,4 @@
-"""Content of a file as a reader gives it: header, and samples in the type of the file.
+"""Header and samples of a file, in the sample type of the file.
 
 A reader opens a `Source` as an `ImageFile`, whose `image` is a `RawImage`. Nothing is converted.
 """
@@ -20,7 +20,7 @@ Window = tuple[int, int, int, int]
 
 @dataclass(frozen=True)
 class FileColour:
-    """Statements of a file about its colour space, which may contradict each other."""
+    """Metadata of a file on its colour space; entries may contradict each other."""
 
     cicp: tuple[int, int, int, int] | None = None
     """Codes of primaries, transfer, matrix and full range (ITU-T H.273); PNG cICP."""
@@ -32,21 +32,21 @@ class FileColour:
     """True if the file names sRGB: PNG sRGB, EXIF ColorSpace 1."""
 
     gamma: float | None = None
-    """Exponent of encoding, such as 0.45455; PNG gAMA."""
+    """Encoding exponent, such as 0.45455; PNG gAMA."""
 
     chromaticities: tuple[float, ...] | None = None
-    """x and y of red, green, blue and white: OpenEXR, PNG cHRM, Radiance PRIMARIES."""
+    """x and y of red, green, blue and the white point: OpenEXR, PNG cHRM, Radiance PRIMARIES."""
 
     is_xyz: bool = False
     """True if the samples are CIE XYZ: Radiance XYZE."""
 
     name: str = ""
-    """Name that OpenImageIO derives, ``oiio:ColorSpace``, if nothing else is known."""
+    """Name that OpenImageIO derives, ``oiio:ColorSpace``; used only without other metadata."""
 
 
 @dataclass(frozen=True)
 class Header:
-    """Statements of a file about its samples."""
+    """Metadata of a file on its samples."""
 
     width: int
     """Columns of the samples."""
@@ -64,7 +64,7 @@ class Header:
     """Names of the channels, in the order of the samples."""
 
     colour: FileColour = field(default_factory=FileColour)
-    """Statements about the colour space."""
+    """Metadata on the colour space."""
 
     orientation: int = 1
     """EXIF orientation, 1 to 8."""
@@ -76,7 +76,7 @@ class Header:
     """Rectangle of the whole picture, in the same coordinates as the data window."""
 
     exposure: tuple[float, float, float] = (1.0, 1.0, 1.0)
-    """Cumulative multipliers of the channels; divide samples by them.
+    """Exposure multiplier of each channel; samples are divided by it.
 
     EXPOSURE times COLORCORR of Radiance; 1 / whiteLuminance of OpenEXR."""
 
@@ -84,13 +84,13 @@ class Header:
     """Exposure value at ISO 100 from the EXIF of integers; None if unknown."""
 
     has_luminance: bool = False
-    """True if samples over `exposure` are cd/m2: OpenEXR's whiteLuminance."""
+    """True if samples divided by `exposure` are cd/m2: OpenEXR's whiteLuminance."""
 
     alpha: str = "none"
     """Meaning of the alpha channel: "none", "straight" or "premultiplied"."""
 
     border_sampled: bool = False
-    """True if the outer pixels lie on the seam and the poles."""
+    """True if the outer samples lie on the seam and the poles."""
 
     environment: str = ""
     """Environment attribute: "latlong", "cube", or empty."""
@@ -102,13 +102,13 @@ class Header:
     """XMP packets."""
 
     layout: str = ""
-    """Statement of our own files on their layout; see `description`."""
+    """Layout text that `envlights` wrote; see `description`."""
 
     has_gain_map: bool = False
-    """True if linear samples are raised by a gain map, which ends at a largest value."""
+    """True if a gain map raises the linear samples, up to a largest value."""
 
     notes: tuple[str, ...] = ()
-    """Remarks of the reader."""
+    """Notes of the reader."""
 
 
 @dataclass(frozen=True)
@@ -116,16 +116,17 @@ class RawImage:
     """Header, and access to the samples while the file is open."""
 
     header: Header
-    """Statements of the file."""
+    """Metadata of the file."""
 
     read_rows: Callable[[int, int], NDArray[Any]]
     """Function that returns the samples of rows from `top` to `bottom`, (rows, width, channels)."""
 
     rows_at_once: int = 128
-    """Rows of one read; a multiple of the rows that are decoded together."""
+    """Rows per read; a multiple of the rows that are decoded together."""
 
     apply_gain_map: Callable[[NDArray[np.float32], int], None] | None = None
-    """Function that raises linear samples of some rows, (rows, width, 1 or 3), from a first row on.
+    """Function that applies the gain map to rows of linear samples, (rows, width, 1 or 3), given
+    the index of the first row.
 
     None for files without a gain map."""
 
@@ -141,34 +142,34 @@ class RawImage:
 
 @dataclass(frozen=True)
 class Part:
-    """One of the images in a file."""
+    """Image in a file that may hold several."""
 
     name: str
-    """Name in the file; empty if it has none."""
+    """Name in the file; empty if missing."""
 
     channels: tuple[str, ...]
-    """Names of all its channels."""
+    """Names of all channels."""
 
     view: str = ""
     """Stereo view, such as "left"; empty if the file names none."""
 
 
 class ImageFile(Protocol):
-    """An open file that gives some channels of one of its parts."""
+    """Open file, from which channels of a part can be read."""
 
     @property
     def parts(self) -> tuple[Part, ...]:
-        """All images of the file, in its order."""
+        """All images in the file, in order."""
 
     def image(self, part: int, channels: Sequence[str]) -> RawImage:
-        """Some `channels` of a part, in this order."""
+        """Image of some `channels` of a part, in this order."""
 
     def close(self) -> None:
         """Close the file."""
 
 
 def check_size(name: str, width: int, height: int, max_pixels: int) -> None:
-    """Refuse more pixels than `max_pixels`, because a damaged header may claim any number."""
+    """Raise an error above `max_pixels`, because a damaged header may claim any size."""
     if width * height > max_pixels:
         raise FileError(
             f"cannot read {name}: it claims to hold {width}x{height} pixels, more than"

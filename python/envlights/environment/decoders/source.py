@@ -1,4 +1,4 @@
-"""Sources of a file: path, bytes, file object, standard input or address; kind by first bytes."""
+"""Sources of a file: path, bytes, file object, standard input, address; kind by first bytes."""
 
 from __future__ import annotations
 
@@ -18,21 +18,21 @@ from envlights._common.errors import FileError, MissingFileError
 from envlights._common.printable import printable
 from envlights._native import EnvLightsError
 
-#: Image files that are read.
+#: Readable image files, for messages.
 READABLE = "a Radiance .hdr, OpenEXR, PNG, JPEG or TIFF image"
-#: End of every refusal of a file.
+#: End of every error message about a file.
 WANTED = f"give {READABLE}"
 
 #: Path or address of a file, its bytes, or a file object of bytes; "-" is the standard input.
 AnySource = str | os.PathLike[str] | bytes | bytearray | memoryview | IO[bytes]
 
-#: Start of an address of fsspec.
+#: Pattern for the beginning of an fsspec address.
 ADDRESS = re.compile(r"[a-z][a-z0-9+.-]*(::[a-z0-9+.-]+)*://", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
 class Source:
-    """A file on disk, or its bytes in memory, with a name for sentences."""
+    """File on disk, or its bytes in memory, with a name for messages."""
 
     name: str
     """Printable name."""
@@ -44,11 +44,11 @@ class Source:
     """Content, if there is no path."""
 
     def open(self) -> IO[bytes]:
-        """Readable file object of the content."""
+        """Open file object for the content."""
         return Path(self.path).open("rb") if self.path else io.BytesIO(self.data)
 
     def head(self, length: int) -> bytes:
-        """First bytes."""
+        """First bytes of the content."""
         with self.open() as file:
             return file.read(length)
 
@@ -58,7 +58,7 @@ class Source:
 
     @contextlib.contextmanager
     def path_with(self, suffix: str) -> Iterator[str]:
-        """Path with this suffix, from which image libraries take the format.
+        """Path with this suffix, because image libraries derive the format from it.
 
         A path with another suffix gets a symbolic link, bytes get a temporary file.
         """
@@ -75,12 +75,12 @@ class Source:
 
 
 def is_source(value: object) -> bool:
-    """True for anything that is read as a file; a memoryview may be an array as well."""
+    """True for anything that is read as a file; a memoryview is not, because it may be an array."""
     return isinstance(value, str | os.PathLike | bytes | bytearray) or hasattr(value, "read")
 
 
 def name_of(source: Any) -> str:
-    """Printable name of a source, for sentences."""
+    """Printable name of a source, for messages."""
     if isinstance(source, bytes | bytearray | memoryview):
         return "the bytes"
     if hasattr(source, "read"):
@@ -90,7 +90,7 @@ def name_of(source: Any) -> str:
 
 
 def named_source(source: Any) -> Source:
-    """Source of any kind, or a refusal of one that holds nothing."""
+    """Source of any kind; raises an error if it is empty."""
     if isinstance(source, Source):
         return source
     if isinstance(source, bytes | bytearray | memoryview):
@@ -117,7 +117,7 @@ def _of_bytes(name: str, data: bytes) -> Source:
 
 
 def _content(file: Any, name: str) -> bytes:
-    """Bytes of a file object from its position to its end."""
+    """Bytes of a file object, from its position to its end."""
     try:
         data = file.read()
     except (OSError, ValueError) as error:  # a closed file, or text that is not decodable
@@ -142,7 +142,7 @@ def _standard_input() -> Source:
 
 
 def _of_address(address: str) -> Source:
-    """Content behind an address of fsspec, such as ``https://`` or ``s3://``."""
+    """Content at an fsspec address, such as ``https://`` or ``s3://``."""
     name = printable(address)
     try:
         fsspec = import_module("fsspec")
@@ -177,7 +177,7 @@ def _of_path(text: str) -> Source:
 
 
 def _obstacle(text: str) -> str:
-    """Reason why no image can be read from a path; empty if there is none."""
+    """Reason why no image can be read from a path; empty if readable."""
     text.encode()
     path = Path(text)
     if not text:
@@ -194,17 +194,17 @@ def _obstacle(text: str) -> str:
 
 
 def _link(beside: Path, path: Path) -> None:
-    """Symbolic link to `path`, or a copy on systems that allow no links."""
+    """Symbolic link to `path`, or a copy on systems that forbid links."""
     try:
         beside.symlink_to(path)
     except OSError:
         beside.write_bytes(path.read_bytes())
 
 
-#: Bytes that decide.
+#: Number of first bytes that determine the kind.
 _LENGTH = 32
 
-#: First bytes of the kinds that are read.
+#: First bytes of the supported kinds.
 _READ = (
     ("radiance", b"#?"),
     ("openexr", b"\x76\x2f\x31\x01"),
@@ -216,10 +216,10 @@ _READ = (
     ("tiff", b"MM\0+"),
 )
 
-#: Way out for photographs of telephones.
+#: Advice for photographs of phones.
 _HEIC = "HEIC image (`heif-convert` of libheif writes it as PNG)"
 
-#: Way out for videos, and place and bytes of their formats.
+#: Advice for videos, and offset and signature of their formats.
 _VIDEO = "video; `ffmpeg -i VIDEO -frames:v 1 frame.png` writes a frame of it"
 _OF_VIDEO = (
     *((4, b"ftyp" + brand) for brand in (b"isom", b"iso2", b"mp4", b"avc1", b"qt  ", b"M4V")),
@@ -227,8 +227,8 @@ _OF_VIDEO = (
     (8, b"AVI "),
 )
 
-#: Name, place and bytes of other images, which are read on request. DDS is among them, though cubes
-#: are often stored so: its reader had memory faults (CVE-2022-41838, CVE-2022-41999).
+#: Name, offset and signature of image formats that are read on request. DDS is among them, though
+#: cubes are often stored so: its reader had memory faults (CVE-2022-41838, CVE-2022-41999).
 _ON_REQUEST = (
     ("GIF image", 0, b"GIF8"),
     ("WebP image", 8, b"WEBP"),
@@ -257,13 +257,13 @@ _ON_REQUEST = (
     ("IFF image", 0, b"FOR4"),
 )
 
-#: Way out for textures that no library of ours reads.
+#: Advice for textures that no library here can read.
 _KTX = (
     "KTX texture, which no reader here decodes; `ktx extract` of KTX-Software writes its six faces"
     " as PNG or OpenEXR: give those"
 )
 
-#: Name, place and bytes of files that are no images.
+#: Name, offset and signature of files that are not images.
 _NO_IMAGE = (
     (_KTX, 1, b"KTX "),
     ("web page", 0, b"<!DOCTYPE html"),
@@ -287,7 +287,7 @@ _NO_IMAGE = (
 
 
 def kind_of(source: Source, *, any_format: bool) -> str:
-    """Kind of a file; empty for one that is left to OpenImageIO with `any_format`.
+    """Kind of a file; empty if OpenImageIO must read it, with `any_format`.
 
     Raises
     ------
@@ -299,7 +299,7 @@ def kind_of(source: Source, *, any_format: bool) -> str:
         if head.startswith(start):
             return kind
     if any_format and not head.startswith(b"KTX ", 1):
-        # DDS has its own reader, so no other reader tries the file.
+        # Name the kind of DDS, so that no other reader tries the file.
         return "dds" if head.startswith(b"DDS ") else ""
     name = _name(head, _ON_REQUEST)
     if name:

@@ -5,27 +5,27 @@ from __future__ import annotations
 from collections.abc import Iterable
 from xml.parsers import expat
 
-#: Name spaces whose properties are used, by their usual prefix.
+#: Namespaces of the properties that are used, by their usual prefix.
 _SPACES = {
     "http://ns.google.com/photos/1.0/panorama/": "GPano",
     "http://ns.google.com/videos/1.0/spherical/": "GSpherical",
     "http://ns.adobe.com/hdr-gain-map/1.0/": "hdrgm",
     "http://ns.apple.com/HDRGainMap/1.0/": "HDRGainMap",
 }
-#: Separator of name space and name; no address holds it.
+#: Separator of namespace and name; no namespace contains it.
 _BETWEEN = " "
-#: Starts of packets in UTF-32, which the parser takes for damage.
+#: First bytes of UTF-32 packets, which the parser would report as damaged.
 _UTF_32 = (b"\xff\xfe\0\0", b"\0\0\xfe\xff", b"<\0\0\0", b"\0\0\0<")
 #: Longest packet that is read, in bytes.
 _LONGEST = 2**22
 
 
 class UnknownEncodingError(ValueError):
-    """A packet in an encoding that no parser here reads."""
+    """Error for a packet in an encoding that the parser cannot read."""
 
 
 def properties(packets: Iterable[bytes]) -> dict[str, str]:
-    """Properties like "GPano:ProjectionType" of all packets of a file; the first packet wins.
+    """Properties such as "GPano:ProjectionType" of all packets in a file; the first packet wins.
 
     Raises
     ------
@@ -62,31 +62,31 @@ def _properties(packet: bytes) -> dict[str, str]:
 
 
 class _Reader:
-    """Collection of the properties of known name spaces."""
+    """Collection of the properties of known namespaces."""
 
     def __init__(self) -> None:
         self.found: dict[str, str] = {}
         self._name = ""
 
     def start(self, name: str, attributes: dict[str, str]) -> None:
-        """Take attributes, and begin the text of an element."""
+        """Store the attributes, and begin to collect the text of an element."""
         self._name = _short(name)
         for attribute, value in attributes.items():
             if short := _short(attribute):
                 self.found[short] = value.strip()
 
     def text(self, data: str) -> None:
-        """Take the text of an element."""
+        """Collect the text of an element."""
         if self._name:
             self.found[self._name] = self.found.get(self._name, "") + data.strip()
 
     def end(self, _: str) -> None:
-        """End the text of an element."""
+        """Store the collected text of an element."""
         self._name = ""
 
 
 def _short(name: str) -> str:
-    """Name with the usual prefix; empty for other name spaces."""
+    """Name with the usual prefix; empty for other namespaces."""
     space, _, last = name.rpartition(_BETWEEN)
     return f"{_SPACES[space]}:{last}" if space in _SPACES else ""
 

@@ -1,4 +1,4 @@
-"""Small rotations and shifts between exposures, and their removal.
+"""Estimation and removal of small rotations and shifts between exposures.
 
 The camera turns a little between two shots, so a picture is a rotated copy of another one: the
 method of Gauss and Newton finds the rotation vector that makes the logarithms of the radiances
@@ -16,29 +16,29 @@ from envlights import _native
 from envlights.kernels.image import LUMINANCE, area_means
 from envlights.kernels.sphere import direction_to_uv, pixel_directions
 
-#: Columns of the pictures that are compared, coarse to fine; each next start is within a pixel.
+#: Columns of the images to compare, coarse to fine; each start is accurate to a pixel.
 _WIDTHS = (256, 512, 1024)
-#: Steps at each size.
+#: Iterations at each size.
 _STEPS = 6
-#: Exposures of the pixels that are compared.
+#: Range of exposure in which pixels are compared.
 _DARKEST, _BRIGHTEST = 0.004, 0.8
-#: Fewest pixels that determine a rotation.
+#: Smallest number of pixels that determine a rotation.
 _FEWEST = 100
-#: Scale of an outlier, as a relative difference of radiance.
+#: Scale of outliers, as a relative difference of radiance.
 _OUTLIER = 0.1
-#: Shifts below this fraction of a pixel are left alone: resampling would blur more.
+#: Fraction of a pixel below which shifts are not corrected: resampling would blur more.
 _LEAST_SHIFT = 0.2
-#: Distance to a whole pixel below which columns or rows are rolled, without loss.
+#: Distance to a whole pixel below which columns or rows are rolled, which loses nothing.
 _WHOLE = 0.2
-#: Largest shift that is believed, in pixels; the same if fewer pixels than `_MANY` show it.
+#: Largest plausible shift in pixels, for at least `_MANY` pixels and for fewer.
 _MOST_SHIFT, _MOST_SHIFT_OF_FEW, _MANY = 24.0, 4.0, 2000
-#: Ratio of the differences after and before an alignment, at most.
+#: Largest ratio of the differences after and before an alignment that is accepted.
 _GAIN = 0.97
 
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """Rotation from one picture to another, then a shift of its rows."""
+    """Rotation from one picture to another, and a shift of rows after it."""
 
     turn: NDArray[np.float64]
     """Rotation vector: axis times angle in radians, (3,)."""
@@ -63,7 +63,7 @@ STILL = Motion(np.zeros(3), 0.0)
 def motion(
     short: NDArray[np.float32], long: NDArray[np.float32], log_ratio: float, clip: float
 ) -> Motion | None:
-    """Motion from the shorter picture to the longer one; None if the pixels do not determine it.
+    """Motion from the shorter exposure to the longer one; None if the pixels do not determine it.
 
     `short` and `long` are exposures, (height, width, 3); `log_ratio` is the logarithm of the ratio
     of their times.
@@ -74,7 +74,7 @@ def motion(
     both = [one, other - log_ratio]
     found = [_descend(both, sizes, unknowns) for unknowns in ([0, 1, 2], [1, 3])]
     best = min(found, key=lambda each: each[1])
-    # A rotation is likelier than a shift of rows.
+    # Prefer a rotation to a shift of rows.
     if found[0][1] < 1.05 * best[1]:
         best = found[0]
     answer, after, before = best
@@ -87,7 +87,7 @@ def motion(
 
 
 def _log_luminance(exposure: NDArray[np.float32], clip: float) -> NDArray[np.float64]:
-    """Logarithms of luminance; NaN where it is too dark or clipped."""
+    """Logarithms of luminance; NaN where too dark or clipped."""
     luminance = (exposure @ LUMINANCE.astype(np.float32)).astype(np.float64)
     is_good = (luminance > _DARKEST) & (exposure.max(axis=2) < _BRIGHTEST * clip)
     return np.where(is_good, np.log(np.maximum(luminance, 1e-9)), np.nan)
@@ -96,7 +96,7 @@ def _log_luminance(exposure: NDArray[np.float32], clip: float) -> NDArray[np.flo
 def _descend(
     both: list[NDArray[np.float64]], sizes: list[int], unknowns: list[int]
 ) -> tuple[Motion, float, float]:
-    """Motion of the least difference, and the differences after and before."""
+    """Motion with the smallest difference, and the differences after and before it."""
     values = np.zeros(4)
     before = after = np.inf
     for size in sizes:
@@ -117,7 +117,7 @@ def _overlap(one: NDArray[np.float64], other: NDArray[np.float64]) -> int:
 
 
 def _difference(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
-    """Robust mean of the differences of two pictures."""
+    """Robust mean difference of two pictures."""
     difference = one - other
     known = difference[np.isfinite(difference)]
     if len(known) < _FEWEST:
@@ -128,9 +128,9 @@ def _difference(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
 def _step(
     one: NDArray[np.float64], moved: NDArray[np.float64], unknowns: list[int]
 ) -> NDArray[np.float64]:
-    """Step of Gauss and Newton, with weights against outliers."""
+    """Gauss-Newton step with robust weights."""
     height, width = one.shape
-    # The mean of both gradients cancels errors of first order.
+    # Average both pictures, so that first-order errors of the gradient cancel.
     mean = (one + moved) / 2
     along = (np.roll(mean, -1, 1) - np.roll(mean, 1, 1)) * width / (4 * np.pi)
     down = np.full_like(mean, np.nan)
@@ -164,7 +164,7 @@ def _areas(height: int, width: int) -> NDArray[np.float64]:
 
 
 def _rates(height: int, width: int) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:
-    """Changes of azimuth and polar angle of the sampled place, for each unknown.
+    """Derivatives of azimuth and polar angle of a sample by each unknown.
 
     With d = (sin p sin a, cos p, -cos p cos a) and a turn w, the place moves by w x d.
     """
@@ -180,7 +180,7 @@ def _rates(height: int, width: int) -> list[tuple[NDArray[np.float64], NDArray[n
 
 
 def _sample_moved(picture: NDArray[np.float64], values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Picture sampled at the moved places; NaN spreads."""
+    """Picture sampled at the moved positions; NaN if a neighbour is NaN."""
     height, width = picture.shape
     directions = pixel_directions(height, width) @ rotation(values[:3]).T
     uv = direction_to_uv(directions.reshape(-1, 3)).reshape(height, width, 2)
@@ -205,14 +205,14 @@ def rotation(turn: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _reduce(picture: NDArray[np.float64], width: int) -> NDArray[np.float64]:
-    """Means of whole blocks of pixels; NaN if one of them is."""
+    """Means of blocks of pixels; NaN if a block contains NaN."""
     factor = max(picture.shape[1] // width, 1)
     height, width = (size // factor for size in picture.shape)
     return area_means(picture[: height * factor, : width * factor], height, width)
 
 
 def positions(motions: list[Motion | None]) -> list[Motion]:
-    """Motion of each picture from the one that most others agree with.
+    """Motion of each picture, relative to the picture closest to all others.
 
     `motions` lead from each picture to the next; None counts as none.
     """
@@ -224,7 +224,7 @@ def positions(motions: list[Motion | None]) -> list[Motion]:
 
 
 def align(picture: NDArray[np.float32], move: Motion) -> NDArray[np.float32]:
-    """Picture without its motion: whole pixels are rolled, without loss; the rest is resampled."""
+    """Picture with its motion removed: rolled by whole pixels if possible, otherwise resampled."""
     height, width, _ = picture.shape
     columns = move.turn[1] * width / (2 * np.pi)
     rows = move.rise * height / np.pi

@@ -1,4 +1,4 @@
-"""Response and times that agree with the pictures, and the time that is wrong."""
+"""Choice of the response and times that agree with the pictures, and detection of a wrong time."""
 
 from __future__ import annotations
 
@@ -11,38 +11,41 @@ from envlights._native import EnvLightsError
 from envlights.environment.exposures.comparison import Comparison
 from envlights.environment.exposures.response import Response, fit_response, residuals
 
-#: Mean relative residual below which a response fits: JPEG of quality 80 leaves 2 %.
+#: Mean relative residual below which a response fits; JPEG of quality 80 leaves 2 %.
 _FITS = 0.025
-#: Mean residual above which nothing fits.
+#: Mean relative residual above which nothing fits.
 _FITS_NOT = 0.08
-#: Gain of an estimated response over a named one.
+#: Factor by which an estimated response must reduce the residual to replace a known one.
 _GAIN = 0.7
-#: Ratio of a wrong time to the right one that is corrected, at least.
+#: Smallest log ratio of a wrong time to the right one that is corrected.
 _WRONG = np.log(1.1)
-#: The same if it rests on few pixels, which JPEG of quality 80 moves by a factor of 1.5.
+#: Smallest log ratio if only a few pixels show it; JPEG of quality 80 moves those by a factor of
+#: 1.5.
 _WRONG_OF_FEW = np.log(1.8)
-#: Part of the codes whose residuals count: JPEG spoils single codes, but no more than these.
+#: Fraction of the codes that the residual counts: JPEG spoils single codes, but fewer than the
+#: rest.
 _MOST_PIXELS = 0.7
-#: Number of pixels at which a pair has half of its weight: 69 pixels around a sun refused a series.
+#: Number of pixels at which a pair has half of its full weight. Without it, 69 pixels around a sun
+#: made a valid series fail.
 _MANY = 3000.0
-#: Ratio of exposures to times that a note doubts.
+#: Log ratio of exposures to times above which a note warns.
 _DOUBT = np.log(1.1)
-#: Difference between channels that a note reports as drift of the white balance.
+#: Difference between channels above which a note reports drift of the white balance.
 _DRIFT = 0.06
 
 
 @dataclass(frozen=True, eq=False)
 class Agreement:
-    """Response and times of a series, and how well they fit."""
+    """Response and times of a series, and their residual."""
 
     response: Response
-    """Response of all pictures."""
+    """Response shared by all pictures."""
 
     log_times: NDArray[np.float64]
-    """Natural logarithms of the times, corrected."""
+    """Natural logarithms of the corrected times."""
 
     wrong: int | None
-    """Place of the picture whose time was wrong."""
+    """Index of the picture whose time was wrong; None if all times are right."""
 
     residual: float
     """Mean relative residual."""
@@ -56,7 +59,7 @@ def agreement(
     *,
     may_estimate: bool,
 ) -> Agreement:
-    """The simplest response and times that fit: known responses first, then one wrong time."""
+    """Simplest response and times that fit: known responses first, then a single wrong time."""
     if not pairs:
         return Agreement(candidates[0], log_times, None, 0.0)
     stated = [_score(each, pairs, log_times) for each in candidates]
@@ -76,19 +79,19 @@ def agreement(
 
 
 def _agrees(found: Agreement, pairs: list[Comparison], log_times: NDArray[np.float64]) -> bool:
-    """True if the medians of all pairs agree, though single codes do not."""
+    """True if the medians of all pairs agree, even if single codes do not."""
     offsets = [abs(offset(found.response, pair, log_times)) for pair in pairs]
     return bool(found.residual < _FITS_NOT and max(offsets) < _FITS)
 
 
 def _is_believed(place: int, change: float, pairs: list[Comparison]) -> bool:
-    """True if a correction of a time is large, and rests on enough pixels."""
+    """True if the correction of a time is large enough for its number of pixels."""
     pixels = sum(pair.count.sum() for pair in pairs if place in (pair.short, pair.long))
     return bool(abs(change) > (_WRONG if pixels > _MANY else _WRONG_OF_FEW))
 
 
 def _simplest(known: list[Agreement], estimated: list[Agreement]) -> Agreement:
-    """Known response unless an estimated one is much better; all times before one wrong."""
+    """Known response unless an estimate is much better; prefers results without a wrong time."""
     fits = [each for each in estimated if each.residual < _FITS]
     choices = [each for each in fits if each.wrong is None] or fits or estimated
     best = min(known, key=lambda each: each.residual)
@@ -102,7 +105,7 @@ def _simplest(known: list[Agreement], estimated: list[Agreement]) -> Agreement:
 def _is_one_wrong_time(
     response: Response, pairs: list[Comparison], log_times: NDArray[np.float64]
 ) -> bool:
-    """True if a single pair has one ratio at all codes: a wrong time, but nobody knows which."""
+    """True if a single pair differs by one factor at all codes: one of its times is wrong."""
     if len(pairs) > 1:
         return False
     change = offset(response, pairs[0], log_times)
@@ -112,7 +115,7 @@ def _is_one_wrong_time(
 
 
 def _first_that_fits(found: list[Agreement]) -> Agreement | None:
-    """First response if it fits, else the best that fits."""
+    """First response if it fits and none is much better; otherwise the best one that fits."""
     if not found:
         return None
     best = min(found, key=lambda each: each.residual)
@@ -128,7 +131,7 @@ def _score(
 
 
 def _residual(response: Response, pairs: list[Comparison], log_times: NDArray[np.float64]) -> float:
-    """Mean over the pairs of a quantile of the residuals; pairs of few pixels count less."""
+    """Weighted mean over pairs of a quantile of the residuals; small pairs count less."""
     scores, weights = [], []
     for pair in pairs:
         residual, weight = _without_drift(pair, *residuals(response, pair, log_times))
@@ -140,7 +143,7 @@ def _residual(response: Response, pairs: list[Comparison], log_times: NDArray[np
 def _without_drift(
     pair: Comparison, residual: NDArray[np.float64], weight: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Residuals with the same median in all channels, and their weights."""
+    """Residuals shifted to the same median in all channels, and their weights."""
     parts = [part for channel in range(3) if (part := pair.channel == channel).any()]
     medians = [weighted_quantile(residual[part], weight[part], 0.5) for part in parts]
     equal = residual.copy()
@@ -158,7 +161,7 @@ def offset(response: Response, pair: Comparison, log_times: NDArray[np.float64])
 def weighted_quantile(
     values: NDArray[np.float64], weights: NDArray[np.float64], fraction: float
 ) -> float:
-    """Value with a fraction of the weight below it."""
+    """Weighted quantile of the values."""
     order = np.argsort(values)
     total = np.cumsum(weights[order])
     return float(values[order][np.searchsorted(total, fraction * total[-1])])
@@ -167,7 +170,7 @@ def weighted_quantile(
 def _with_one_wrong(
     response: Response, pairs: list[Comparison], log_times: NDArray[np.float64]
 ) -> list[Agreement]:
-    """The best correction of each time that the other pictures determine."""
+    """Best correction of each time that the other pictures determine, best first."""
     found = []
     for place in range(len(log_times)):
         if not _is_determined(place, pairs):
@@ -180,7 +183,7 @@ def _with_one_wrong(
 
 
 def _is_determined(place: int, pairs: list[Comparison]) -> bool:
-    """True if two pictures are compared with this one, or one that others are compared with."""
+    """True if comparisons with other pictures determine the time of this one."""
     own = [pair for pair in pairs if place in (pair.short, pair.long)]
     partners = {end for pair in own for end in (pair.short, pair.long)} - {place}
     others = {end for pair in pairs if pair not in own for end in (pair.short, pair.long)}
@@ -190,7 +193,7 @@ def _is_determined(place: int, pairs: list[Comparison]) -> bool:
 def _correct(
     response: Response, pairs: list[Comparison], log_times: NDArray[np.float64], place: int
 ) -> NDArray[np.float64]:
-    """Times with the one of a picture replaced by what its pairs measure."""
+    """Times with one replaced by the estimate from its pairs."""
     offsets = [
         offset(response, pair, log_times) * (1 if pair.long == place else -1)
         for pair in pairs
@@ -204,7 +207,7 @@ def _correct(
 def _estimate(
     base: Response, pairs: list[Comparison], log_times: NDArray[np.float64], clip_level: float
 ) -> list[Agreement]:
-    """Estimated responses: with all times, and from the pairs without one picture."""
+    """Estimated responses: from all pairs, and from the pairs without each picture."""
     found = [_score(fit_response(base, pairs, log_times, clip_level), pairs, log_times)]
     for place in range(len(log_times)):
         others = [pair for pair in pairs if place not in (pair.short, pair.long)]
@@ -223,7 +226,7 @@ def _estimate(
 def refuse_contradiction(
     found: Agreement, pairs: list[Comparison], log_times: NDArray[np.float64], numbers: list[int]
 ) -> None:
-    """Refuse a series that no response and no correction of one time explain."""
+    """Raise an error for a series that no response and no single wrong time explain."""
     if not pairs or found.residual <= _FITS_NOT:
         return
     told = []
@@ -242,7 +245,7 @@ def refuse_contradiction(
 
 
 def notes_of_pairs(found: Agreement, pairs: list[Comparison], numbers: list[int]) -> list[str]:
-    """Remarks on neighbours whose times cannot be checked, or are doubtful."""
+    """Notes on neighbouring pictures whose times are doubtful, or cannot be checked."""
     known = {(pair.short, pair.long): pair for pair in pairs}
     notes = []
     for place in range(len(numbers) - 1):
@@ -262,7 +265,7 @@ def notes_of_pairs(found: Agreement, pairs: list[Comparison], numbers: list[int]
 
 
 def notes_of_drift(found: Agreement, pairs: list[Comparison], numbers: list[int]) -> list[str]:
-    """Remarks on neighbours whose white balance differs."""
+    """Notes on neighbouring pictures whose white balance differs."""
     notes = []
     for pair in pairs:
         if pair.long - pair.short != 1 or pair.count.sum() < _MANY:

@@ -1,4 +1,4 @@
-"""Clip level of each picture, from the top spike of its own histogram.
+"""Clip level of each picture, from the highest spike of its histogram.
 
 Cameras and raw converters end at codes below 255. JPEG spreads the spike over a few codes.
 """
@@ -11,24 +11,24 @@ from numpy.typing import NDArray
 from envlights._common.srgb import decode_srgb, encode_srgb
 from envlights.environment.exposures.pictures import Picture
 
-#: Codes on each side of a spike that belong to it, because JPEG spreads it.
+#: Number of codes on each side over which JPEG spreads a spike.
 _REACH = 2
-#: Least code of white in a picture whose spike no other exposure confirms.
+#: Lowest accepted clip code: if no other exposure confirms it, and at all.
 _LEAST_ALONE, _LEAST_CODE = 250, 233
-#: Ratio of the count in a spike to the median count of as many codes below it.
+#: Smallest ratio of the count in a spike to the median count of equally many codes below it.
 _PROMINENCE = 2.0
-#: Fewest samples in a spike.
+#: Smallest number of samples in a spike.
 _FEWEST = 6
-#: Ratio of what a shorter exposure predicts to white that confirms a spike.
+#: Ratio of predicted exposure to clip level at which a shorter exposure confirms a spike.
 _CONFIRMED = 1.3
-#: Codes by which the whites of two pictures of one camera differ.
+#: Difference in code between the clip levels of two pictures of one camera.
 _SAME = 3
-#: Codes by which JPEG moves the spike of a picture with small clipped regions.
+#: Number of codes by which JPEG moves the spike of a small clipped region.
 _BLURRED = 8
 
 
 def whites(pictures: list[Picture]) -> list[float]:
-    """Largest sample of each picture, shortest first; infinity for linear ones without a limit."""
+    """Clip level per picture, shortest exposure first; infinity if linear and unlimited."""
     if pictures[0].is_linear:
         return [_linear_white(picture.samples) for picture in pictures]
     counts = [histogram(picture.samples) for picture in pictures]
@@ -40,7 +40,7 @@ def whites(pictures: list[Picture]) -> list[float]:
 
 
 def _level(own: int | None, counts: NDArray[np.int64], common: int) -> int:
-    """Code of white: the picture's own spike if it is sharp, else that of the series."""
+    """Clip code: the picture's own spike if it is sharp, otherwise that of the series."""
     if own is not None:
         around = counts[max(own - _REACH, 0) : own + _REACH + 1].sum()
         is_sharp = 2 * counts[own] > around
@@ -65,7 +65,7 @@ def _confirmed_spikes(pictures: list[Picture], codes: list[int | None]) -> list[
 
 
 def histogram(codes: NDArray[np.float32]) -> NDArray[np.int64]:
-    """Number of samples at each of 256 codes, all channels together."""
+    """Number of samples at each of 256 codes, over all channels."""
     counts = np.zeros(256, np.int64)
     for row in codes:
         whole = (row * np.float32(255) + np.float32(0.5)).astype(np.uint8)
@@ -74,7 +74,7 @@ def histogram(codes: NDArray[np.float32]) -> NDArray[np.int64]:
 
 
 def spike(counts: NDArray[np.int64]) -> int | None:
-    """Code of the top spike of a histogram; None without one."""
+    """Code of the highest spike of a histogram; None if there is no spike."""
     near = np.convolve(counts, np.ones(2 * _REACH + 1, np.int64), mode="same")
     above = counts[::-1].cumsum()[::-1]
     best: int | None = None
@@ -91,7 +91,7 @@ def spike(counts: NDArray[np.int64]) -> int | None:
 
 
 def _is_exceeded(shorter: Picture, longer: Picture, code: int) -> bool:
-    """True if the shorter exposure predicts more than white where the longer one is at a spike."""
+    """True if the shorter exposure predicts more than the spike of the longer one."""
     at_spike = longer.samples >= (code - _SAME - 0.5) / 255
     if not at_spike.any():
         return False
@@ -101,7 +101,7 @@ def _is_exceeded(shorter: Picture, longer: Picture, code: int) -> bool:
 
 
 def _linear_white(samples: NDArray[np.float32]) -> float:
-    """Clip level of linear samples: 1, or the spike at the top of samples that exceed it."""
+    """Clip level of linear samples: 1, or the spike at the top of samples that exceed 1."""
     most = float(samples.max())
     if most <= 1.02:
         return 1.0

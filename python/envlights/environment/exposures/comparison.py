@@ -1,4 +1,4 @@
-"""Codes at which two exposures show the same radiance, by matching their histograms.
+"""Codes at which two exposures show the same radiance, found by histogram matching.
 
 Grossberg and Nayar 2003, "What can be known about the radiometric response from images?". Equal
 fractions of the pixels are above equal radiances, so neither shifts nor small motions matter.
@@ -11,27 +11,27 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-#: Histogram bins of a code from 0 to 1: codes of 8 bits.
+#: Number of histogram bins: 8-bit codes.
 LEVELS = 256
-#: Darkest code of a comparison: noise of a code is 10 % there.
+#: Darkest code to compare; its noise is 10 %.
 _DARKEST = 20 / 255
-#: Distance to white of the brightest code, because JPEG moves white by several codes.
+#: Distance of the brightest code to the clip level, which JPEG moves by several codes.
 _TO_WHITE = 16 / 255
-#: Fewest pixels that two exposures must have in common.
+#: Smallest number of pixels that two exposures must share.
 _FEWEST = 16
-#: Largest number of pixels that are compared; more only take time.
+#: Largest number of pixels to compare; more only take time.
 _MOST = 2**20
 
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """Pairs of codes of two exposures at the same radiance, all channels one after the other."""
+    """Pairs of codes of two exposures at the same radiance, concatenated over the channels."""
 
     short: int
-    """Place of the shorter exposure."""
+    """Index of the shorter exposure."""
 
     long: int
-    """Place of the longer exposure."""
+    """Index of the longer exposure."""
 
     channel: NDArray[np.int64]
     """Channel of each pair, (n,)."""
@@ -43,13 +43,13 @@ class Comparison:
     """Codes of the longer exposure, (n,)."""
 
     count: NDArray[np.float64]
-    """Number of pixels of each pair, (n,)."""
+    """Number of pixels per pair."""
 
 
 def comparisons(
     samples: list[NDArray[np.float32]], near: list[NDArray[np.bool_]], whites: list[float]
 ) -> list[Comparison]:
-    """Comparisons of all exposures that have enough pixels in common.
+    """Comparisons of all exposures that share enough pixels.
 
     `near` marks pixels near clipped regions, where JPEG rings; they do not count.
     """
@@ -88,7 +88,7 @@ def _histogram(codes: NDArray[np.float32]) -> NDArray[np.int64]:
 def _match(
     short: NDArray[np.int64], long: NDArray[np.int64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Codes of two histograms with the same number of pixels below them, and their counts."""
+    """Codes at equal quantiles of two histograms, and their counts."""
     low, high = np.flatnonzero(short), np.flatnonzero(long)
     if not high.size:
         low = high

@@ -1,4 +1,4 @@
-"""Weighted mean of linear exposures, and the pixels in which they contradict each other.
+"""Weighted mean of linear exposures, and detection of contradictory pixels.
 
 What is uncertain about a sample is a step of a code, dE, so weights are (t / dE)^2 times a ramp
 that ends below white. JPEG rings around clipped regions, with samples below white inside them. Near
@@ -14,30 +14,31 @@ from numpy.typing import NDArray
 
 from envlights._common.srgb import code_step
 
-#: Ramp of weights towards white, in exposures relative to the clip level: full weight below the
-#: first, none above the second. JPEG of quality 90 moves white to 0.9.
+#: Exposures relative to the clip level at which weights begin to fall, and reach 0. JPEG of quality
+#: 90 moves the clip level to 0.9.
 _FULL, _NONE = 0.5, 0.92
-#: Code below which weights fall, of 255.
+#: 8-bit code below which weights fall.
 _DARK = 8.0
-#: Least weight of a dark sample, so that some exposure counts.
+#: Smallest weight of a dark sample, so that at least one exposure counts.
 _LEAST_DARK = 1e-3
-#: Least weight of a linear sample below white: nothing moves white of linear pictures.
+#: Smallest weight of an unclipped linear sample: no compression has moved its value.
 _LEAST_BRIGHT = 1e-2
-#: Exposure that shorter pictures predict, above which a sample near a clipped region is ignored.
+#: Exposure, predicted from shorter pictures, above which samples near a clipped region are ignored.
 _MOST_NEAR = 0.5
-#: The same at the rim, where the edge of the region itself may be blurred.
+#: Exposure limit for the rim of a clipped region, which may be blurred.
 _MOST_AT_RIM = 0.1
-#: Ratio of the variances of samples near a clipped region, and elsewhere, for ringing of 5 codes.
+#: Ratio of variances near a clipped region and elsewhere, for ringing of 5 codes.
 _RINGING = 25.0
-#: Pixels that are the rim of a clipped region.
+#: Width in pixels of the rim of a clipped region.
 _RIM = 2
-#: Pixels around a clipped region in which JPEG rings, and columns for each of them.
+#: Distance in pixels over which JPEG rings around a clipped region, and columns per pixel of
+#: distance.
 _DISTANCE, _COLUMNS_EACH = 8, 512
-#: Only samples in this range are used to compare exposures.
+#: Range of samples that are used to compare exposures.
 _LEAST_COMPARED, _MOST_COMPARED = 0.02, 0.94
-#: Ratio above which exposures contradict each other, and codes that JPEG moves a sample by.
+#: Ratio above which exposures contradict each other, and error of a JPEG sample in codes.
 _CONTRADICTION, _NOISE = 1.3, 4.0
-#: Rows of a block; the arrays for a block take more memory than its pixels.
+#: Number of rows that are processed at once, to limit memory.
 _ROWS = 64
 
 
@@ -49,19 +50,19 @@ class Exposure:
     """Exposure time."""
 
     linear: NDArray[np.float32]
-    """Exposure of each sample, 1 at white of the series, (height, width, 3)."""
+    """Exposure of each sample relative to the clip level of the series, (height, width, 3)."""
 
     clip_level: float
-    """Exposure of white."""
+    """Clip level, as an exposure."""
 
     clip: float
-    """Least exposure that counts as clipped."""
+    """Exposure from which samples count as clipped."""
 
     clipped: NDArray[np.bool_]
     """Mask of clipped samples, (height, width, 3)."""
 
     rings: bool
-    """True if JPEG may have been at work."""
+    """True if the picture may be a JPEG, with ringing."""
 
     def __post_init__(self) -> None:
         any_channel: NDArray[np.bool_] = np.asarray(self.clipped.any(axis=2))
@@ -71,12 +72,12 @@ class Exposure:
 
 
 def distance(width: int) -> int:
-    """Pixels around a clipped region in which samples are doubtful."""
+    """Distance in pixels around a clipped region in which samples are doubtful."""
     return max(_DISTANCE, width // _COLUMNS_EACH)
 
 
 def dilate(mask: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:
-    """Pixels within a square of a mask; columns go around."""
+    """Mask dilated by a square of radius `reach`; columns wrap at the seam."""
     if reach == 0 or not mask.any():
         return mask
     rows = _counts(np.pad(mask, ((reach, reach), (0, 0))), reach, 0)
@@ -85,7 +86,7 @@ def dilate(mask: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:
 
 
 def _counts(mask: NDArray[np.bool_], reach: int, axis: int) -> NDArray[np.int32]:
-    """Number of pixels of a mask in windows along an axis."""
+    """Number of true pixels in a sliding window along an axis."""
     sums = np.cumsum(mask, axis=axis, dtype=np.int32)
     zero = np.zeros_like(np.take(sums, [0], axis=axis))
     sums = np.concatenate([zero, sums], axis=axis)
@@ -96,7 +97,7 @@ def _counts(mask: NDArray[np.bool_], reach: int, axis: int) -> NDArray[np.int32]
 
 
 def merge(exposures: list[Exposure]) -> tuple[NDArray[np.float32], NDArray[np.bool_], bool]:
-    """Radiance for an exposure of 1 s, pixels of contradictions, and True if radiance is lost.
+    """Radiance for 1 s, mask of contradictory pixels, and True if radiance was clipped.
 
     Exposures are sorted, shortest first.
     """
@@ -117,13 +118,13 @@ def _merge_rows(
     linear = np.stack([each.linear[rows] for each in exposures]).astype(np.float64)
     radiance = linear / times
     weight = _weights(exposures, rows, radiance)
-    # Let the shortest exposure decide where no exposure counts.
+    # Use the shortest exposure where no exposure has weight.
     alone = (weight == 0).all(axis=0)
     weight[0][alone] = 1
     mean = (weight * radiance).sum(axis=0) / weight.sum(axis=0)
     is_moved, best = _contradictions(exposures, rows, linear, radiance, weight)
     mean = np.where(is_moved[..., None], best, mean)
-    # Samples that the shortest exposure lost are at its clip level.
+    # Set samples that are clipped in the shortest exposure to its clip level.
     shortest = exposures[0]
     lost = alone & shortest.clipped[rows]
     mean = np.where(lost, shortest.clip_level / shortest.time, mean)
@@ -142,7 +143,7 @@ def _weights(
         weight[exposure.clipped[rows]] = 0
         near = exposure.near[rows]
         if near.any():
-            # Predict the exposure from the shorter ones.
+            # Predict the exposure from the shorter pictures.
             known = np.where(total > 0, light / np.maximum(total, 1e-300), radiance[0])
             expected = (known * exposure.time).max(axis=2) / exposure.clip
             limit = np.where(exposure.rim[rows], _MOST_AT_RIM, _MOST_NEAR)
@@ -156,7 +157,7 @@ def _weights(
 
 
 def _ramp(linear: NDArray[np.float64], exposure: Exposure) -> NDArray[np.float64]:
-    """Factor of weights that falls towards white and towards black."""
+    """Weight factor that falls towards the clip level and towards black."""
     towards_white = np.clip((_NONE - linear / exposure.clip) / (_NONE - _FULL), 0, 1)
     if not exposure.rings:
         return np.maximum(towards_white, _LEAST_BRIGHT)
@@ -171,7 +172,7 @@ def _contradictions(
     radiance: NDArray[np.float64],
     weight: NDArray[np.float64],
 ) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
-    """Pixels in which exposures contradict the best one, and the radiance of the best one."""
+    """Mask of pixels that contradict the best exposure, and the radiance of the best one."""
     clips = np.array([each.clip for each in exposures])[:, None, None, None]
     near = np.stack([each.near[rows] for each in exposures])[..., None]
     is_good = (linear > _LEAST_COMPARED) & (linear < _MOST_COMPARED * clips) & ~near

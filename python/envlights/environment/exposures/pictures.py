@@ -1,4 +1,4 @@
-"""Pictures of a series: checks, and codes or linear samples in memory."""
+"""Pictures of a series, checked and read into memory as codes or linear samples."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from envlights._native import EnvLightsError
 from envlights.environment.decoders import raw
 from envlights.environment.files.images import read_image
 
-#: Advice at the end of a refusal of a whole series.
+#: Advice at the end of an error message about a series.
 _WANTED = "give a list of two files or arrays or more"
 
 
@@ -37,17 +37,17 @@ class Picture:
     """True for linear samples, False for codes of a camera."""
 
     rings: bool
-    """True if JPEG may have been at work: 8 bits."""
+    """True for 8-bit samples, which may come from a JPEG with ringing."""
 
     border_sampled: bool
     """True if the outer pixels lie on the seam and the poles."""
 
     notes: tuple[str, ...]
-    """Remarks of the reader."""
+    """Notes of the reader."""
 
 
 def series_of(pictures: object) -> list[Any]:
-    """Pictures of a series as a list, or a refusal of what is no series."""
+    """Pictures of a series as a list; raises an error for other types."""
     if isinstance(pictures, str | os.PathLike):
         raise EnvLightsError(
             f"exposures must be two pictures or more; got one path; {_WANTED}, or use"
@@ -80,7 +80,7 @@ def read(picture: ArrayLike | str | os.PathLike[str], number: int, time: float) 
 
 
 def check_sizes(pictures: list[Picture]) -> None:
-    """Refuse pictures of several sizes."""
+    """Raise an error if the pictures differ in size."""
     first = pictures[0]
     for picture in pictures[1:]:
         if picture.samples.shape != first.samples.shape:
@@ -120,7 +120,7 @@ def _of_array(array: NDArray[Any], number: int) -> tuple[NDArray[np.float32], bo
 
 
 def _codes(linear: NDArray[np.float32]) -> NDArray[np.float32]:
-    """SRGB codes of decoded samples: the inverse of the decoding."""
+    """Codes of decoded samples, by the sRGB encoding."""
     return encode_srgb(linear).astype(np.float32)
 
 

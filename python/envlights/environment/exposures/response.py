@@ -1,4 +1,4 @@
-"""Response of a camera: the exposure of each code, known, chosen or estimated.
+"""Camera response: the exposure of each code, known or estimated.
 
 Named curves come first. If none fits, a smooth correction of the best one is fitted to the codes of
 equal radiance (Debevec and Malik 1997, equation 3): few knots, because two to five exposures do not
@@ -19,24 +19,24 @@ from envlights._common.srgb import decode_srgb
 from envlights._native import EnvLightsError
 from envlights.environment.exposures.comparison import LEVELS, Comparison
 
-#: Codes from 0 to 1 at which a response is known.
+#: Codes from 0 to 1 at which a response is tabulated.
 CODES = np.arange(LEVELS) / (LEVELS - 1)
-#: Least exposure, so that logarithms are finite: 0.01 steps of a code.
+#: Smallest exposure, so that logarithms are finite: 0.01 steps of a code.
 _LEAST = 1e-5
-#: Knots of the correction, as codes; close together where cameras differ from sRGB.
+#: Knots of the correction, as codes; dense where cameras differ from sRGB.
 _KNOTS = np.array([0.0, 0.04, 0.08, 0.14, 0.22, 0.32, 0.44, 0.56, 0.67, 0.77, 0.85, 0.92, 1.0])
-#: Penalty of the second differences of the correction at the knots, for residuals of 1 %. Chosen by
-#: hand, not tuned.
+#: Penalty on second differences of the correction at the knots, for residuals of 1 %; chosen by
+#: hand.
 _SMOOTHNESS = 0.03
-#: Uncertainty of a code and of a logarithm of exposures; number of pixels that halves a weight.
+#: Noise of a code and of a log exposure; number of pixels that halves a weight.
 _CODE_NOISE, _LOG_NOISE, _MANY = 0.7 / 255, 0.01, 30.0
-#: Passes of reweighting against outliers, and the scale of an outlier.
+#: Iterations of robust reweighting, and the scale of outliers.
 _PASSES, _OUTLIER = 8, 0.05
 
 
 @dataclass(frozen=True, eq=False)
 class Response:
-    """Exposure of each code, relative to white."""
+    """Exposure of each code, relative to the clip level."""
 
     name: str
     """Name for notes."""
@@ -45,7 +45,7 @@ class Response:
     """Natural logarithms of the exposures of `CODES`, (256,)."""
 
     curve: Callable[[NDArray[Any]], NDArray[Any]] | None = None
-    """Exposures of any codes, up to a factor; None if only `log_exposure` is known."""
+    """Function from codes to exposures, up to a factor; None if only `log_exposure` is known."""
 
     def exposure(self, codes: NDArray[np.floating]) -> NDArray[np.float32]:
         """Exposures of codes from 0 to 1."""
@@ -61,18 +61,18 @@ class Response:
         return np.asarray(np.interp(codes, CODES, self.log_exposure))
 
     def slope(self, codes: NDArray[np.floating]) -> NDArray[np.float64]:
-        """Derivatives of the logarithms by the code."""
+        """Derivative of the log exposure by the code."""
         return np.asarray(np.interp(codes, CODES, np.gradient(self.log_exposure, CODES)))
 
     def scaled(self, clip_level: float) -> Response:
-        """Response whose exposure is 1 at the code `clip_level`."""
+        """Response scaled so that its exposure is 1 at the code `clip_level`."""
         return replace(
             self, log_exposure=self.log_exposure - self.logarithm(np.array([clip_level]))[0]
         )
 
 
 def known_responses(clip_level: float) -> list[Response]:
-    """Known responses, the likeliest first; `clip_level` is the largest code."""
+    """Known responses, most likely first; `clip_level` is the largest code."""
     curves: dict[str, Callable[[NDArray[np.float64]], NDArray[np.floating]]] = {
         "sRGB": decode_srgb,
         f"sRGB up to code {255 * clip_level:.0f}": lambda codes: decode_srgb(codes / clip_level),
@@ -88,7 +88,7 @@ def known_responses(clip_level: float) -> list[Response]:
 
 
 def by_hand(response: object, clip_level: float) -> Response:
-    """Response of a caller: "srgb", "linear", or the exposures of 256 codes."""
+    """Response given by the caller: "srgb", "linear", or the exposures of 256 codes."""
     if isinstance(response, str):
         if response == "srgb":
             return _response("sRGB", decode_srgb).scaled(clip_level)
@@ -135,7 +135,7 @@ def fit_response(
 def residuals(
     response: Response, pair: Comparison, log_times: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Differences of logarithms between exposures and times, and their weights, (n,) each."""
+    """Differences of log exposures minus differences of log times, and weights, (n,) each."""
     ratio = response.logarithm(pair.high) - response.logarithm(pair.low)
     noise = _CODE_NOISE**2 * (response.slope(pair.low) ** 2 + response.slope(pair.high) ** 2)
     weight = pair.count / (pair.count + _MANY) / (noise + _LOG_NOISE**2)
@@ -145,7 +145,7 @@ def residuals(
 def _equations(
     base: Response, pairs: list[Comparison], log_times: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], ...]:
-    """Codes of the pairs, the corrections they want, and weights whose mean is 1 / noise^2."""
+    """Codes of the pairs, their desired corrections, and weights with a mean of 1 / noise^2."""
     parts = []
     for pair in pairs:
         residual, weight = residuals(base, pair, log_times)
@@ -155,7 +155,7 @@ def _equations(
 
 
 def _hats(codes: NDArray[np.floating]) -> NDArray[np.float64]:
-    """Values of the piecewise linear functions that are 1 at one knot, (n, knots)."""
+    """Piecewise linear basis functions, one per knot, at the codes, (n, knots)."""
     columns = [np.interp(codes, _KNOTS, column) for column in np.eye(len(_KNOTS))]
     return np.stack(columns, axis=1)
 
@@ -175,5 +175,5 @@ def _decode_rec709(codes: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _full_range(codes: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Codes from 0 to 1 of video codes from 16 to 235."""
+    """Video codes (16 to 235) rescaled to the range 0 to 1."""
     return np.clip((255 * codes - 16) / 219, 0, 1.1)

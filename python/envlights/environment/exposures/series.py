@@ -1,4 +1,4 @@
-"""Exposures of a panorama, merged into one linear image: the steps in order."""
+"""Merge of exposures of a panorama into one linear image, step by step."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from envlights.environment.exposures.response import Response, by_hand, known_re
 from envlights.environment.exposures.times import exposure_times
 from envlights.kernels.sphere import pixel_solid_angles
 
-#: Distance of clipped codes to white: JPEG moves white by a few codes.
+#: Distance of clipped codes to the clip level, which JPEG moves by a few codes.
 _CLIPPED = 4 / 255
-#: The same for linear samples.
+#: Fraction of the clip level from which linear samples count as clipped.
 _CLIPPED_LINEAR = 0.985
-#: Report motion only above this fraction of the sphere.
+#: Fraction of the sphere above which moving objects are reported.
 _LEAST_SHARE = 1e-3
 
 
@@ -42,7 +42,7 @@ class MergeResult:
     """True if the outer pixels lie on the seam and the poles."""
 
     notes: tuple[str, ...]
-    """Remarks on the series."""
+    """Notes on the series."""
 
     ev100: float | None = None
     """Exposure value at ISO 100 of the radiance; None if the times have no unit."""
@@ -53,7 +53,7 @@ def merge_exposures(
     times: Iterable[float] | None,
     response: str | ArrayLike | None,
 ) -> MergeResult:
-    """Merge pictures of one place, in any order, into one linear image."""
+    """Merge pictures taken from one position, in any order, into one linear image."""
     series, are_exposures = _read_all(pictures, times)
     notes = list(dict.fromkeys(note for picture in series for note in picture.notes))
     levels = whites(series)
@@ -93,7 +93,7 @@ def _read_all(pictures: object, times: object) -> tuple[list[Picture], bool]:
 
 
 def _note_whites(series: list[Picture], levels: list[float], notes: list[str]) -> None:
-    """Note codes of white below 254."""
+    """Add notes on clip levels below code 254."""
     low = {
         f"{255 * level:.0f}": picture.number
         for picture, level in zip(series, levels, strict=True)
@@ -106,7 +106,7 @@ def _note_whites(series: list[Picture], levels: list[float], notes: list[str]) -
 def _response_and_times(
     series: list[Picture], levels: list[float], response: object, notes: list[str]
 ) -> tuple[Response, list[float]]:
-    """Response of the camera, and times after a check against the pictures."""
+    """Camera response, and times after a check against the pictures."""
     clip_level = min(max(levels), 1.0)
     log_times = np.log([picture.time for picture in series])
     numbers = [picture.number for picture in series]
@@ -164,7 +164,7 @@ def _exposure_of(picture: Picture, level: float, curve: Response, time: float) -
 def _without_motion(
     exposures: list[Exposure], series: list[Picture], notes: list[str]
 ) -> list[Exposure]:
-    """Exposures after the removal of motion between them."""
+    """Exposures with the motion between them removed."""
     width = exposures[0].linear.shape[1]
     motions = [
         alignment.motion(

@@ -1,4 +1,4 @@
-"""Exposure times by hand or from EXIF: time, corrected for aperture and sensitivity."""
+"""Exposure times from the caller or from EXIF, corrected for aperture and sensitivity."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from envlights.environment.decoders.native import open_native
 from envlights.environment.decoders.source import kind_of, named_source
 from envlights.environment.files.images import MOST_PIXELS
 
-#: Names of the tags in refusals, and in `_exif`.
+#: Names of the EXIF tags in messages, by the keys of `_exif`.
 _TAGS = {
     "speed": "sensitivity (PhotographicSensitivity)",
     "aperture": "aperture (FNumber or ApertureValue)",
@@ -25,14 +25,14 @@ class Times(NamedTuple):
     """Exposure times of a series."""
 
     seconds: list[float]
-    """Exposure time of each picture, for a sensitivity of ISO 100 and an aperture of 1."""
+    """Exposure time of each picture, converted to ISO 100 and f/1."""
 
     are_exposures: bool
-    """True if the files hold time, sensitivity and aperture, so that the times have a unit."""
+    """True if the files state time, sensitivity and aperture, so that the times have a unit."""
 
 
 def exposure_times(pictures: list[Any], times: object) -> Times:
-    """Exposure time of each picture: `times` by hand, or of the files."""
+    """Exposure time of each picture, from `times` or from EXIF."""
     if times is None:
         return _of_files(pictures)
     if isinstance(times, str | dict) or not isinstance(times, Iterable):
@@ -56,7 +56,7 @@ def _check_time(number: int, time: object) -> float:
 
 
 def _of_files(pictures: list[Any]) -> Times:
-    """Time x sensitivity / aperture^2 of each file, if all files hold the same tags."""
+    """Time x sensitivity / aperture^2 of each file; needs the same tags in all files."""
     for number, picture in enumerate(pictures, 1):
         if not isinstance(picture, str | os.PathLike):
             raise EnvLightsError(
@@ -78,7 +78,7 @@ def _of_files(pictures: list[Any]) -> Times:
 
 
 def _exif(path: str | os.PathLike[str]) -> dict[str, float]:
-    """Exposure time, sensitivity and aperture of a file; what it does not hold is missing."""
+    """Exposure time, sensitivity and aperture of a file; missing values are absent."""
     shot = raw.exposure(path) if raw.is_raw(path) else _tags(path)
     if "time" not in shot:
         raise EnvLightsError(f"{os.fsdecode(path)} holds no exposure time in its EXIF; give times")

@@ -1,4 +1,4 @@
-"""Files of pictures: reading in steps, and writing.
+"""Picture files: reading step by step, and writing.
 
 | step                                    | file                              |
 |-----------------------------------------|-----------------------------------|

@@ -1,4 +1,4 @@
-"""Choice of the part and the channels that hold the picture: by hand, or the beauty by its name."""
+"""Choice of the part and channels of a picture: by the caller, or the beauty layer by its name."""
 
 from __future__ import annotations
 
@@ -10,26 +10,26 @@ from envlights._common.errors import FileError
 from envlights._native import EnvLightsError
 from envlights.environment.decoders.raw_image import Part
 
-#: Component of a colour for each name of a channel, in lower case, without its layer.
+#: Colour component by channel name, in lower case, without the layer name.
 _COMPONENTS = {"r": 0, "red": 0, "g": 1, "green": 1, "b": 2, "blue": 2, "a": 3, "alpha": 3}
 
-#: Order of the names of the finished picture: Houdini and Katana, Nuke, Arnold, Blender.
+#: Priority of layer names for the finished picture: Houdini and Katana, Nuke, Arnold, Blender.
 _BEAUTY = {"": 0, "c": 1, "ci": 1, "rgba": 2, "rgb": 2, "beauty": 3, "combined": 5}
-#: Blender's picture after its compositor, before that of a single layer.
+#: Suffix of Blender's composited picture, and its priority over single layers.
 _COMPOSITED, _COMPOSITE_RANK = "composite", 4
-#: Order of all other names.
+#: Priority of all other names.
 _OTHER = 9
 
-#: Words of layers that hold no light.
+#: Names of layers that hold no light.
 _NEVER = frozenset({
     "n", "nn", "ng", "ns", "normal", "normals", "albedo", "z", "depth", "zdepth", "p", "pos",
     "position", "pref", "pworld", "uv", "uvs", "st", "vector", "vectors", "velocity", "motion",
     "motionvector", "mv", "id", "objectid", "cryptomatte", "crypto", "mist", "mask", "matte",
     "diffcol", "glosscol", "transcol", "basecolor",
 })  # fmt: skip
-#: Words of stereo views; of several the first is read, or the left one.
+#: Priority of stereo views: the first is read, or the left one.
 _VIEWS = {"left": 0, "right": 2}
-#: Names in a sentence at most.
+#: Largest number of names in a message.
 _MOST_NAMES = 8
 
 _WORD = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])")
@@ -40,7 +40,7 @@ class Choice:
     """Part and channels of a picture."""
 
     part: int
-    """Number of the part, from 0."""
+    """Index of the part, from 0."""
 
     colours: tuple[str, ...]
     """Red, green and blue, or a single grey channel."""
@@ -49,12 +49,12 @@ class Choice:
     """Alpha channel; empty if there is none."""
 
     notes: tuple[str, ...] = ()
-    """Remarks on what was chosen and passed over."""
+    """Notes on the choice and on ignored channels."""
 
 
 @dataclass(frozen=True)
 class _Layer:
-    """Red, green and blue with one name in one part."""
+    """Red, green and blue channels with a common name in one part."""
 
     part: int
     name: str
@@ -64,7 +64,7 @@ class _Layer:
 
     @property
     def rank(self) -> int | None:
-        """Place in the order of names; None for a layer that holds no light."""
+        """Priority of the layer's name; None for a layer that holds no light."""
         last = self.name.rpartition(".")[2]
         words = {word.lower() for word in _WORD.findall(last)} | {last.lower()}
         if words & _NEVER:
@@ -74,7 +74,7 @@ class _Layer:
         return _BEAUTY.get(last.lower(), _OTHER)
 
     def in_words(self) -> str:
-        """Name for a sentence."""
+        """Name of the layer for a message."""
         name = ".".join(filter(None, [self.name, self.view]))
         return name or "without a name"
 
@@ -85,7 +85,7 @@ def choose(
     part: str | int | None = None,
     channels: str | Sequence[str] | None = None,
 ) -> Choice:
-    """Channels of the picture in a file.
+    """Channels to read as the picture.
 
     Parameters
     ----------
@@ -119,7 +119,7 @@ def choose(
 
 
 def _layers(parts: Sequence[Part]) -> Iterator[_Layer]:
-    """All groups of red, green and blue, in the order of the file."""
+    """All layers with red, green and blue, in file order."""
     for number, part in enumerate(parts):
         groups: dict[str, dict[int, str]] = {}
         for channel in part.channels:
@@ -134,7 +134,7 @@ def _layers(parts: Sequence[Part]) -> Iterator[_Layer]:
 
 
 def _name_and_view(name: str) -> tuple[str, str]:
-    """Name without the word of a stereo view, and this word."""
+    """Name without its stereo view, and the view."""
     words = name.split(".")
     views = [word for word in words if word.lower() in _VIEWS]
     return ".".join(word for word in words if word not in views), views[0] if views else ""
@@ -143,7 +143,7 @@ def _name_and_view(name: str) -> tuple[str, str]:
 def _of_part(
     name: str, parts: Sequence[Part], layers: list[_Layer], part: str | int
 ) -> tuple[list[_Layer], list[int]]:
-    """Layers and numbers of the parts that `part` names."""
+    """Layers and indices of the parts that match `part`."""
     said = str(part).lower()
     number = int(said) if said.isdecimal() else -1
     wanted = [place for place, one in enumerate(parts) if one.name.lower() == said]
@@ -162,7 +162,7 @@ def _of_part(
 
 
 def _best(name: str, layers: list[_Layer], *, is_named: bool) -> _Layer | None:
-    """Layer of the picture; None if there is no layer at all."""
+    """Layer to read as the picture; None if there is no layer."""
     if is_named and len(layers) == 1:
         return layers[0]
     ranks = {layer: layer.rank for layer in layers}
@@ -187,7 +187,7 @@ def _best(name: str, layers: list[_Layer], *, is_named: bool) -> _Layer | None:
 def _by_hand(
     name: str, parts: Sequence[Part], wanted: list[int], channels: str | Sequence[str]
 ) -> Choice:
-    """Choice of channels by their names."""
+    """Channels that the caller named."""
     names = _channel_names(channels)
     colours = names[: 3 if len(names) > 2 else 1]
     alpha = names[len(colours)] if len(names) > len(colours) else ""
@@ -202,7 +202,7 @@ def _by_hand(
 
 
 def _channel_names(channels: str | Iterable[str]) -> list[str]:
-    """One to four names, or a refusal."""
+    """One to four channel names; raises an error for other values."""
     try:
         names = channels.split(",") if isinstance(channels, str) else list(channels)
     except TypeError:
@@ -218,7 +218,7 @@ def _channel_names(channels: str | Iterable[str]) -> list[str]:
 
 
 def _grey(name: str, parts: Sequence[Part], wanted: list[int]) -> Choice:
-    """The only channel of a part besides alpha and depth, as grey."""
+    """The only channel of a part besides alpha and depth, read as grey."""
     for place in wanted:
         names = parts[place].channels
         if {"RY", "BY"} <= {channel.rpartition(".")[2] for channel in names}:
@@ -239,7 +239,7 @@ def _grey(name: str, parts: Sequence[Part], wanted: list[int]) -> Choice:
 
 
 def _layer_notes(layer: _Layer, layers: list[_Layer], parts: Sequence[Part]) -> list[str]:
-    """Notes on other parts, views and layers."""
+    """Notes on ignored parts, views and layers."""
     others = [one for one in layers if one != layer]
     views = [one for one in others if one.name == layer.name and one.view != layer.view]
     notes = []
@@ -258,7 +258,7 @@ def _layer_notes(layer: _Layer, layers: list[_Layer], parts: Sequence[Part]) -> 
 
 
 def _channel_notes(layer: _Layer, layers: list[_Layer], parts: Sequence[Part]) -> list[str]:
-    """Note on channels of the part that belong to no layer."""
+    """Notes on channels of the part that belong to no layer."""
     known = {channel for one in layers for channel in (*one.colours, one.alpha)}
     return _note_on([one for one in parts[layer.part].channels if one not in known])
 
@@ -272,13 +272,13 @@ def _names(layers: Sequence[_Layer]) -> str:
 
 
 def _in_words(parts: Sequence[Part], layers: list[_Layer]) -> str:
-    """Parts and layers that can be chosen."""
+    """List of parts and layers to choose from, for a message."""
     names = [part.name or str(place) for place, part in enumerate(parts)]
     return _some(dict.fromkeys([*names, *(layer.in_words() for layer in layers)]))
 
 
 def _some(names: Iterable[str]) -> str:
-    """First names of a list, and the number of the rest."""
+    """First names of a list, and the number of omitted names."""
     known = list(names)
     more = f" and {len(known) - _MOST_NAMES} more" if len(known) > _MOST_NAMES else ""
     return ", ".join(known[:_MOST_NAMES]) + more

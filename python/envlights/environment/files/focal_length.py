@@ -15,7 +15,7 @@ from envlights.environment.files.images import MOST_PIXELS
 _DIAGONAL_MM = math.hypot(36, 24)
 #: Kinds of files with EXIF.
 _WITH_EXIF = ("jpeg", "tiff", "png")
-#: Millimetres of the units of FocalPlaneResolutionUnit (EXIF 2.32, section 4.6.5).
+#: Millimetres per unit of FocalPlaneResolutionUnit (EXIF 2.32, section 4.6.5).
 _UNITS_MM = {2.0: 25.4, 3.0: 10.0}
 
 
@@ -26,11 +26,11 @@ class FocalLength(NamedTuple):
     """Focal length in pixels of the picture."""
 
     origin: str
-    """Source, with its value, for a sentence."""
+    """Source and value, for a message."""
 
 
 def focal_length(source: Source, height: int, width: int) -> FocalLength | None:
-    """Focal length of a picture of this size; None if its EXIF holds none.
+    """Focal length of a picture of this size; None if missing in its EXIF.
 
     The equivalent on 35 mm film compares diagonals (CIPA DCG-001), so it holds for upright pictures
     and for any aspect. Without it, focal length and resolution of the sensor are combined.
@@ -48,7 +48,7 @@ def focal_length(source: Source, height: int, width: int) -> FocalLength | None:
 
 
 def _on_sensor(exif: Mapping[str, float], longest: int) -> FocalLength | None:
-    """Focal length by the resolution of the sensor, of a picture that may have been reduced."""
+    """Focal length by the sensor resolution; the picture may be a reduced one."""
     length = above_0(exif, "FocalLength")
     density = above_0(exif, "FocalPlaneXResolution")
     unit = _UNITS_MM.get(above_0(exif, "FocalPlaneResolutionUnit") or 2.0)

@@ -1,4 +1,4 @@
-"""Panoramas that show a part of the sphere: the GPano properties of XMP (Photo Sphere)."""
+"""Panoramas of a part of the sphere, described by GPano properties in XMP (Photo Sphere)."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ from typing import NamedTuple
 
 from envlights._common.printable import printable
 
-#: Relative difference of two ratios that rounding to whole pixels explains.
+#: Relative difference of two ratios that may be due to rounding to whole pixels.
 _ROUNDING = 0.01
-#: Angles of the camera, in degrees, which are noted and not applied.
+#: Pose angles in degrees, which are reported but not applied.
 _POSE = ("PoseHeadingDegrees", "PosePitchDegrees", "PoseRollDegrees")
 
 
 @dataclass(frozen=True)
 class Crop:
-    """Place of a picture in the equirectangular image of the whole sphere, in pixels."""
+    """Position of a picture in the equirectangular image of the whole sphere, in pixels."""
 
     full_width: int
     """Columns of the whole sphere."""
@@ -31,13 +31,13 @@ class Crop:
 
 
 class View(NamedTuple):
-    """Projection of a picture, and what a cylinder shows."""
+    """Projection of a picture, with the field of view of a cylinder."""
 
     projection: str
-    """Projection in lower case; empty if there is none."""
+    """Projection in lower case; empty if unknown."""
 
     field_of_view: float | None = None
-    """Azimuth that a cylinder covers, in degrees."""
+    """Horizontal field of view of a cylinder, in degrees."""
 
     horizon: float | None = None
     """Row of elevation 0 of a cylinder."""
@@ -46,12 +46,12 @@ class View(NamedTuple):
     """Stereo mode in lower case; empty for one eye."""
 
 
-#: View of a picture without such properties.
+#: View of a picture without GPano properties.
 NO_VIEW: View = View("")
 
 
 def view(said: dict[str, str], height: int) -> View:
-    """Projection and stereo mode; of a cylinder its field of view and its horizon.
+    """Projection and stereo mode, with the field of view and horizon of a cylinder.
 
     The top of a cropped cylinder is counted from the horizon, so it is negative. A positive one is
     counted from the top of the whole picture.
@@ -76,14 +76,14 @@ def view(said: dict[str, str], height: int) -> View:
 
 
 def pose_notes(said: dict[str, str]) -> list[str]:
-    """Note on the angles of a camera that was not level or not turned to the north."""
+    """Note on the pose of a camera that was tilted or not facing north."""
     angles = {key: _number(said, key) for key in _POSE}
     turned = [f"{key} {angle:g}" for key, angle in angles.items() if angle]
     return [f"the camera's pose was not applied: {', '.join(turned)}"] if turned else []
 
 
 def crop(said: dict[str, str], width: int, height: int) -> tuple[Crop | None, list[str]]:
-    """Place in the sphere of a picture of this size, and notes.
+    """Position of a picture of this size in the sphere, and notes.
 
     The numbers are scaled to a picture that was resized in proportion. Numbers that contradict the
     picture are from before an edit, so they are passed over. Missing sizes follow from the others:
@@ -120,7 +120,7 @@ _KEYS = (
 
 
 def _complete(known: dict[str, float | None], width: int, height: int) -> None:
-    """Set the sizes that are missing and follow from others."""
+    """Fill in missing sizes that follow from the known ones."""
     full_width, full_height = known["FullPanoWidth"], known["FullPanoHeight"]
     if full_width is not None:
         known["FullPanoHeight"] = full_height if full_height is not None else full_width / 2
@@ -131,7 +131,7 @@ def _complete(known: dict[str, float | None], width: int, height: int) -> None:
 
 
 def _is_resized(width: int, height: int, crop_width: float, crop_height: float) -> bool:
-    """True if both sides have the same ratio to the crop, up to one pixel."""
+    """True if both sides differ from the crop by the same ratio, up to one pixel."""
     if min(crop_width, crop_height) < 1:
         return False
     expected = crop_height * width / crop_width
@@ -141,7 +141,7 @@ def _is_resized(width: int, height: int, crop_width: float, crop_height: float) 
 def _to_pixels(
     full_height: float, left: float, top: float, width: int, height: int, scale: float
 ) -> tuple[Crop, list[str]]:
-    """Crop in the pixels of the picture."""
+    """Crop converted to pixels of the picture."""
     rows = max(round(full_height * scale), height, -(-width // 2))
     left = min(round(left * scale), 2 * rows - width)
     top = min(round(top * scale), rows - height)
@@ -153,7 +153,7 @@ def _to_pixels(
 
 
 def _number(said: dict[str, str], key: str) -> float | None:
-    """Number of a property; None if it is missing or no finite number."""
+    """Number of a property; None if missing or not finite."""
     try:
         value = float(said[f"GPano:{key}"])
     except (KeyError, ValueError):

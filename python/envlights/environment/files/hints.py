@@ -1,4 +1,4 @@
-"""Statements of a file about the projection of its picture."""
+"""Metadata of a file on the projection of its picture."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from envlights.environment.decoders.description import projection_of_layout
 
 
 class Hints(NamedTuple):
-    """Statements of a file about the projection of its picture; all are empty for an array."""
+    """Metadata of a file on the projection of its picture; all empty for an array."""
 
     name: str = ""
     """Printable name of the file."""
@@ -38,14 +38,14 @@ class Hints(NamedTuple):
     """Stereo mode of the GSpherical properties, in lower case, such as "top-bottom"."""
 
     order: str = ""
-    """Order of cube faces that the names of six files determine; see `layouts.conventions`."""
+    """Order of cube faces, from the names of six files; see `layouts.conventions`."""
 
     layout: str = ""
-    """Statement of our own files on their layout; see `layouts.attribute`."""
+    """Layout text that `envlights` wrote; see `layouts.attribute`."""
 
     @property
     def names_other_projection(self) -> str:
-        """Projection other than equirectangular that the metadata name; empty if none."""
+        """Projection in the metadata if it is not equirectangular; otherwise empty."""
         stated = projection_of_layout(self.layout)
         if self.environment == "cube" or stated == "cube":
             return "cube map"
@@ -53,5 +53,5 @@ class Hints(NamedTuple):
         return "" if named in ("", "equirectangular") else named
 
 
-#: Hints of a picture that says nothing.
+#: Hints of a picture without metadata.
 NO_HINTS = Hints()

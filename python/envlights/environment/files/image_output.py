@@ -18,12 +18,13 @@ from envlights._common.units import OWN_SCALE, PHOTOMETRIC
 from envlights._native import EnvLightsError
 from envlights.environment.files.images import REC709
 
-#: Lossless compressions of OpenEXR.
+#: Lossless compression methods of OpenEXR.
 COMPRESSIONS: tuple[str, ...] = ("zip", "piz", "rle", "none")
-#: Rows that are encoded at a time.
+#: Number of rows that are encoded at once.
 _ROWS_AT_ONCE = 128
 _LARGEST_HALF = float(np.finfo(np.float16).max)
-#: Radiance files hold mantissas up to 255 with the exponent 127; this would be rounded to 256.
+#: Largest value of a Radiance file: mantissa 255 with exponent 127; above it, the mantissa would be
+#: rounded to 256.
 _END_OF_RGBE = 255.5 * 2.0**119
 
 
@@ -74,7 +75,7 @@ def write_exr(
 
 
 def write_codes(path: str | os.PathLike[str], codes: NDArray[np.uint8]) -> None:
-    """Write sRGB codes, (height, width, 3 or 4), as a PNG file; alpha is not in the colour."""
+    """Write sRGB codes, (height, width, 3 or 4), as a PNG file with straight alpha."""
     _write(path, _native.png_file(codes, ""))
 
 
@@ -172,12 +173,12 @@ def write_png(
 
 
 def _lines(comments: Iterable[str]) -> list[str]:
-    """Comments without line breaks and other control characters, one line each."""
+    """Comments as lines without line breaks and control characters."""
     return ["".join(c if c.isprintable() else " " for c in comment) for comment in comments]
 
 
 def _description(comments: Iterable[str]) -> str:
-    """Lines of a description; empty if there are none."""
+    """Comments as the lines of a description; empty without comments."""
     return "\n".join(_lines(comments))
 
 
@@ -185,7 +186,7 @@ def _write(path: str | os.PathLike[str], data: bytes) -> None:
     write_atomically(path, lambda beside: beside.write_bytes(data))
 
 
-#: Suffixes of maps.
+#: Suffixes of map files.
 MAP_SUFFIXES = (".exr", ".hdr")
 #: Suffixes of pictures in any projection.
 PICTURE_SUFFIXES = (*MAP_SUFFIXES, ".tif", ".tiff", ".png")
@@ -194,7 +195,7 @@ PICTURE_SUFFIXES = (*MAP_SUFFIXES, ".tif", ".tiff", ".png")
 def map_suffix(
     path: str | os.PathLike[str], suffixes: tuple[str, ...] = MAP_SUFFIXES, what: str = "a map"
 ) -> str:
-    """Suffix of the file of a map or of a picture, or a refusal."""
+    """Suffix of a map or picture file; raises an error for other suffixes."""
     suffix = as_path(path).suffix.lower()
     if suffix not in suffixes:
         raise EnvLightsError(

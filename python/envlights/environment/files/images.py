@@ -1,4 +1,4 @@
-"""The door for image files: each step of reading, in its order."""
+"""Entry point for image files: the steps of reading, in order."""
 
 from __future__ import annotations
 
@@ -27,11 +27,12 @@ from envlights.environment.files.channels import Choice, choose
 from envlights.environment.files.hints import NO_HINTS, Hints
 from envlights.environment.files.placement import Placement, placement
 
-#: Largest number of pixels, 32768 x 16384, unless a caller allows more, because a damaged header
-#: may claim any number.
+#: Default limit on the number of pixels, 32768 x 16384, because a damaged header may claim any
+#: size.
 MOST_PIXELS = 2**29
 
-#: Primaries and white of Rec.709, as OpenEXR stores them: x and y of red, green, blue, white.
+#: Primaries and white point of Rec.709, in the order of OpenEXR: x and y of red, green, blue,
+#: white.
 REC709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
 
 
@@ -40,22 +41,22 @@ class Image:
     """Content of a file."""
 
     pixels: NDArray[np.float32]
-    """Linear Rec.709, (height, width, 3), black where nothing is seen."""
+    """Linear Rec.709, (height, width, 3), black where not visible."""
 
     border_sampled: bool
     """True if the metadata puts the outer pixels on the seam and the poles."""
 
     notes: tuple[str, ...]
-    """Remarks on assumptions and on ignored content."""
+    """Notes on assumptions and on ignored content."""
 
     clip_level: float | None = None
-    """Clip level of the samples; None for floating point."""
+    """Clip level of the samples; None for floating-point samples."""
 
     coverage: NDArray[np.float32] | None = None
-    """Share of each pixel that the file shows, (height, width); None if all is seen."""
+    """Coverage of each pixel, 0 to 1, (height, width); None if complete."""
 
     hints: Hints = NO_HINTS
-    """Statements of the file about its projection."""
+    """Metadata on the projection."""
 
     units: str = OWN_SCALE
     """Unit of the pixels; see `EnvMap.units`."""
@@ -66,33 +67,33 @@ class Image:
 
 @dataclass(frozen=True)
 class OpenImage:
-    """An open file, all decisions about it taken; its pixels are read by rows or as a whole."""
+    """Open file with channels, colour and placement chosen; read by rows or as a whole."""
 
     name: str
     """Printable name of the file."""
 
     raw: RawImage
-    """Header, and the samples of the chosen channels."""
+    """Header and samples of the chosen channels."""
 
     choice: Choice
     """Part and channels."""
 
     colour: ColourConversion
-    """Steps to linear Rec.709."""
+    """Conversion to linear Rec.709."""
 
     place: Placement
-    """Steps to the whole sphere."""
+    """Placement on the whole sphere."""
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Remarks of all steps."""
+        """Notes of all steps."""
         notes = (*self.choice.notes, *self.raw.header.notes, *self.colour.notes)
-        # Names of channels and colour spaces may hold any characters.
+        # Names of channels and colour spaces may contain any characters.
         return tuple(map(printable, (*notes, *self.place.notes)))
 
     @property
     def hints(self) -> Hints:
-        """Statements of the file about its projection."""
+        """Metadata of the file on its projection."""
         header, view = self.raw.header, self.place.view
         return Hints(
             self.name,
@@ -110,7 +111,7 @@ class OpenImage:
         return PHOTOMETRIC if self.raw.header.has_luminance else OWN_SCALE
 
     def samples(self) -> Iterator[tuple[int, NDArray[Any], NDArray[Any]]]:
-        """First row, colours and alpha of some rows at a time, in the type of the file."""
+        """Blocks of rows in the sample type of the file: index of the first row, colours, alpha."""
         height, step = self.raw.header.height, self.raw.rows_at_once
         count = len(self.choice.colours)
         for top in range(0, height, step):
@@ -120,7 +121,7 @@ class OpenImage:
     def _pixels(
         self, linear: Linear, histogram: CodeHistogram | None
     ) -> tuple[NDArray[np.float32], NDArray[np.float32] | None]:
-        """Linear samples of all rows, and the share of each pixel that alpha shows, if not all."""
+        """Linear samples of all rows, and the coverage from alpha, or None if complete."""
         header, coverage = self.raw.header, None
         size = (header.height, header.width)
         if header.dtype == np.float32 and header.alpha == "none":  # decoded in place
@@ -143,7 +144,7 @@ class OpenImage:
         samples: tuple[NDArray[Any], NDArray[Any]],
         out: NDArray[np.float32],
     ) -> NDArray[np.float32] | None:
-        """Write linear samples of some rows into `out`; return the share that alpha shows."""
+        """Write linear samples of some rows into `out`; return their coverage from alpha."""
         header, (colours, alpha) = self.raw.header, samples
         if not alpha.shape[2] or header.alpha == "none":
             linear(colours, out, top)
@@ -177,7 +178,7 @@ class OpenImage:
     def _clip_level(
         self, histogram: CodeHistogram | None, pixels: NDArray[np.float32]
     ) -> tuple[float | None, list[str]]:
-        """Clip level, and a note on one that only the histogram shows."""
+        """Clip level, and a note if it was found only in the histogram."""
         if self.raw.header.has_gain_map:
             return float(pixels.max(initial=0)) or None, []
         if histogram is None:
@@ -185,7 +186,7 @@ class OpenImage:
         return white_of(histogram, self.colour.table(8 * self.raw.header.dtype.itemsize))
 
     def _check_alpha(self) -> None:
-        """Refuse a file whose alpha is 0 everywhere; straight alpha would hide all pixels."""
+        """Raise an error if straight alpha is 0 everywhere, because it would hide all pixels."""
         if self.raw.header.alpha == "straight":
             raise FileError(
                 f"cannot read {self.name}: alpha is 0 in all pixels, so that nothing is seen;"
@@ -204,7 +205,7 @@ def open_image(
     any_format: bool = False,
     any_projection: bool = False,
 ) -> Iterator[OpenImage]:
-    """Open file as `read_image` reads it, for callers who take its rows one by one."""
+    """Open file, prepared as for `read_image`, for callers who read it row by row."""
     count("max_pixels", max_pixels, least=1)
     named = named_source(source)
     kind = kind_of(named, any_format=any_format)
@@ -221,7 +222,7 @@ def open_image(
 
 
 def _placement(name: str, header: Header) -> Placement:
-    """Placement of the samples, or a refusal with the name of the file."""
+    """Placement of the samples; error messages get the name of the file."""
     try:
         return placement(header)
     except EnvLightsError as refusal:
@@ -229,7 +230,7 @@ def _placement(name: str, header: Header) -> Placement:
 
 
 def _check_projection(hints: Hints) -> None:
-    """Refuse a picture whose metadata name a projection other than equirectangular."""
+    """Raise an error if the metadata names a projection other than equirectangular."""
     if other := hints.names_other_projection:
         raise FileError(
             f"cannot read {hints.name}: its metadata name the projection {other}; give an"
@@ -239,7 +240,7 @@ def _check_projection(hints: Hints) -> None:
 
 @contextlib.contextmanager
 def _reader(named: Source, kind: str, max_pixels: int) -> Iterator[ImageFile]:
-    """Open file by the reader of its kind."""
+    """File opened by the reader of its kind."""
     if kind in KINDS:
         yield open_native(named, kind, max_pixels)
     else:
@@ -301,7 +302,7 @@ def read_image(
 
 
 def whole_image(file: OpenImage) -> Image:
-    """All pixels of an open file, or a refusal of too many."""
+    """All pixels of an open file; raises an error if they do not fit into memory."""
     try:
         return file.image()
     except MemoryError:

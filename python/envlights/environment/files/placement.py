@@ -18,10 +18,10 @@ _Samples = TypeVar("_Samples", bound=np.generic)
 
 @dataclass(frozen=True)
 class Placement:
-    """Steps from the samples of a file to the whole sphere."""
+    """Placement of the samples of a file on the whole sphere."""
 
     data_window: Window | None = None
-    """Rectangle of the samples, if it is not the display window."""
+    """Rectangle of the samples, if different from the display window."""
 
     display_window: Window | None = None
     """Rectangle of the whole picture."""
@@ -30,20 +30,20 @@ class Placement:
     """EXIF orientation."""
 
     crop: gpano.Crop | None = None
-    """Place in the sphere; None if the picture is whole."""
+    """Position in the sphere; None if the picture is complete."""
 
     size: tuple[int, int] = (0, 0)
-    """Columns and rows of the result."""
+    """Columns and rows after the placement."""
 
     view: gpano.View = gpano.NO_VIEW
     """Projection of the picture."""
 
     notes: list[str] = field(default_factory=list)
-    """Remarks on the steps."""
+    """Notes on the placement."""
 
     @property
     def is_plain(self) -> bool:
-        """True if nothing is moved."""
+        """True if no sample is moved."""
         return not self.data_window and self.orientation == 1 and self.crop is None
 
     def apply(self, samples: NDArray[_Samples], border: float = 0) -> NDArray[_Samples]:
@@ -58,7 +58,7 @@ class Placement:
 
 
 def placement(header: Header) -> Placement:
-    """Placement of the samples of a header; a crop applies to equirectangular pictures."""
+    """Placement by the header; a crop is applied only to equirectangular pictures."""
     notes: list[str] = []
     size, data, display = (header.width, header.height), header.data_window, header.display_window
     if data == display:
@@ -88,7 +88,7 @@ def placement(header: Header) -> Placement:
 def _in_window(
     samples: NDArray[_Samples], data: Window, display: Window, border: float
 ) -> NDArray[_Samples]:
-    """Samples of the display window."""
+    """Samples moved into the display window."""
     whole = np.full((display[3], display[2], *samples.shape[2:]), border, samples.dtype)
     left, top = data[0] - display[0], data[1] - display[1]
     rows = slice(max(top, 0), min(top + data[3], display[3]))
@@ -100,7 +100,7 @@ def _in_window(
 
 
 def _properties(header: Header) -> dict[str, str]:
-    """Properties of the XMP packets of a file, or a refusal of packets that cannot be read."""
+    """XMP properties of a file; raises an error for unreadable packets."""
     try:
         return xmp.properties(header.xmp)
     except xmp.UnknownEncodingError as reason:
@@ -115,7 +115,7 @@ def upright(samples: NDArray[_Samples], orientation: int) -> NDArray[_Samples]:
     if orientation == 1:
         return samples
     if orientation > 4:
-        # Rows are columns, so the directions below are those of the transposed image.
+        # Rows are columns now, so the directions below refer to the transposed image.
         samples = samples.swapaxes(0, 1)
     rows = -1 if orientation in (3, 4, 7, 8) else 1
     columns = -1 if orientation in (2, 3, 6, 7) else 1

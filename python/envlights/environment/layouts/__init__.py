@@ -1,4 +1,4 @@
-"""Projections of pictures: recognition, faces of cubes, and pictures to be saved.
+"""Projections of pictures: recognition, cube faces, and pictures to save.
 
 | step                                              | file              |
 |---------------------------------------------------|-------------------|

@@ -1,4 +1,4 @@
-"""Statement on the layout of a saved picture, so that it opens again without arguments.
+"""Layout text in a saved picture, so that the file opens again without arguments.
 
 It is a line of the description of the file (`decoders.description`) with the arguments of a
 `Layout` and the size of the picture, as JSON.
@@ -27,17 +27,17 @@ from envlights.environment.layouts.projections import (
 )
 
 _VERSION = 1
-#: Entries of a statement beside the arguments.
+#: Entries of the layout text besides the arguments.
 _OTHERS = {"version", "size"}
-#: Arguments that no saved picture has.
+#: Arguments that no saved picture needs.
 _UNUSED = {"forward", "eye", "distance"}
-#: Arguments that name a projection, so that a statement of the file does not count.
+#: Arguments that name a projection, and therefore override the layout text of the file.
 _NAMING = ("projection", "faces", "mapping")
 _WAY_OUT = "give layout=, which replaces the attribute"
 
 
 def line_of(layout: PictureLayout, size: tuple[int, int], faces: str = "") -> tuple[str, ...]:
-    """Line of the description of a picture; none for parts of panoramas.
+    """Layout line for the description of a picture; empty for parts of panoramas.
 
     Parameters
     ----------
@@ -89,14 +89,14 @@ def _projection_of(layout: PictureLayout) -> str:
 
 
 def _degrees(radians: float) -> float:
-    """Degrees of an angle, rounded if their radians are the same number."""
+    """Angle in degrees, rounded if the rounded value gives the same radians."""
     exact = math.degrees(radians)
     short = round(exact, 9)
     return short if math.radians(short) == radians else exact
 
 
 def with_statement(layout: Layout, hints: Hints, size: tuple[int, int]) -> tuple[Layout, bool]:
-    """Layout, completed by the statement of the file, and True if it counts.
+    """Layout completed by the layout text of the file, and True if the text was used.
 
     It does not count if the user names a projection. Single arguments of the user replace its own.
 
@@ -123,7 +123,7 @@ def with_statement(layout: Layout, hints: Hints, size: tuple[int, int]) -> tuple
 
 
 def _layout_of_statement(text: str, size: tuple[int, int]) -> Layout:
-    """Layout of a statement, in pixels of a picture of this size."""
+    """Layout from the text of a file, in pixels of a picture of this size."""
     data = _read(text)
     known = {*_OTHERS, *(field.name for field in fields(Layout))} - _UNUSED
     if data.get("version") != _VERSION or (set(data) - known):
@@ -150,7 +150,7 @@ def _read(text: str) -> Mapping[str, Any]:
 
 
 def _in_pixels_of(layout: Layout, stated: Any, size: tuple[int, int]) -> Layout:
-    """Layout in pixels of a picture that was resized in proportion, or a refusal."""
+    """Layout for a picture that was resized in proportion; raises an error otherwise."""
     (rows, columns), (height, width) = stated, size
     if not rows > 0 or not columns > 0 or rows * width != columns * height:
         raise EnvLightsError(

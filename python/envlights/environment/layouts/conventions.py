@@ -1,27 +1,27 @@
-"""Conventions of cube maps: the position and the turn of each face in a picture."""
+"""Conventions of cube maps: position and rotation of each face in a picture."""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
-#: Our faces, as seen from inside: front looks along +z, right along -x, left along +x.
+#: Names of the faces, seen from inside: front looks along +z, right along -x, left along +x.
 FACES = ("front", "right", "back", "left", "up", "down")
 
 
 class Convention(NamedTuple):
-    """Order of six faces in a file, and the quarter turns that bring each upright."""
+    """Order of six faces in a file, and the quarter turns that make each face upright."""
 
     title: str
-    """Name in sentences."""
+    """Name for messages."""
 
     faces: tuple[str, ...]
-    """Our faces, in the order of the file."""
+    """Names of the faces, in file order."""
 
     names: tuple[str, ...]
     """Usual names of the files, in the same order."""
 
     turns: tuple[int, ...] = (0, 0, 0, 0, 0, 0)
-    """Quarter turns counter-clockwise, as of `numpy.rot90`, that bring each stored face upright."""
+    """Quarter turns counter-clockwise, as in `numpy.rot90`, that make each stored face upright."""
 
     border_sampled: bool = False
     """True if the outer samples of each face lie on its edges."""
@@ -29,8 +29,7 @@ class Convention(NamedTuple):
 
 _AXES = ("px", "nx", "py", "ny", "pz", "nz")
 
-#: Conventions by name. In OpenGL's +X is the right face; in OpenEXR's it is the left one, because
-#: its frame is ours.
+#: Conventions by name. The right face is +X in OpenGL, and -X in OpenEXR, whose frame is ours.
 CONVENTIONS = {
     "opengl": Convention("OpenGL", ("right", "left", "up", "down", "front", "back"), _AXES),
     "openexr": Convention(
@@ -47,16 +46,16 @@ CONVENTIONS = {
     "directxtex": Convention("DirectXTex", FACES, ("pz", "px", "nz", "nx", "py", "ny")),
 }
 
-#: One convention for each order that pixels can distinguish: py360convert, pannellum and DirectXTex
-#: have the same order.
+#: One convention per order that pixels can distinguish: py360convert, pannellum and DirectXTex
+#: share an order.
 DISTINCT = ("opengl", "openexr", "py360convert")
 
 
 class Cross(NamedTuple):
-    """Unfolded cube: places of the faces on a grid."""
+    """Unfolded cube: positions of the faces on a grid."""
 
     title: str
-    """Name in sentences."""
+    """Name for messages."""
 
     rows: int
     """Rows of the grid."""
@@ -68,7 +67,7 @@ class Cross(NamedTuple):
     """Row and column of each of our faces, in the order of `FACES`."""
 
     turns: tuple[int, ...] = (0, 0, 0, 0, 0, 0)
-    """Quarter turns counter-clockwise that bring each stored face upright."""
+    """Quarter turns counter-clockwise that make each stored face upright."""
 
 
 _VERTICAL = ((1, 1), (1, 2), (3, 1), (1, 0), (0, 1), (2, 1))
@@ -88,12 +87,12 @@ CROSSES = {
     "vertical-cross-upright": Cross("vertical cross with its back face upright", 4, 3, _VERTICAL),
 }
 
-#: All names of `faces=`.
+#: All accepted values of `faces=`.
 NAMES = (*CONVENTIONS, *CROSSES)
 
 
 def title_of(order: str) -> str:
-    """Name of an order in a sentence: "the order of OpenGL", "a horizontal cross"."""
+    """Name of an order for messages: "the order of OpenGL", "a horizontal cross"."""
     if order in CROSSES:
         return f"a {CROSSES[order].title}"
     return f"the order of {CONVENTIONS[order].title}"

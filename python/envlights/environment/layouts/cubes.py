@@ -1,4 +1,4 @@
-"""Cube maps: arrangement of the six faces, by arguments, metadata, names or seams."""
+"""Cube maps: order of the six faces, from arguments, metadata, names or seams."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ from envlights.environment.layouts.seams import (
 
 #: Sides of a complete DDS cube.
 _SIDES = "+x -x +y -y +z -z"
-#: Orders whose files have the names of axes.
+#: Orders whose files are named by axes.
 _AXIS_ORDERS = ("opengl", "openexr")
 
 
@@ -86,11 +86,11 @@ def arrange_cube(
     upright_of = partial(_upright, is_faces=samples.ndim == 4)
     side = _side_of(samples, orders[0])
     view = None if layout.fov is None else math.radians(amount("fov", layout.fov, 90, 170))
-    # Faces meet at 90 degrees.
+    # Crop faces with a wider field of view to 90 degrees.
     margin = 0 if view is None else round(side * (1 - 1 / math.tan(view / 2)) / 2)
     lines = margin + lines_of_faces(side - 2 * margin)
     logs = log_luminance(_sample_of(samples, lines, side))
-    # Vertical crosses differ in one face.
+    # Vertical crosses differ only in the back face.
     faces = ("back",) if orders[0].startswith("vertical") else FACES
     evidence = compare({order: upright_of(logs, order) for order in orders}, faces, lines)
     order = _order(evidence, hints, layout, recognised_by)
@@ -114,7 +114,7 @@ def is_unfolded_cube(picture: NDArray[Any]) -> bool:
 
 
 def _is_constant(samples: NDArray[Any]) -> bool:
-    """True if each of the squares, (k, n, n, channels), has one luminance, up to JPEG noise."""
+    """True if each of the squares, (k, n, n, channels), is constant up to JPEG noise."""
     return all(
         np.ptp(every_nth(square).astype(np.float32), axis=(0, 1)).max() <= _tolerance(square)
         for square in samples
@@ -122,12 +122,12 @@ def _is_constant(samples: NDArray[Any]) -> bool:
 
 
 def _tolerance(square: NDArray[Any]) -> float:
-    """Largest difference of samples of an empty square: noise of JPEG codes, or rounding."""
+    """Largest deviation of samples in an empty square, due to JPEG noise or rounding."""
     return max(0.02 * float(np.abs(square).max(initial=0)), 2e-3)
 
 
 def _possible_orders(samples: NDArray[Any]) -> tuple[str, ...]:
-    """Orders that the shape admits; one for each that pixels can distinguish."""
+    """Orders that are possible for the shape, without orders that pixels cannot distinguish."""
     if samples.ndim == 4:
         return DISTINCT if samples.shape[0] == 6 and samples.shape[1] == samples.shape[2] else ()
     height, width = samples.shape[:2]
@@ -135,7 +135,7 @@ def _possible_orders(samples: NDArray[Any]) -> tuple[str, ...]:
 
 
 def _side_of(samples: NDArray[Any], order: str) -> int:
-    """Rows of a face in a picture."""
+    """Number of rows of a face in the picture."""
     height, width = (int(side) for side in samples.shape[-3:-1])
     if samples.ndim == 4:
         return height
@@ -143,7 +143,7 @@ def _side_of(samples: NDArray[Any], order: str) -> int:
 
 
 def _sample_of(samples: NDArray[Any], lines: NDArray[np.intp], n: int) -> NDArray[Any]:
-    """Some rows and columns of each face, in the arrangement of the picture."""
+    """Some rows and columns of each face, arranged as in the picture."""
     if samples.ndim == 4:
         faces: NDArray[Any] = samples[:, lines[:, None], lines]
         return faces
@@ -153,7 +153,7 @@ def _sample_of(samples: NDArray[Any], lines: NDArray[np.intp], n: int) -> NDArra
 
 
 def _upright(samples: NDArray[Any], order: str, *, is_faces: bool) -> NDArray[Any]:
-    """Six upright faces of six faces or of a picture; axes after the pixels stay."""
+    """Six upright faces from six stored faces or a picture; axes after the pixels are kept."""
     if order in CROSSES:
         return faces_of_cross(samples, order)
     return upright_faces(samples if is_faces else split_strip(samples), order)
@@ -164,7 +164,7 @@ def _stack(faces: NDArray[Any], layout: PictureLayout) -> NDArray[Any]:
 
 
 def _order(evidence: Evidence, hints: Hints, layout: Layout, recognised_by: str) -> _Order:
-    """Order by argument, by metadata or names unless the seams decide on another, or by seams."""
+    """Order by argument, by metadata or names unless seams contradict, or by seams."""
     if layout.faces is not None:
         return _order_of_argument(layout.faces, hints.order, evidence)
     stated, by = _stated_order(hints)
@@ -223,7 +223,7 @@ def _order_of_statement(name: str, by: str, evidence: Evidence) -> _Order:
 
 
 def _stated_order(hints: Hints) -> tuple[str, str]:
-    """Order that names or metadata determine, and its evidence; empty without one."""
+    """Order and evidence from names or metadata; empty if unknown."""
     if hints.order:
         return hints.order, "name"
     if hints.environment == "cube" and hints.kind == "openexr":
@@ -262,14 +262,14 @@ def _registration(
 
 
 def _name_of(order: _Order, *, is_border: bool) -> str:
-    """Name of a convention; of equal orders, the one with this registration."""
+    """Name of a convention; among equal orders, the one with this registration."""
     if order.recognised_by == "seams" and order.name == "py360convert" and not is_border:
         return "pannellum"
     return order.name
 
 
 def _distinct(name: str) -> str:
-    """Name of the convention with the same order that the seams distinguish."""
+    """Name of the convention that represents an order in the seam comparison."""
     if name in CROSSES:
         return name
     wanted = CONVENTIONS[name]
@@ -281,7 +281,7 @@ def _distinct(name: str) -> str:
 
 
 def _possible_names(evidence: Evidence) -> list[str]:
-    """Names of the orders that the shape admits."""
+    """Names of the orders that are possible for the shape."""
     return [name for name in (*CONVENTIONS, *CROSSES) if _distinct(name) in evidence.scores]
 
 
@@ -291,7 +291,7 @@ def _scores(evidence: Evidence) -> str:
 
 
 def _doubt(evidence: Evidence) -> str:
-    """End of a note on faces whose edges do not fit."""
+    """Addition to a note if the edges of the faces do not fit."""
     return (
         f", but their edges do not fit, so that faces may be turned, swapped or"
         f" wider than 90 degrees (fov=); {_scores(evidence)}"

@@ -1,4 +1,4 @@
-"""Names of the files of a cube map, and the order of the faces that they determine."""
+"""Recognition of the order of cube faces from their file names."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ from typing import NamedTuple
 
 
 class NamedOrder(NamedTuple):
-    """Order of six files, and the convention that their names determine."""
+    """Order of six files, and the convention that their names imply."""
 
     order: str
-    """Name in `CONVENTIONS`; empty if the names leave it open."""
+    """Name in `CONVENTIONS`; empty if several conventions use these names."""
 
     positions: tuple[int, ...]
-    """Index of the file of each face, in the order of the convention."""
+    """File index of each face, in the order of the convention."""
 
 
-#: Names of the faces in each scheme, without case, separators, and common first and last letters.
-#: The convention is open where several programs use the same names for different orders.
+#: Face names in each scheme, without case, separators, and common prefix and suffix. The convention
+#: is empty where programs use the same names for different orders.
 _SCHEMES: tuple[tuple[str, tuple[str, ...]], ...] = (
     ("opengl", ("px", "nx", "py", "ny", "pz", "nz")),
     ("opengl", ("posx", "negx", "posy", "negy", "posz", "negz")),
@@ -37,12 +37,12 @@ _SCHEMES: tuple[tuple[str, tuple[str, ...]], ...] = (
         for poles in (("up", "dn"), ("tp", "bt"), ("up", "down"))
     ),
 )
-#: Characters between the parts of a name; signs are parts of names.
+#: Characters between the parts of a name; plus and minus signs belong to the names.
 _SEPARATORS = re.compile(r"[\s_.]+")
 
 
 def order_of_names(stems: Sequence[str]) -> NamedOrder | None:
-    """Order of six names without suffixes; None if they are of no scheme.
+    """Order of six names without suffixes; None if they match no scheme.
 
     Parts that all names have in common are ignored: "sky_px_1k" is read as "px".
 
@@ -61,14 +61,14 @@ def order_of_names(stems: Sequence[str]) -> NamedOrder | None:
 
 
 def face_of_name(stem: str) -> str:
-    """Scheme name that ends the name of a single file, such as "posx"; empty without one."""
+    """Face name at the end of a file name, such as "posx"; empty if there is none."""
     last = re.split(r"[\s_.]+", stem.lower())[-1]
     long_names = (token for _, tokens in _SCHEMES for token in tokens if len(token) > 1)
     return last if last in {*long_names} else ""
 
 
 def _without_common(names: Sequence[str], *, signs: bool = True) -> list[str]:
-    """Names without their common first and last letters, and perhaps without a dash before."""
+    """Names without their common prefix and suffix, and without a leading dash unless `signs`."""
     first = _common_start(names)
     names = [name[first:] for name in names]
     last = _common_start([name[::-1] for name in names])
@@ -77,6 +77,6 @@ def _without_common(names: Sequence[str], *, signs: bool = True) -> list[str]:
 
 
 def _common_start(names: Sequence[str]) -> int:
-    """Number of first letters that all names share."""
+    """Length of the common prefix."""
     columns = zip(*names, strict=False)
     return next((k for k, letters in enumerate(columns) if len({*letters}) > 1), len(min(names)))

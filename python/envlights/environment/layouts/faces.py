@@ -12,7 +12,7 @@ from envlights.environment.layouts.conventions import CONVENTIONS, CROSSES, FACE
 
 _Samples = TypeVar("_Samples", bound=np.generic)
 
-#: Arrangements of six faces in one picture.
+#: Names for the arrangement of six faces in one picture.
 ARRANGEMENTS: tuple[str, ...] = ("stack", "strip", *CROSSES)
 
 
@@ -35,14 +35,14 @@ def upright_faces(stored: NDArray[_Samples], order: str) -> NDArray[_Samples]:
 
 
 def stored_faces(upright: NDArray[_Samples], order: str) -> NDArray[_Samples]:
-    """Faces as a convention stores them, (6, n, n, ...), from six upright ones."""
+    """Faces as a convention stores them, (6, n, n, ...), from six upright faces."""
     convention = CONVENTIONS[order]
     each = zip(convention.faces, convention.turns, strict=True)
     return np.stack([np.rot90(upright[FACES.index(face)], -turns) for face, turns in each])
 
 
 def split_strip(image: NDArray[_Samples]) -> NDArray[_Samples]:
-    """Six squares of a picture of 6:1 or 1:6, (6, n, n, ...), in its order."""
+    """Six squares of a 6:1 or 1:6 picture, (6, n, n, ...), in picture order."""
     height, width = image.shape[:2]
     if height > width:
         return image.reshape(6, width, width, *image.shape[2:])
@@ -58,14 +58,14 @@ def faces_of_cross(image: NDArray[_Samples], order: str) -> NDArray[_Samples]:
 
 
 def outside_of_cross(image: NDArray[_Samples], order: str) -> NDArray[_Samples]:
-    """Six squares of the grid, (6, n, n, ...), that hold no face."""
+    """Six squares of the cross, (6, n, n, ...), that contain no face."""
     cross = CROSSES[order]
     grid = ((row, column) for row in range(cross.rows) for column in range(cross.columns))
     return np.stack([_square(image, cross, at) for at in grid if at not in cross.places])
 
 
 def cross_of_faces(upright: NDArray[_Samples], order: str) -> NDArray[_Samples]:
-    """Unfolded cube of six upright faces; 0 beside them."""
+    """Unfolded cube from six upright faces, 0 elsewhere."""
     cross, n = CROSSES[order], upright.shape[1]
     image = np.zeros((cross.rows * n, cross.columns * n, *upright.shape[3:]), upright.dtype)
     for face, place, turns in zip(upright, cross.places, cross.turns, strict=True):
@@ -74,7 +74,7 @@ def cross_of_faces(upright: NDArray[_Samples], order: str) -> NDArray[_Samples]:
 
 
 def arranged_faces(upright: NDArray[Any], order: str, arrangement: str) -> NDArray[Any]:
-    """One picture of six upright faces: a stack or a strip in an order, or a cross."""
+    """Picture of six upright faces: a stack or strip in a given order, or a cross."""
     if arrangement in CROSSES:
         return cross_of_faces(upright, arrangement)
     stored = stored_faces(upright, order)
@@ -85,19 +85,19 @@ def arranged_faces(upright: NDArray[Any], order: str, arrangement: str) -> NDArr
 
 
 def _square(image: NDArray[_Samples], cross: Cross, place: tuple[int, int]) -> NDArray[_Samples]:
-    """View of one square of the grid."""
+    """View of a square of the grid."""
     n = image.shape[0] // cross.rows
     row, column = (n * index for index in place)
     return image[row : row + n, column : column + n]
 
 
 def is_strip(height: int, width: int) -> bool:
-    """True for a size of 6:1 or 1:6."""
+    """True for an aspect ratio of 6:1 or 1:6."""
     return max(height, width) == 6 * min(height, width)
 
 
 def crosses_of(height: int, width: int) -> tuple[str, ...]:
-    """Names of the crosses with the aspect of a size."""
+    """Names of the crosses with this aspect ratio."""
     return tuple(
         name
         for name, cross in CROSSES.items()
@@ -106,7 +106,7 @@ def crosses_of(height: int, width: int) -> tuple[str, ...]:
 
 
 def check_square(sizes: dict[str, tuple[int, int]]) -> None:
-    """Refuse faces that are no squares of one size; the keys name them in the sentence."""
+    """Raise an error unless all faces are squares of one size; keys name the faces."""
     for name, (height, width) in sizes.items():
         if height != width:
             raise EnvLightsError(

@@ -1,4 +1,4 @@
-"""Photograph of a mirror ball from nearby, turned into one whose radii are those of a far camera.
+"""Correction of a photograph of a mirror ball from a near camera to the radii of a distant camera.
 
 A ray at the angle g from the axis of a camera at D radii meets the ball where its normal is at the
 angle u - g, with sin u = D sin g, and leaves at 2 u - g. The rim is at u = 90 degrees. Beyond
@@ -18,14 +18,14 @@ Circle = tuple[float, float, float]
 
 
 def reach_of(distance: float) -> float:
-    """Largest angle in radians from the camera that the ball shows."""
+    """Largest visible angle on the mirror ball, in radians from the direction to the camera."""
     return math.pi - math.asin(1 / distance)
 
 
 def straighten(
     image: NDArray[np.floating], circle: Circle, distance: float
 ) -> NDArray[np.floating]:
-    """Image in which the radius of a reflection is that of an equisolid disc up to `reach_of`."""
+    """Image whose reflections have the radii of an equisolid disc, up to `reach_of`."""
     x, y, radius = circle
     u = np.linspace(0, math.pi / 2, 8193)
     ray = np.arcsin(np.sin(u) / distance)
@@ -50,7 +50,7 @@ def _bilinear(
     rows: NDArray[np.float64],
     columns: NDArray[np.float64],
 ) -> NDArray[np.floating]:
-    """Samples between the centres of pixels of the ball."""
+    """Bilinear samples between pixel centres on the ball."""
     total, weights = np.zeros((*rows.shape, image.shape[2])), np.full(rows.shape, 1e-9)
     top, left = np.floor(rows).astype(int), np.floor(columns).astype(int)
     for down in (0, 1):

@@ -1,4 +1,4 @@
-"""Pictures of 2:1 that are no panorama: two lenses, two eyes, and parts without metadata.
+"""Detection of 2:1 pictures that are not panoramas: dual fisheye, stereo, unmarked crops.
 
 They are evaluated on the overview of a map, its means over blocks, which each way of a file or an
 array to a map has. The numbers were chosen on 30 real maps in 6 exposures, 4 sizes and 3 codings,
@@ -12,42 +12,43 @@ from numpy.typing import NDArray
 
 from envlights._native import EnvLightsError
 
-#: Columns on which lenses and eyes are searched, and on which seams are measured: enough to average
-#: the noise of codes, and to keep a parallax of two eyes at a cell.
+#: Columns of the grids for finding lenses and eyes, and for measuring seams: coarse enough to
+#: average code noise and to keep stereo parallax within a cell.
 _COARSE, _FINE = 64, 128
 
-#: Fraction of the contrast of disc and background up to which a cell is background: noise, glare.
+#: Deviation up to which a cell is background, relative to the contrast of disc and background:
+#: noise, glare.
 _EVEN = 0.2
-#: Least fraction of the corners that is background, and largest radiance of a black one relative to
-#: the discs.
+#: Smallest background fraction of the corners, and largest radiance of a black background relative
+#: to the discs.
 _CORNERS, _BLACK = 0.9, 0.05
-#: Radii of discs relative to half the square, and offsets of their centres.
+#: Disc radii relative to half the square, and offsets of disc centres.
 _RADII, _OFFSETS = (0.6, 1.25), np.linspace(-0.12, 0.12, 5)
-#: Least ratio of intersection to union of background and outside of a disc, for a note and for a
-#: refusal. Real maps have up to 0.36, and lenses that a picture cuts at 8 % of their radius 0.47.
+#: Smallest intersection over union of the background and the outside of a disc, for a note and for
+#: an error. Real maps reach 0.36; lenses cropped at 8 % of their radius reach 0.47.
 _LENSES, _SURE = 0.45, 0.7
 
-#: Least correlation of the halves of two eyes. Real maps have up to 0.66, in studios.
+#: Smallest correlation of the halves of a stereo picture. Real maps of studios reach 0.66.
 _ALIKE = 0.9
-#: Least deviation of log radiance along the rows, for a correlation that means something.
+#: Smallest deviation of log radiance along the rows for a meaningful correlation.
 _CONTRAST = 0.02
 
-#: Least step across the seam, relative to the mean difference of columns two cells apart: median of
-#: bands of rows. Real maps have up to 0.8, and 92 % of their parts more than 1.2; clipped or turned
-#: about a level axis, 2 % of the maps do, too.
+#: Smallest step across the seam of a crop, relative to the mean difference of columns two cells
+#: apart: median over bands of rows. Real maps reach 0.8, and 92 % of their crops exceed 1.2; so do
+#: 2 % of maps that are clipped or tilted.
 _SEAM = 1.2
-#: Row that is compared with the outermost one, as a fraction of the height: it is 8 degrees from
-#: the pole, so that its circle is some 13 times as long.
+#: Height of the row that is compared with the outermost one, as a fraction of the image height: it
+#: is 8 degrees from the pole, so that its circle is about 13 times as long.
 _BESIDE_POLE = 0.047
-#: Largest ratio of the deviation of the outermost row to that beside it at a pole, and the least
-#: ratio in a part of a panorama.
+#: Largest ratio of the deviation in the outermost row to that in the row beside it at a pole, and
+#: smallest ratio in a crop.
 _POLE, _NO_POLE = 0.2, 0.4
 
 Array = NDArray[np.float64]
 
 
 def notes_on_panorama(overview: NDArray[np.float32], height: int, width: int) -> tuple[str, ...]:
-    """Notes on a picture that may be no panorama, or a refusal.
+    """Notes on a picture that may not be a panorama; raises an error if it certainly is not.
 
     Parameters
     ----------
@@ -61,7 +62,7 @@ def notes_on_panorama(overview: NDArray[np.float32], height: int, width: int) ->
     EnvLightsError
         If it shows the circles of two lenses.
     """
-    # Small maps have too few pixels for a statement; a fit repeats them.
+    # Small maps have too few pixels for this test; a fit repeats it.
     if min(overview.shape[1], width) < _COARSE:
         return ()
     fine = _means(overview, _FINE)
@@ -88,30 +89,30 @@ def notes_on_panorama(overview: NDArray[np.float32], height: int, width: int) ->
 
 
 def _means(picture: NDArray[np.floating], columns: int) -> Array:
-    """Means over blocks, at least some columns wide."""
+    """Means over blocks, with at least this number of columns."""
     step = max(picture.shape[1] // columns, 1)
     height, width = (side // step * step for side in picture.shape[:2])
-    # Slices are added faster than axes of blocks.
+    # Adding slices is faster than adding axes of blocks.
     rows: Array = np.sum([picture[i:height:step] for i in range(step)], axis=0, dtype=np.float64)
     means: Array = np.sum([rows[:, i:width:step] for i in range(step)], axis=0) / step**2
     return means
 
 
 def _median(cells: Array) -> float:
-    """Median of all cells; that of NumPy loads `numpy.ma`, which takes 11 ms of a first fit."""
+    """Median of all cells; `np.median` would import `numpy.ma`, which takes 11 ms."""
     middle = (cells.size - 1) // 2, cells.size // 2
     return float(np.partition(cells, middle, axis=None)[[*middle]].mean())
 
 
 def _logs(cells: Array) -> Array:
-    """Logarithm of radiance over its median, with an end for noise in the dark and for lamps."""
+    """Logarithm of radiance relative to its median, limited in the dark and at lamps."""
     middle = _median(cells) or float(cells.mean()) or 1.0
     logs: Array = np.minimum(np.log(cells / middle + 0.03), 3)
     return logs
 
 
 def _fit_of_lenses(cells: Array) -> float:
-    """Intersection over union of background and outside of the best disc, in both halves."""
+    """Intersection over union of the background and the outside of the best disc, worse half."""
     columns = cells.shape[1] // 2
     halves = cells[:, :columns], cells[:, -columns:]
     y, x = ((2 * np.arange(n)[:, None] + 1) / n - 1 for n in halves[0].shape)
@@ -124,8 +125,8 @@ def _fit_of_lenses(cells: Array) -> float:
     contrast = abs(inside - background)
     if contrast == 0 or np.mean(np.abs(corners - background) <= _EVEN * contrast) < _CORNERS:
         return 0.0
-    # Wide lamps before an even sky are like lenses; a smooth sky has no outline, so that its
-    # background depends on the limit.
+    # Wide lamps before an even sky look like lenses. A smooth sky has no outline, so its background
+    # depends on the limit.
     is_black = background <= _BLACK * inside
     limits = (_EVEN,) if is_black else (_EVEN, _EVEN / 4)
     masks = (np.abs(half - background) <= limit * contrast for half in halves for limit in limits)
@@ -148,7 +149,7 @@ def _overlap(background: NDArray[np.bool_], x: Array, y: Array) -> float:
 
 
 def _has_two_eyes(logs: Array) -> bool:
-    """True if the halves show one world, beside each other or one above the other."""
+    """True if the left and right, or the upper and lower, halves show the same scene."""
     rows, columns = (side // 2 for side in logs.shape[:2])
     beside = _likeness(logs[:, :columns], logs[:, -columns:])
     above = _likeness(logs[:rows], logs[-rows:])
@@ -156,8 +157,8 @@ def _has_two_eyes(logs: Array) -> bool:
 
 
 def _likeness(one: Array, other: Array) -> float:
-    """Largest correlation of deviations from the means of rows, over shifts of a parallax."""
-    # The channels first, so that the rows are contiguous.
+    """Largest correlation of two halves, as deviations from row means, over shifts by parallax."""
+    # Move the channels first, so that the rows are contiguous.
     rows = (np.ascontiguousarray(half.transpose(2, 0, 1)) for half in (one, other))
     one, other = (half - half.mean(axis=2, keepdims=True) for half in rows)
     if min(one.std(), other.std()) < _CONTRAST:
@@ -168,12 +169,12 @@ def _likeness(one: Array, other: Array) -> float:
 
 
 def _is_part(logs: Array) -> bool:
-    """True if the outer columns are no neighbours, and the outer rows are no poles."""
+    """True if the outer columns do not match, and the outer rows are not poles."""
     height, width = logs.shape[:2]
     beside = round(_BESIDE_POLE * height)
     if beside < 1 or width < 32:
         return False
-    # Bands of rows and groups of columns average the noise.
+    # Average noise over bands of rows and groups of columns.
     bands = _bands(logs, 16)[1:-1]
     seam = np.abs(bands[:, 0] - bands[:, -1]).mean(axis=1)
     inside = np.abs(bands[:, 2:] - bands[:, :-2]).mean(axis=(1, 2))
@@ -187,7 +188,7 @@ def _is_part(logs: Array) -> bool:
 
 
 def _bands(logs: Array, count: int) -> Array:
-    """Means over about a number of bands of rows."""
+    """Means over about `count` bands of rows."""
     step = max(len(logs) // count, 1)
     height = len(logs) // step * step
     bands: Array = logs[:height].reshape(height // step, step, *logs.shape[1:]).mean(axis=1)

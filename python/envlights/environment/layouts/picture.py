@@ -1,4 +1,4 @@
-"""A picture in any projection, and its files."""
+"""Pictures in any projection, and their files."""
 
 from __future__ import annotations
 
@@ -37,11 +37,11 @@ from envlights.environment.layouts.faces import (
 from envlights.environment.layouts.picture_layout import PictureLayout
 from envlights.kernels import thumbnails
 
-#: Placeholder for the name of a face in a path.
+#: Placeholder for the face name in a path.
 PLACEHOLDER = "{face}"
-#: Least seen share of a pixel with known radiance; with less, rounding decides it.
+#: Smallest coverage of a pixel whose radiance is known; below it, rounding dominates.
 _LEAST_SHARE = 0.1
-#: Textures that no library of ours writes, and a program that does.
+#: Textures that cannot be written here, and programs that can.
 _TEXTURES = {
     ".dds": "`texassemble cube` of DirectXTex makes one of six files",
     ".ktx": "`toktx --cubemap` of KTX-Software makes one of six files",
@@ -67,16 +67,16 @@ class Picture:
     """Linear RGB, (height, width, 3); of a cube its faces, in the order of `faces`."""
 
     layout: PictureLayout
-    """Projection; that of a cube describes its upright faces, front right back left up down."""
+    """Projection; for a cube, that of its upright faces: front, right, back, left, up, down."""
 
     faces: str = ""
     """Convention of the faces of a cube; empty for other projections."""
 
     coverage: NDArray[np.float32] | None = None
-    """Share of each sample that is seen, (height, width); None if all is."""
+    """Coverage of each sample, 0 to 1, (height, width); None if complete."""
 
     notes: tuple[str, ...] = ()
-    """Remarks on the origin; they become comments of a file."""
+    """Notes on the origin, which are saved as comments of a file."""
 
     arrangement: str = ARRANGEMENTS[0]
     """Arrangement of the faces of a cube in `array`: "stack", "strip" or a cross."""
@@ -86,17 +86,17 @@ class Picture:
 
     @property
     def shape(self) -> tuple[int, int, int]:
-        """Shape of `array`: height, width, 3."""
+        """Shape of `array`: (height, width, 3)."""
         return self.height, self.width, 3
 
     @property
     def height(self) -> int:
-        """Rows of the picture."""
+        """Number of rows."""
         return int(self.array.shape[0])
 
     @property
     def width(self) -> int:
-        """Columns of the picture."""
+        """Number of columns."""
         return int(self.array.shape[1])
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
@@ -187,7 +187,7 @@ class Picture:
         return (as_path(path),)
 
     def _face_files(self, path: str | os.PathLike[str]) -> tuple[Path, ...]:
-        """Paths of six files; none if `path` names one file."""
+        """Paths of six files; empty if `path` names a single file."""
         target = as_path(path)
         if target.is_dir():
             target = target / f"{PLACEHOLDER}.exr"
@@ -212,13 +212,13 @@ class Picture:
         return np.ascontiguousarray(arranged_faces(self._upright(), self.faces, arrangement))
 
     def _upright(self) -> NDArray[np.float32]:
-        """Upright faces, (6, n, n, 3), in our order."""
+        """Upright faces, (6, n, n, 3), in the order of `FACES`."""
         if self.arrangement in CROSSES:
             return faces_of_cross(self.array, self.arrangement)
         return upright_faces(split_strip(self.array), self.faces)
 
     def _environment(self, arrangement: str) -> str:
-        """Environment attribute that describes the file; empty if none does."""
+        """Environment attribute for the file; empty if no value fits."""
         if not self.layout.border_sampled:
             return ""
         if self.layout.is_whole_sphere and self.width == 2 * self.height:
@@ -236,7 +236,7 @@ def picture_of(
     notes: tuple[str, ...] = (),
     arrangement: str = ARRANGEMENTS[0],
 ) -> Picture:
-    """Picture of samples that are arranged for a layout.
+    """Picture from samples in the given layout.
 
     Parameters
     ----------
@@ -265,7 +265,7 @@ def picture_of(
 
 
 def straight(picture: Picture) -> Picture:
-    """Picture whose radiance is no longer multiplied by its seen share; it is 1 or 0 then.
+    """Picture whose radiance is divided by its coverage; the coverage becomes 1 or 0.
 
     The border of a photograph lies inside pixels of its map. Without this, it comes back darker.
     """
@@ -278,12 +278,12 @@ def straight(picture: Picture) -> Picture:
 
 
 def _in_arrangement(stack: NDArray[Any], faces: str, arrangement: str) -> NDArray[Any]:
-    """Stack of upright faces as a convention or a cross arranges them."""
+    """Upright faces rearranged for a convention or a cross."""
     return np.ascontiguousarray(arranged_faces(split_strip(stack), faces, arrangement))
 
 
 def check_picture_path(path: str | os.PathLike[str]) -> None:
-    """Refuse a path whose suffix is of no file that `Picture.save` writes."""
+    """Raise an error for a path whose suffix `Picture.save` cannot write."""
     target = as_path(path)
     suffix = target.suffix.lower()
     if suffix in _TEXTURES:
@@ -308,7 +308,7 @@ def _write(
     options: dict[str, Any],
     environment: str = "",
 ) -> None:
-    """Write one file by its suffix."""
+    """Write a file in the format of its suffix."""
     check_picture_path(path)
     suffix = as_path(path).suffix.lower()
     if suffix == ".exr":

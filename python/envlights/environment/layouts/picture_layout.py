@@ -1,4 +1,4 @@
-"""Description of a projection: what part of the sphere each pixel of a picture shows."""
+"""Layout of a picture: its projection, and the part of the sphere that it shows."""
 
 from __future__ import annotations
 
@@ -11,22 +11,22 @@ from numpy.typing import ArrayLike
 from envlights._common.check import amount, check_choice, count, reals
 from envlights._native import EnvLightsError
 
-#: Rows of a matrix: forward, right of the picture, up of the picture, in the frame of maps.
+#: Matrix rows: forward, right and up of the picture, in the frame of maps.
 Axes = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
 
-#: Axes of a picture that looks along +z: its right is -x.
+#: Axes of a picture that looks along +z, so that its right is -x.
 FRONT: Axes = ((0.0, 0.0, 1.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
-#: Axes of a photographed mirror ball: its centre reflects the camera, its right is the camera's.
+#: Axes of a photographed mirror ball: forward is towards the camera, right as in the camera.
 MIRRORED: Axes = ((0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
-#: Axes of an octahedral square: its centre is up, its right -x, its lower edge towards +z.
+#: Axes of an octahedral square: up at the centre, -x at the right, +z at the bottom.
 UP: Axes = ((0.0, 1.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 0.0, -1.0))
-#: Axes of the squares of pbrt-v4: the centre is up, and the picture is a mirror image.
+#: Axes of the squares of pbrt-v4: up at the centre, and mirrored.
 PBRT: Axes = ((0.0, 1.0, 0.0), (0.0, 0.0, -1.0), (-1.0, 0.0, 0.0))
 
-#: Mappings of a fisheye: radius in focal lengths for the angle t from the axis is t, 2 sin(t / 2),
-#: 2 tan(t / 2), sin t.
+#: Fisheye mappings, which give the radius in focal lengths for the angle t from the axis: t, 2
+#: sin(t / 2), 2 tan(t / 2), sin t.
 MAPPINGS = ("equidistant", "equisolid", "stereographic", "orthographic")
-#: Largest field of view of each mapping, in degrees; a stereographic picture of all is infinite.
+#: Largest field of view of each mapping, in degrees; at 360, a stereographic picture is infinite.
 _WIDEST = {"equidistant": 360.0, "equisolid": 360.0, "stereographic": 355.0, "orthographic": 180.0}
 
 
@@ -39,7 +39,7 @@ class PictureLayout(NamedTuple):
     """
 
     kind: str
-    """Projection, by its name in the kernels; all circles are "azimuthal"."""
+    """Projection, by its name in the kernels; all circular ones are "azimuthal"."""
 
     height: int
     """Rows of the picture; 6 n for a cube with faces of n x n pixels."""
@@ -51,40 +51,40 @@ class PictureLayout(NamedTuple):
     """True if the outer samples lie on the borders of the picture or of each face."""
 
     whole: tuple[int, int] | None = None
-    """Rows and columns of the whole sphere, if an equirectangular picture is a part of it."""
+    """Rows and columns of the whole sphere, if the picture is an equirectangular crop."""
 
     corner: tuple[int, int] = (0, 0)
-    """Row and column of an equirectangular part in the whole sphere."""
+    """Row and column of an equirectangular crop in the whole sphere."""
 
     field_of_view: float = 0.0
     """Horizontal field of view in radians, of a cylinder, a planar picture or the face of a cube; 0
     is 90 degrees for a face."""
 
     horizon: float | None = None
-    """Row coordinate of elevation 0 in a cylinder; None for the middle."""
+    """Row coordinate of elevation 0 in a cylinder; None for the centre."""
 
     mapping: str = ""
     """Mapping of an azimuthal picture: one of `MAPPINGS`."""
 
     reach: float = 0.0
-    """Angle between the axis and the edge of the circle of an azimuthal picture, in radians."""
+    """Angle between the axis and the edge of an azimuthal picture, in radians."""
 
     circle: tuple[float, float, float] | None = None
-    """Centre x, centre y and radius of an azimuthal picture, in pixels; None for the largest."""
+    """Centre x, centre y and radius of the circle in pixels; None for the largest circle."""
 
     axes: Axes = FRONT
     """Unit vectors forward, right and up of the picture, in the frame of maps."""
 
     @property
     def is_whole_sphere(self) -> bool:
-        """True for a whole equirectangular picture with its centre along +z."""
+        """True for a complete equirectangular picture with its centre along +z."""
         return self.kind == "equirectangular" and self.whole is None and self.axes == FRONT
 
 
 def equirectangular(
     height: int, width: int | None = None, *, border_sampled: bool = False, axes: Axes = FRONT
 ) -> PictureLayout:
-    """Layout of a whole panorama; the default width is twice the height."""
+    """Layout of a complete panorama; the default width is twice the height."""
     rows = count("height", height, least=2)
     columns = 2 * rows if width is None else count("width", width, least=2)
     return PictureLayout("equirectangular", rows, columns, border_sampled, axes=axes)
@@ -93,7 +93,7 @@ def equirectangular(
 def crop(
     height: int, width: int, *, field_of_view: float, horizon: float | None = None
 ) -> PictureLayout:
-    """Layout of a part of a panorama around its centre, `field_of_view` radians wide."""
+    """Layout of a centred crop of a panorama, `field_of_view` radians wide."""
     view = _view(field_of_view, 360.0)
     rows = max(round(width * math.pi / view), math.ceil(width / 2))
     rows = height if height == rows + 1 else rows
@@ -113,7 +113,7 @@ def crop(
 def cylinder(
     height: int, width: int, *, field_of_view: float, horizon: float | None = None
 ) -> PictureLayout:
-    """Layout of a cylindrical panorama, `field_of_view` radians wide, around any horizon."""
+    """Layout of a cylindrical panorama, `field_of_view` radians wide, with any horizon row."""
     view = _view(field_of_view, 360.0)
     row = None if horizon is None else amount("horizon", horizon, -100.0 * height, 100.0 * height)
     return PictureLayout("cylinder", height, width, field_of_view=view, horizon=row)
@@ -131,7 +131,7 @@ def cube(
 
 
 def octahedral(n: int, *, equal_area: bool = False, axes: Axes = FRONT) -> PictureLayout:
-    """Layout of an octahedron unfolded to a square of n x n pixels; n is even if areas differ."""
+    """Layout of an octahedron unfolded to n x n pixels; `n` must be even unless `equal_area`."""
     side = count("n", n, least=2)
     if side % 2 and not equal_area:
         raise EnvLightsError(
@@ -170,7 +170,7 @@ def fisheye(
     circle: tuple[float, float, float] | None = None,
     axes: Axes = FRONT,
 ) -> PictureLayout:
-    """Layout of a circular fisheye picture: a square, or of rows and columns.
+    """Layout of a circular fisheye picture; `size` is a number n, or (rows, columns).
 
     The field of view is the angle across the circle, in radians.
     """
@@ -189,13 +189,13 @@ def planar(height: int, width: int, *, field_of_view: float, axes: Axes = FRONT)
 
 
 def _view(radians: float, widest: float) -> float:
-    """Field of view in radians, or a refusal in degrees, in which users give it."""
+    """Field of view in radians; error messages state it in degrees, as users give it."""
     amount("fov", math.degrees(amount("field_of_view", radians)), 0.05, widest * (1 + 1e-9))
     return float(radians)
 
 
 def checked_axes(axes: ArrayLike) -> Axes:
-    """Axes of a picture, or a refusal of vectors that are not orthonormal."""
+    """Axes of a picture; raises an error unless the vectors are orthonormal."""
     matrix = reals("axes", axes, 2)
     if matrix.shape != (3, 3) or not np.allclose(matrix @ matrix.T, np.eye(3), atol=1e-6):
         raise EnvLightsError(
@@ -207,7 +207,7 @@ def checked_axes(axes: ArrayLike) -> Axes:
 
 
 def looking(forward: ArrayLike, name: str = "forward") -> Axes:
-    """Axes of a level camera that looks along a direction.
+    """Axes of a level camera that looks in a direction.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Layouts that a user can name: a class method of `Layout` and a row of `PROJECTIONS` for each."""
+"""Layouts for users: a class method of `Layout` and a row of `PROJECTIONS` per projection."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ from envlights.environment.layouts.conventions import CONVENTIONS, NAMES
 from envlights.environment.layouts.near_ball import reach_of
 from envlights.environment.layouts.picture_layout import MAPPINGS, Axes, PictureLayout
 
-#: Names of the positions of samples.
+#: Names of the sample positions.
 REGISTRATIONS: tuple[str, str] = ("cell-centred", "border-sampled")
-#: Layout of the picture from which a map was made, as a target of `EnvMap.to`.
+#: Target of `EnvMap.to` for the layout of the original picture.
 SOURCE = "source"
 #: Names of the halves of a stereo picture.
 EYES = ("left", "right")
@@ -31,7 +31,7 @@ EYES = ("left", "right")
 
 @dataclass(frozen=True)
 class Layout:
-    """Projection of a picture, with the arguments that it has.
+    """Projection of a picture, with its arguments.
 
     `EnvMap`, `EnvMap.open` and `EnvMap.to` take it, or the name of a projection, as ``layout=``.
     The class methods make it, one for each projection. An argument that is left out is recognised
@@ -68,16 +68,16 @@ class Layout:
     """Field of view in degrees: horizontally, or across the circle of a fisheye."""
 
     horizon: float | None = None
-    """Row of elevation 0 in a cylinder or a part of a panorama."""
+    """Mapping of a fisheye: one of `MAPPINGS`."""
 
     circle: ArrayLike | None = None
-    """Centre x, centre y and radius of a circle, in pixels."""
+    """Field of view in degrees: horizontal, or across the circle of a fisheye."""
 
     forward: ArrayLike | None = None
-    """Direction of the centre of the picture."""
+    """Row of elevation 0 in a cylinder or a crop of a panorama."""
 
     eye: str | None = None
-    """Half of a stereo panorama: "left" or "right"."""
+    """Direction at the centre of the picture."""
 
     distance: float | None = None
     """Distance of the camera from the centre of a mirror ball, in radii of the ball."""
@@ -118,7 +118,7 @@ class Layout:
         return {name: value for name, value in each.items() if value is not None}
 
     def arguments(self) -> dict[str, Any]:
-        """Arguments that are not None, without projection and axes."""
+        """Arguments that are not None, except projection and axes."""
         others = ("projection", "axes")
         return {name: value for name, value in self.entries().items() if name not in others}
 
@@ -296,7 +296,7 @@ class Layout:
 
 
 def layout_of(layout: str | Layout | None, *others: str) -> Layout:
-    """Layout of an argument ``layout=``; a refusal of other names lists `others` as well."""
+    """Layout of an argument ``layout=``; raises an error that lists `others` too."""
     if layout is None or isinstance(layout, Layout):
         return layout or Layout()
     if not isinstance(layout, str):
@@ -309,12 +309,12 @@ def layout_of(layout: str | Layout | None, *others: str) -> Layout:
 
 
 def with_arguments(layout: str | Layout | None, **arguments: Any) -> Layout:
-    """Layout with other arguments, the former ones of `EnvMap.open`."""
+    """Layout with the former arguments of `EnvMap.open` added."""
     return replace(layout_of(layout), **arguments)
 
 
 def with_target_arguments(layout: str | Layout | None, **arguments: Any) -> str | Layout:
-    """Layout with other arguments, the former ones of `EnvMap.to`.
+    """Layout with the former arguments of `EnvMap.to` added.
 
     All projections had the argument `faces` there.
     """
@@ -328,41 +328,41 @@ def with_target_arguments(layout: str | Layout | None, **arguments: Any) -> str 
 
 
 def argument_for(layout: Layout) -> str:
-    """Argument ``layout=`` that gives a layout, for a sentence."""
+    """Argument ``layout=`` for this layout, for a message."""
     is_name = layout == Layout(layout.projection)
     return f"layout={layout.projection!r}" if is_name else f"layout=el.io.{layout!r}"
 
 
 def is_panorama(height: int, width: int) -> bool:
-    """True for a size of 2:1, up to two columns in large pictures."""
+    """True for an aspect ratio of 2:1, within two columns in large pictures."""
     off = abs(width - 2 * height)
     return off == 0 or (off <= _OFF and off * _COLUMNS_PER_MISS <= width)
 
 
-#: Columns by which a panorama may miss twice its height.
+#: Number of columns by which the width of a panorama may differ from twice the height.
 _OFF = 2
-#: Columns for each column that a panorama may miss.
+#: Smallest width per column of difference.
 _COLUMNS_PER_MISS = 100
 
 _Size = tuple[int, int]
-#: Layout of a picture of one size, and notes on what was assumed.
+#: Layout of a picture of a certain size, and notes on assumptions.
 Placement = tuple[PictureLayout, tuple[str, ...]]
 
 
 class Projection(NamedTuple):
-    """A projection that a user can name."""
+    """Projection that a user can name."""
 
     title: str
-    """Name in a sentence, with its article."""
+    """Name with its article, for a message."""
 
     place: Callable[[Layout, _Size, Hints], Placement]
-    """Layout of a picture of some rows and columns."""
+    """Function from a layout, a size and hints to the placement of a picture."""
 
     rows: Callable[[int, Layout], int]
-    """Rows of a picture that `EnvMap.to` makes, for its number of columns."""
+    """Function from the number of columns in `EnvMap.to` to the number of rows."""
 
     defaults: Mapping[str, Any]
-    """Arguments of a picture that `EnvMap.to` makes, with their defaults."""
+    """Default arguments of a picture that `EnvMap.to` creates."""
 
     shape: str = "any"
     """Usual shape: "panorama", "cube", "square", "disc" (in a black square) or "any"."""
@@ -371,7 +371,7 @@ class Projection(NamedTuple):
     """Axes of a picture without `forward`."""
 
     example: Mapping[str, Any] = MappingProxyType({})
-    """Arguments beside the projection that a refusal shows."""
+    """Arguments besides the projection in the example of an error message."""
 
 
 def _equirectangular(layout: Layout, size: _Size, hints: Hints) -> Placement:
@@ -467,7 +467,7 @@ def _planar(layout: Layout, size: _Size, hints: Hints) -> Placement:
 
 
 def _note_on_front(layout: Layout) -> tuple[str, ...]:
-    """Note on a camera whose direction neither the user nor the file stated."""
+    """Note on a camera direction that neither the user nor the file states."""
     if layout.forward is not None or layout.axes is not None:
         return ()
     return ("the centre of the picture was taken for the front of the map, +z (forward=)",)
@@ -479,10 +479,10 @@ def _as_wide(width: int, _: Layout) -> int:
 
 _FORWARD = {"forward": None}
 
-#: Arguments of a `Layout` for a user, formerly arguments of `EnvMap` and its methods.
+#: Arguments of a `Layout`, formerly arguments of `EnvMap` and its methods.
 ARGUMENTS = tuple(field.name for field in fields(Layout)[:-1])
 
-#: Projections by their names.
+#: Projections by name.
 PROJECTIONS = {
     "equirectangular": Projection(
         "an equirectangular panorama or a part of one",
@@ -495,7 +495,7 @@ PROJECTIONS = {
     "cylinder": Projection(
         "a cylindrical panorama",
         _cylinder,
-        # Elevations of up to 45 degrees.
+        # Use elevations of up to 45 degrees.
         lambda width, layout: max(round(2 * width / math.radians(layout.fov or 360)), 1),
         {"fov": 360},
         example={"fov": 360},
@@ -549,12 +549,12 @@ PROJECTIONS = {
 
 
 def place(layout: Layout, size: tuple[int, int], hints: Hints = NO_HINTS) -> Placement:
-    """Layout of a picture of some rows and columns, and notes on what was assumed."""
+    """Layout of a picture of a given size, and notes on assumptions."""
     return PROJECTIONS[layout.projection or ""].place(layout, size, hints)
 
 
 def complete(layout: Layout) -> Layout:
-    """Layout of a picture that `EnvMap.to` makes, with the defaults of its projection."""
+    """Layout of a picture that `EnvMap.to` creates, with defaults filled in."""
     if layout.projection is None:
         raise EnvLightsError(f"layout must name a projection; got {layout!r}")
     defaults = PROJECTIONS[layout.projection].defaults
@@ -570,13 +570,13 @@ def complete(layout: Layout) -> Layout:
 
 
 def candidates(names: Iterable[str]) -> str:
-    """List of projections for a sentence, each with its argument."""
+    """List of projections for a message, each with its argument."""
     each = [f"{PROJECTIONS[name].title} ({argument_for(_example(name))})" for name in names]
     return " or ".join([", ".join(each[:-1]), each[-1]] if len(each) > 1 else each)
 
 
 def of_shape(*shapes: str) -> list[str]:
-    """Names of the projections whose pictures have one of some shapes."""
+    """Names of the projections whose pictures have one of the shapes."""
     return [name for name, row in PROJECTIONS.items() if row.shape in shapes]
 
 
@@ -595,7 +595,7 @@ def parameters(projection: str) -> tuple[str, ...]:
 
 
 def _check_unused(projection: str, given: Iterable[str]) -> None:
-    """Refuse arguments that a projection does not take."""
+    """Raise an error for arguments that a projection does not take."""
     allowed = parameters(projection)
     if others := [name for name in given if name not in allowed]:
         raise EnvLightsError(
@@ -610,7 +610,7 @@ def _sentence_on(names: Iterable[str]) -> str:
 
 
 def _value_of(layout: Layout, name: str, meaning: str) -> Any:
-    """Value of an argument, or a refusal if it is missing."""
+    """Value of an argument; raises an error if it is missing."""
     if (value := getattr(layout, name)) is not None:
         return value
     projection = layout.projection or ""
@@ -621,7 +621,7 @@ def _value_of(layout: Layout, name: str, meaning: str) -> Any:
 
 
 def _square(layout: Layout, size: _Size) -> int:
-    """Side of a square picture, or a refusal."""
+    """Side length of a square picture; raises an error for other shapes."""
     height, width = size
     if height != width:
         raise EnvLightsError(
@@ -638,14 +638,14 @@ def _axes_of(layout: Layout) -> Axes:
 
 
 def _direction(forward: ArrayLike) -> tuple[float, ...]:
-    """Direction as it was given, or a refusal of other values."""
+    """Direction as given; raises an error for other values."""
     layouts.looking(forward)
     direction: NDArray[np.float64] = reals("forward", forward, 1)
     return tuple(direction.tolist())
 
 
 def _circle(values: ArrayLike) -> tuple[float, float, float]:
-    """Centre and radius as numbers, or a refusal."""
+    """Centre and radius as numbers; raises an error for other values."""
     x, y, radius = (*reals("circle", values, 1), *(math.nan,) * 3)[:3]
     if np.shape(values) != (3,) or not (np.isfinite([x, y, radius]).all() and radius > 0):
         raise EnvLightsError(

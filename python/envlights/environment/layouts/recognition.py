@@ -1,4 +1,4 @@
-"""Recognition of a picture: its projection from arguments, metadata, names, shape and seams."""
+"""Recognition of a projection, from arguments, metadata, names, shape and seams."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ from envlights.environment.layouts.projections import (
 from envlights.environment.layouts.records import ArrangedPicture, Origin
 from envlights.environment.layouts.seams import every_nth, log_luminance
 
-#: Our projections by their names in GPano.
+#: Projections by their GPano names.
 _GPANO = {"equirectangular": "equirectangular", "cylindrical": "cylinder"}
 
 
 class _Kind(NamedTuple):
-    """Projection of a picture, and its evidence."""
+    """Projection of a picture, with its evidence."""
 
     projection: str
     recognised_by: str
@@ -92,7 +92,7 @@ def recognise(
 
 
 def _kind(picture: NDArray[Any], hints: Hints, layout: Layout) -> _Kind:
-    """Projection from the strongest statement."""
+    """Projection by the strongest evidence."""
     if layout.projection is not None:
         return _Kind(layout.projection, "argument")
     if layout.faces is not None:
@@ -140,7 +140,7 @@ def _arrange(
     layout: Layout,
     kind: _Kind,
 ) -> ArrangedPicture:
-    """Picture of one piece, whose array is not changed."""
+    """Picture of a single image, whose array is unchanged."""
     if picture.ndim == 4:
         raise EnvLightsError(
             f"six squares are the faces of a cube, not {kind.projection!r}; give"
@@ -159,7 +159,7 @@ def _arrange(
 
 
 def samples_of(samples: NDArray[Any]) -> NDArray[Any]:
-    """Samples as (height, width, channels) or (6, n, n, channels), or a refusal of other shapes."""
+    """Samples as (height, width, channels) or (6, n, n, channels), after a check."""
     shape = samples.shape
     if samples.ndim == 3 and shape[0] == 6 and shape[1] == shape[2] > 4:
         return samples[..., None]
@@ -178,7 +178,7 @@ def samples_of(samples: NDArray[Any]) -> NDArray[Any]:
 
 
 def _healpix_side(pixels: int) -> int:
-    """Parameter n_side of a HEALPix map with a number of pixels; 0 if there is none."""
+    """HEALPix parameter n_side for a number of pixels; 0 if no HEALPix map has that number."""
     side = math.isqrt(pixels // 12)
     return side if side and 12 * side * side == pixels else 0
 
@@ -191,7 +191,7 @@ def _healpix(pixels: int) -> EnvLightsError:
 
 
 def projection_of_shape(picture: NDArray[Any], name: str = "") -> str:
-    """Name of the projection, or a refusal with the candidates.
+    """Name of the projection; raises an error that lists the candidates if it is ambiguous.
 
     Parameters
     ----------
@@ -218,12 +218,12 @@ def projection_of_shape(picture: NDArray[Any], name: str = "") -> str:
     )
 
 
-#: Argument for the left eye of a stereo panorama.
+#: Argument that selects the left eye of a stereo panorama.
 _LEFT_EYE = argument_for(Layout.equirectangular(eye="left"))
 
 
 def _candidates(picture: NDArray[Any]) -> str:
-    """Projections that the shape and the corners admit, likely ones first."""
+    """Projections that fit the shape and the corners, most likely first."""
     height, width = picture.shape[:2]
     if height != width:
         is_stereo = width == 4 * height
@@ -241,21 +241,21 @@ def _candidates(picture: NDArray[Any]) -> str:
 
 
 def halves(array: NDArray[Any], *, above: bool) -> tuple[NDArray[Any], NDArray[Any]]:
-    """First and second half of a picture, views: upper and lower, or left and right."""
+    """First and second half of a picture as views: upper and lower, or left and right."""
     half = array.shape[0 if above else 1] // 2
     if above:
         return array[:half], array[half : 2 * half]
     return np.asarray(array)[:, :half], np.asarray(array)[:, half : 2 * half]
 
 
-#: Arrangements by the stereo mode of GSpherical: True for one above the other, left first.
+#: Stereo arrangements by the GSpherical mode: True for one above the other; the left eye is first.
 _MODES = {"top-bottom": True, "left-right": False}
 
 
 def one_eye(
     picture: NDArray[Any], coverage: NDArray[Any] | None, hints: Hints, layout: Layout
 ) -> tuple[NDArray[Any], NDArray[Any] | None, tuple[str, ...]]:
-    """Picture of one eye, its share that is seen, and notes; a picture of one eye is unchanged.
+    """Picture of one eye, its coverage, and notes; a picture that is not stereo is unchanged.
 
     The left eye is the upper or the left half.
     """
@@ -275,7 +275,7 @@ def one_eye(
 
 
 def _is_above(picture: NDArray[Any], hints: Hints) -> bool:
-    """True for eyes one above the other, from the metadata or the shape, or a refusal."""
+    """True if the eyes are one above the other; raises an error if that is unknown."""
     if hints.stereo in _MODES:
         return _MODES[hints.stereo]
     height, width = picture.shape[:2]
@@ -287,13 +287,13 @@ def _is_above(picture: NDArray[Any], hints: Hints) -> bool:
     )
 
 
-#: Luminance of black corners relative to the mean of the disc; codes of JPEG pictures have noise.
+#: Largest luminance of black corners relative to the mean of the disc; JPEG codes have noise.
 _BLACK = 0.02
-#: Fraction of the corners that is black, and of the disc that is brighter than the corners.
+#: Smallest fraction of the corners that is black, and of the disc that is brighter.
 _MOST = 0.95
-#: Smallest correlation of the log luminance of two halves that show one world.
+#: Smallest correlation of log luminance between the two halves of a stereo picture.
 _ALIKE = 0.9
-#: Smallest standard deviation of the log luminance of halves that can be compared.
+#: Smallest standard deviation of log luminance for which halves can be compared.
 _CONTRAST = 1e-3
 
 
@@ -318,7 +318,7 @@ def has_black_corners(samples: NDArray[Any]) -> bool:
 
 
 def has_equal_halves(samples: NDArray[Any]) -> bool:
-    """True if the upper and the lower half of a picture show nearly the same."""
+    """True if the upper and lower halves of a picture are nearly equal."""
     logs = log_luminance(every_nth(samples))
     half = len(logs) // 2
     upper, lower = logs[:half], logs[-half:]

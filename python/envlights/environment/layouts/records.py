@@ -10,13 +10,13 @@ from envlights.environment.layouts.picture_layout import PictureLayout
 
 
 class Origin(NamedTuple):
-    """Origin of a map: the picture that was read, and evidence for its projection."""
+    """Original picture of a map, and evidence for its projection."""
 
     projection: str
     """Name of the projection; see `Layout`."""
 
     size: tuple[int, int]
-    """Rows and columns of the picture as it was given; of six pictures, of their stack."""
+    """Rows and columns of the original picture; for six pictures, of their stack."""
 
     faces: str
     """Order of the faces of a cube, as in `Layout.cube`; empty for other projections."""
@@ -35,10 +35,10 @@ class ArrangedPicture(NamedTuple):
     """Samples of a picture, arranged for its layout."""
 
     samples: NDArray[Any]
-    """Samples, (layout.height, layout.width, ...); the given array if nothing was moved."""
+    """Samples, (layout.height, layout.width, ...); not a copy if nothing was moved."""
 
     coverage: NDArray[Any] | None
-    """Share of each sample that is seen, arranged alike; None if all is seen."""
+    """Coverage of each sample, in the same arrangement; None if complete."""
 
     layout: PictureLayout
     """Projection of the samples."""
@@ -47,4 +47,4 @@ class ArrangedPicture(NamedTuple):
     """Evidence for the projection."""
 
     notes: tuple[str, ...]
-    """Remarks on assumptions."""
+    """Notes on assumptions."""

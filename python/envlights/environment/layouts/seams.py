@@ -1,4 +1,4 @@
-"""Seams of cube maps: the order of the faces in which their edges fit."""
+"""Comparison of the seams of a cube map, to find the order in which the edges of faces fit."""
 
 from __future__ import annotations
 
@@ -12,9 +12,10 @@ from envlights._common.blocks import in_blocks
 from envlights.environment.layouts.conventions import FACES
 from envlights.kernels.image import LUMINANCE
 
-#: Rows of the grid on which pictures are compared.
+#: Number of rows of the grid on which pictures are compared.
 _ROWS = 128
-#: Twelve edges: face and side, face and side, and the direction in which the second one is read.
+#: Twelve edges: face and side, neighbouring face and side, and reading direction of the second
+#: side.
 _EDGES = (
     ("front", "r", "right", "l", 1),
     ("right", "r", "back", "l", 1),
@@ -29,33 +30,34 @@ _EDGES = (
     ("down", "b", "back", "b", -1),
     ("down", "l", "left", "b", -1),
 )
-#: Largest score of an order that fits. Right orders of the maps in the tests have up to 0.9, wrong
-#: ones 3.8 and more.
+#: Largest score of an order that fits. In the test maps, right orders score up to 0.9, wrong orders
+#: 3.8 and more.
 _FITS = 1.5
-#: Smallest ratio of the second score to the first. It is 3.8 and more for the same maps.
+#: Smallest ratio of the second-best score to the best. In these maps it is 3.8 and more.
 _APART = 2.5
-#: Pairs of neighbouring rows of a face that are compared, about; faces of 256 pixels are whole.
+#: Approximate number of pairs of neighbouring rows to compare; faces of up to 256 pixels are
+#: compared completely.
 _PAIRS = 128
-#: Luminance, relative to the mean, below which steps of its logarithm are noise.
+#: Luminance relative to the mean, below which steps of its logarithm are noise.
 _DARK = 1e-3
 
 
 class Evidence(NamedTuple):
-    """Result of a comparison of orders by their seams."""
+    """Result of comparing orders by their seams."""
 
     chosen: str
-    """Order that fits; empty if the seams decide on none."""
+    """Order that fits; empty if the seams are inconclusive."""
 
     scores: dict[str, float]
-    """Step of log luminance across the edges, divided by the mean step inside, by order."""
+    """Score of each order: step of log luminance at edges relative to the step inside."""
 
     def fits(self, order: str) -> bool:
-        """True if the edges fit in an order."""
+        """True if the edges fit in this order."""
         return self.scores[order] < _FITS
 
 
 def lines_of_faces(n: int) -> NDArray[np.intp]:
-    """Rows, and columns, of a face of n x n pixels that are compared: the outer ones, and pairs.
+    """Rows (and columns) to compare in a face of n x n pixels: the outer ones, and pairs.
 
     Large faces are sampled, so that the comparison needs little memory. Read from the other end the
     lines are the same.
@@ -72,7 +74,7 @@ def seam_score(
     faces: Collection[str] = FACES,
     lines: NDArray[np.intp] | None = None,
 ) -> float:
-    """Mean step of log luminance across edges, divided by the mean step inside.
+    """Mean step of log luminance across edges, relative to the mean step inside.
 
     Parameters
     ----------
@@ -104,7 +106,7 @@ def seam_score(
 
 
 def _mean_step(logs: NDArray[np.float32], firsts: NDArray[np.intp]) -> float:
-    """Mean step from some rows to the next ones; 0 without any."""
+    """Mean step from the rows `firsts` to the next rows; 0 if there are none."""
     if not firsts.size:
         return 0.0
     steps = [np.abs(face[firsts + 1] - face[firsts]).mean(dtype=np.float64) for face in logs]
@@ -116,7 +118,7 @@ def compare(
     faces: Collection[str] = FACES,
     lines: NDArray[np.intp] | None = None,
 ) -> Evidence:
-    """Order whose seams fit and fit much better than all others.
+    """Order whose seams fit, and fit much better than all others.
 
     Parameters
     ----------
@@ -135,12 +137,12 @@ def compare(
 
 
 def contradicts(evidence: Evidence, order: str) -> bool:
-    """True if the seams decide on another order than one that is known by name."""
+    """True if the seams favour an order other than the one that names or metadata state."""
     return bool(evidence.chosen) and evidence.chosen != order
 
 
 def equal_edges(faces: NDArray[Any]) -> float | None:
-    """Fraction of the edges that show border samples; None if two faces differ on an edge.
+    """Fraction of the edges with equal samples on both faces; None if an edge contradicts.
 
     An edge shows them if its samples vary along it, and are not those of the next line inside.
     A lamp across one edge of a black world varies there, and in cells too both sides can be equal.
@@ -171,11 +173,11 @@ def every_nth(samples: NDArray[Any]) -> NDArray[Any]:
 
 
 def log_luminance(samples: NDArray[Any]) -> NDArray[np.float32]:
-    """Logarithm of the luminance, relative to its mean, (...), of samples (..., channels)."""
+    """Logarithm of the luminance, relative to its mean, of samples (..., channels)."""
     if samples.shape[-1] >= 3:
         weights = LUMINANCE.astype(np.float32)
         shape = samples.shape[:-1]
-        # Samples beyond single precision become infinite, and infinity times 0 is NaN.
+        # Ignore samples beyond single precision, which become infinite or NaN.
         with np.errstate(over="ignore", invalid="ignore"):
             grey = in_blocks(shape, lambda at: samples[at][..., :3].astype(np.float32) @ weights)
     else:
@@ -187,7 +189,7 @@ def log_luminance(samples: NDArray[Any]) -> NDArray[np.float32]:
 
 
 def _side(face: NDArray[Any], side: str) -> NDArray[Any]:
-    """Outer line of samples: top, bottom, left or right."""
+    """Outer row or column of a face: top, bottom, left or right."""
     lines: dict[str, NDArray[Any]]
     lines = {"t": face[0], "b": face[-1], "l": face[:, 0], "r": face[:, -1]}
     return lines[side]

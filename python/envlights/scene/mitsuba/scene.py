@@ -245,7 +245,7 @@ class MitsubaScene:
 
 
 def _thin(lightmap: Surface) -> Surface:
-    """The texels of a lightmap at which direct light is measured, or a refusal."""
+    """Texels of a lightmap at which direct light is measured; raises an error if unsuitable."""
     rows, columns = lightmap.covered.shape
     if rows % DIRECT or columns % DIRECT:
         raise EnvLightsError(
@@ -260,7 +260,7 @@ def _step(texels: int) -> int:
 
 
 def _load(mi: Any, scene: dict[str, Any] | str | os.PathLike[str]) -> Any:
-    """The scene with its shapes kept apart, or a refusal."""
+    """Scene with separate shapes; raises an error if Mitsuba cannot load it."""
     if not isinstance(scene, dict | str | os.PathLike):
         raise EnvLightsError(
             "scene must be a dict or the path of an XML file;"
@@ -276,7 +276,7 @@ def _load(mi: Any, scene: dict[str, Any] | str | os.PathLike[str]) -> Any:
 
 
 def _shapes(loaded: Any) -> list[Any]:
-    """The shapes in the order of their names, or a refusal."""
+    """Shapes sorted by name; raises an error if a shape is unsuitable."""
     if not hasattr(loaded, "shapes"):
         raise EnvLightsError(f"scene must be of the type 'scene'; got a {type(loaded).__name__}")
     shapes = loaded.shapes()

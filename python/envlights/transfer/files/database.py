@@ -24,17 +24,17 @@ from envlights.environment.files.image_output import write_exr
 from envlights.environment.files.images import read_image
 from envlights.kernels import thumbnails
 
-#: First words of the names of files.
+#: First words of the file names.
 _DIRECT, _INDIRECT = "direct", "lightmap"
 _FILE = re.compile(rf"({_DIRECT}|{_INDIRECT})_(.+)\.exr")
 
-#: A path to an image of direct light, and one to the indirect light.
+#: Path to a direct image, and path to its indirect image.
 PathPair = tuple[str | os.PathLike[str], str | os.PathLike[str]]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ImagePairs(Result):
-    """Images of direct and indirect light under the same lights, linear RGB."""
+    """Direct and indirect images of the same lights, linear RGB."""
 
     direct: NDArray[np.float32]
     """Direct light, (k, h, w, 3)."""
@@ -63,7 +63,7 @@ class ImagePairs(Result):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FilePairs(ImagePairs):
-    """Pairs that were read from files.
+    """Pairs read from files.
 
     `indirect` is mapped from a file without a name in the folder for temporary files, ``TMPDIR``.
     So a database may be larger than memory, and the file is gone with the array. That folder should
@@ -77,7 +77,7 @@ class FilePairs(ImagePairs):
 def read_pairs(
     pairs: str | os.PathLike[str] | Iterable[PathPair], *, progress: bool | None = None
 ) -> FilePairs:
-    """Read pairs of images of direct and indirect light from files.
+    """Read pairs of direct and indirect images from files.
 
     Parameters
     ----------
@@ -126,7 +126,7 @@ def read_pairs(
 
 
 def _in_folder(folder: Path) -> list[PathPair]:
-    """The pairs of a folder by name, or a refusal that names the file without a partner."""
+    """Pairs of files in a folder, by name; raises an error for a file without a partner."""
     # List the folder.
     try:
         files = sorted(folder.iterdir())
@@ -172,7 +172,7 @@ def _file_name(kind: str, name: str) -> str:
 
 
 def _check(pairs: Iterable[Any]) -> list[PathPair]:
-    # An array without axes can be iterated by its type alone.
+    # A NumPy array without axes looks iterable by its type.
     if not isinstance(pairs, Iterable) or getattr(pairs, "ndim", 1) == 0:
         raise EnvLightsError(f"pairs must be a folder or pairs of paths; got {describe(pairs)}")
     paths = list(pairs)
@@ -185,7 +185,7 @@ def _check(pairs: Iterable[Any]) -> list[PathPair]:
 
 
 def _read(paths: list[PathPair], spool: BinaryIO, progress: bool | None) -> FilePairs:
-    """Read image after image: the small ones into memory, the large ones into `spool`."""
+    """Read images one by one: small ones into memory, large ones into the file `spool`."""
     direct: list[NDArray[np.float32]] = []
     sizes: dict[str, tuple[int, ...]] = {}
     notes: dict[str, None] = {}
@@ -197,9 +197,10 @@ def _read(paths: list[PathPair], spool: BinaryIO, progress: bool | None) -> File
             if kind == _DIRECT:
                 direct.append(pixels)
             else:
-                # Write instead of filling a map: a full disk is then an error, not a crash.
+                # Write to the file instead of a memory map: a full disk then raises an error, and
+                # does not crash.
                 spool.write(pixels.data)
-    # Map the large images as one array.
+    # Map all large images as one array.
     spool.flush()
     shape = (len(paths), *sizes[_INDIRECT])
     indirect = np.memmap(spool, np.float32, "r", shape=shape)

@@ -22,7 +22,7 @@ from envlights._common.files import as_path, write_atomically
 from envlights._native import EnvLightsError
 
 #: Errors that numpy and zipfile raise for damaged files. A damaged byte can also look like a
-#: request for a password or for an unknown compression.
+#: request for a password or like an unknown compression.
 _DAMAGE = (
     AttributeError,
     EOFError,
@@ -49,7 +49,7 @@ _Object = TypeVar("_Object")
 
 
 class Kind(NamedTuple):
-    """Kind of files."""
+    """Kind of file."""
 
     noun: str
     """Word for an object in a file."""
@@ -58,13 +58,13 @@ class Kind(NamedTuple):
     """First entry of each file."""
 
     version: int
-    """Version that is written."""
+    """Version to write."""
 
     readable: tuple[int, ...]
-    """Versions that are read."""
+    """Versions that can be read."""
 
     names: tuple[str, ...]
-    """Arrays beside format and version; some may be absent."""
+    """Names of the arrays besides format and version; some may be absent."""
 
 
 def write(path: str | os.PathLike[str], kind: Kind, arrays: Mapping[str, Any]) -> None:
@@ -75,7 +75,7 @@ def write(path: str | os.PathLike[str], kind: Kind, arrays: Mapping[str, Any]) -
 
 
 def _savez(path: Path, arrays: Mapping[str, Any]) -> None:
-    # Pass an open file: numpy would append `.npz` to a path that ends in `.NPZ`.
+    # Pass an open file, because numpy would append `.npz` to a path that ends in `.NPZ`.
     with path.open("wb") as file:
         np.savez(file, **arrays)
 
@@ -89,7 +89,7 @@ def check_suffix(path: str | os.PathLike[str], noun: str = "model") -> None:
 def load(
     path: str | os.PathLike[str], kind: Kind, build: Callable[[Mapping[str, Any]], _Object]
 ) -> _Object:
-    """Read the arrays that `write` wrote and call `build` with them, or refuse the file."""
+    """Read the arrays that `write` wrote, and call `build` with them."""
     data = _read(path, kind)
     try:
         _check_finite(data)
@@ -99,7 +99,7 @@ def load(
 
 
 def _read(path: str | os.PathLike[str], kind: Kind) -> dict[str, NDArray[Any]]:
-    """Arrays of a kind; other arrays of the file are not unpacked."""
+    """Arrays of one kind of file; other arrays in the file are not unpacked."""
     try:
         with as_path(path).open("rb") as file, zipfile.ZipFile(file) as archive:
             _check_version(path, kind, archive)
@@ -132,7 +132,7 @@ def _check_version(path: object, kind: Kind, archive: zipfile.ZipFile) -> None:
 
 
 def _check_size(path: object, kind: Kind, archive: zipfile.ZipFile, names: list[str]) -> None:
-    """Refuse arrays that would fill the memory: `save` does not compress."""
+    """Raise an error for arrays that would fill the memory: `save` does not compress."""
     unpacked = sum(archive.getinfo(f"{name}.npy").file_size for name in names)
     packed = sum(archive.getinfo(f"{name}.npy").compress_size for name in names)
     if unpacked > _MAX_COMPRESSION_RATIO * packed:
@@ -174,5 +174,5 @@ def _check_finite(data: Mapping[str, NDArray[Any]]) -> None:
 
 
 def _reason(error: Exception) -> str:
-    """The message of an error; that of a `KeyError` is the bare key."""
+    """Message of an error; for `KeyError`, whose message is only the key, a sentence."""
     return f"the entry {error} is missing" if isinstance(error, KeyError) else str(error)

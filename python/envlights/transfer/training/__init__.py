@@ -1,1 +1,1 @@
-"""Training of a transfer model: from pairs to a basis, and from a basis to its matrix."""
+"""Training of a transfer model: a basis from pairs, then a matrix from direct light to it."""

@@ -1,4 +1,4 @@
-"""Training around a prior that knows the geometry of the scene.
+"""Training with a prior that knows the geometry of the scene.
 
 The steps, with the prior T0 and direct images X and indirect images Y at norm 1 of the first:
 
@@ -34,18 +34,20 @@ from envlights.transfer.training.ridge import RIDGES, Regression, regression
 from envlights.transfer.training.train import Distinct, Training, report_of
 from envlights.transfer.training.weights import WeightedRegression, weighted_regression
 
-#: Largest rank that is chosen without a request, because the time of a frame grows with it.
+#: Largest default rank, because the time of a frame grows with the rank.
 _MOST_DIRECTIONS = 256
-#: Largest truncation by a chosen rank, in errors for new lights: it adds 12 % to them.
+#: Largest truncation error of the default rank, relative to the error for new lights, which it
+#: raises by 12 %.
 _SHARE = 0.5
-#: Virtual lights without a request, about, and their energy in pairs. Single texels instead of
-#: blocks, for direct images of 32x32 texels, are spots that no lamp makes: the report of the room
-#: with 32 pairs then said 7.2 % where the error for new lights was 4.2 %.
+#: Approximate default number of virtual lights, which also sets their energy in pairs. Single
+#: texels of direct images of 32x32 texels would be spots that no lamp makes: with them the report
+#: of the room with 32 pairs stated 7.2 %, where the error for new lights was 4.2 %.
 _VIRTUAL_LIGHTS = 256
-#: Ridges beside those without a prior: the largest leaves the prior as it is, because pairs of much
-#: noise would make it worse.
+#: Ridges besides those without a prior. The largest ridge leaves the prior unchanged, for pairs so
+#: noisy that training would make it worse.
 _RIDGES = (*RIDGES, 10.0, 100.0, 1e4, 1e8)
-#: A prior whose error exceeds this fraction does not belong to the pairs, or light is not diffuse.
+#: Error of a prior above which a note warns that it does not match the pairs, or that surfaces are
+#: not diffuse.
 _DOUBTFUL = 0.5
 
 
@@ -61,7 +63,7 @@ class Learning(NamedTuple):
 
 
 class _Remainder(NamedTuple):
-    """Regression of the pairs around a prior, without a basis."""
+    """Regression of the difference between the pairs and a prior, without a basis."""
 
     solver: WeightedRegression
     ridge: float
@@ -69,18 +71,18 @@ class _Remainder(NamedTuple):
     """Leave-one-out error of each pair that is not black."""
     prior_errors: NDArray[np.float64]
     weight: float = 1.0
-    """Weight of the images of the pairs in the basis."""
+    """Weight of the training images in the basis."""
 
     def without_pairs(self) -> _Remainder:
-        """Remainder that leaves the prior as it is, with a basis of virtual lights."""
-        # The weight keeps the coefficients of the pairs, but no direction of their noise.
+        """Regression that leaves the prior unchanged, with a basis of virtual lights only."""
+        # A tiny weight keeps the coefficients of the pairs, but no direction of their noise.
         return self._replace(ridge=_RIDGES[-1], errors=self.prior_errors, weight=1e-3)
 
 
 def check_prior(
     prior: object, size: tuple[int, int], pairs: Pairs, virtual: ArrayLike | None
 ) -> NDArray[np.float64]:
-    """Rows of the virtual lights, (n, 3, h * w), or a refusal of what does not fit the pairs."""
+    """Direct images of the virtual lights, (n, 3, h * w), after checks against the pairs."""
     if not isinstance(prior, TransferPrior):
         raise EnvLightsError(
             f"prior must be a TransferPrior; got an object of the type {type(prior).__name__}"
@@ -108,12 +110,12 @@ def train_around(
     ridge: float | str,
     progress: bool | None,
 ) -> Learning:
-    """Model of the `pairs` around a prior; without a `size`, the rank follows from the errors."""
+    """Model of the `pairs` and a prior; the errors determine the rank if no `size` is given."""
     own = gram(pairs, centred=False, progress=progress)
     rest = _remainder(pairs, prior, own.energy, ridge)
     model = _model_of(rest, pairs, prior, virtual, size, own, progress)
-    # The noise of a pair counts twice: with 10 % noise and 4 pairs of the room, a model that gains
-    # 20 % states 1.02 times the error of the prior.
+    # Noise of a pair counts twice: with 10 % noise and 4 pairs of the room, a model that reduces
+    # the error by 20 % states 1.02 times the error of the prior.
     ours, alone = _medians(model, rest)
     if not isinstance(ridge, str) or ours <= 1.05 * alone:
         return model
@@ -130,7 +132,7 @@ def train_around(
 
 
 def _medians(model: Learning, rest: _Remainder) -> tuple[float, float]:
-    """Median errors for new lights of a model, and of the prior."""
+    """Median errors for new lights, of the model and of the prior."""
     return float(np.median(model.report.unseen_errors)), float(np.median(rest.prior_errors))
 
 
@@ -143,15 +145,15 @@ def _model_of(
     own: Gram,
     progress: bool | None,
 ) -> Learning:
-    """Model of a remainder: its basis, its matrix, and its errors."""
+    """Model of a regression: its basis, its matrix, and its errors."""
     every, found = _directions(pairs, prior, virtual, rest)
-    # Noise of pairs says nothing on a basis without them.
+    # If the basis contains no pairs, their noise must not limit its rank.
     error = _SHARE * float(np.median(rest.errors)) if rest.weight == 1 else None
     limits = size or BasisSize(_MOST_DIRECTIONS, error)
     rank = limits.count(every.values)
     first = every.first(rank)
     columns, mean = basis(*found, first, centred=False, progress=progress)
-    # Keep the pairs, without the virtual lights.
+    # Drop the virtual lights; only the pairs stay.
     k = len(pairs.scale)
     coefficients = first.coefficients[:k] / rest.weight
     outs = outside(found[1].products, first.coefficients)
@@ -176,17 +178,17 @@ def _beyond(
     outs: NDArray[np.float64],
     energy: NDArray[np.float64],
 ) -> NDArray[np.float64] | float:
-    """Relative part of each pair beyond a basis without it; of virtual lights without pairs."""
+    """Relative error of each pair in a basis without it, or of the virtual lights alone."""
     if rest.weight < 1:
         return _truncation(every, len(first.values))
-    # Project each pair onto a basis without it: virtual lights take part in the basis.
+    # Project each pair onto a basis without it; the virtual lights stay in the basis.
     nothing = np.zeros_like(first.coefficients)
     squares = leave_one_out.squares(first.coefficients, outs, nothing)[: len(energy)]
     return leave_one_out.relative(squares, energy)
 
 
 def _blocks_alone(direct: NDArray[np.float64], size: tuple[int, int]) -> NDArray[np.float64]:
-    """Each block of direct texels alone, (blocks, 3, h * w).
+    """Virtual direct-light images, each lighting one block of texels, (blocks, 3, h * w).
 
     Half of their energy is that of the pairs, the other half is the same for all texels.
     """
@@ -217,7 +219,7 @@ def _remainder(
 
 
 def _coefficients(products: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Coefficients in all directions of images, from their inner products, (k, 3, n)."""
+    """Coefficients of images along their principal directions, (k, 3, n), from the Gram matrix."""
     energy = float(np.trace(products))
     return directions(products, np.dtype(np.float64), energy).coefficients
 
@@ -249,7 +251,7 @@ def _left_out(
 def _directions(
     pairs: Pairs, prior: TransferPrior, virtual: NDArray[np.float64], rest: _Remainder
 ) -> tuple[Directions, tuple[Pairs, Gram]]:
-    """Directions of the pairs together with virtual lights, and the images that they are of."""
+    """Directions of pairs and virtual lights, and both as images with their Gram matrix."""
     weights = rest.solver.shares(rest.ridge, virtual)
     new = virtual - product(weights, pairs.direct.swapaxes(0, 1)).swapaxes(0, 1)
     k = len(pairs.scale)
@@ -270,7 +272,7 @@ def _directions(
 def _in_basis(
     prior: TransferPrior, columns: NDArray[np.floating], lit: NDArray[np.bool_]
 ) -> NDArray[np.float64]:
-    """Prior in the coordinates of the basis, (3, direct texels, rank)."""
+    """Matrix of the prior from direct texels to the basis, (3, direct texels, rank)."""
     pixels, rank = prior.visible.size, columns.shape[1]
     received = np.zeros((3, pixels, rank))
     basis = np.zeros((lit.size, rank), np.float32)
@@ -286,14 +288,14 @@ def _in_basis(
 
 
 def _truncation(every: Directions, rank: int) -> float:
-    """Relative RMS error of pairs and virtual lights in a basis of the first directions."""
+    """Relative RMS error of pairs and virtual lights in a basis of the first `rank` directions."""
     return float(np.sqrt(max(1 - every.values[:rank].sum() / every.values.sum(), 0.0)))
 
 
 def _notes(
     rest: _Remainder, pairs: Pairs, own: Gram, every: Directions, rank: int, is_chosen: bool
 ) -> tuple[str, ...]:
-    """Remarks on the rank, and on a prior that does not fit the pairs."""
+    """Notes on the rank, and on a prior that does not fit the pairs."""
     notes = []
     if is_chosen:
         fraction = 100 * _truncation(every, rank)
@@ -326,7 +328,7 @@ def _notes(
 
 @dataclass(frozen=True, eq=False)
 class Mixtures:
-    """Sums of images at one scale; slices of rows of all of them are arrays."""
+    """Weighted sums of images and predictions of a prior; a slice of rows is computed on access."""
 
     images: NDArray[Any]
     """Indirect images, (k, H, W, 3)."""
@@ -335,24 +337,24 @@ class Mixtures:
     """Weight of each image in each mixture, by channel, (3, n, k)."""
 
     prior: TransferPrior
-    """Prior that predicts the rest."""
+    """Prior whose predictions are added to the weighted images."""
 
     light: NDArray[np.float64]
     """Light that leaves the direct texels in each mixture, (n, 3, h * w)."""
 
     @property
     def shape(self) -> tuple[int, int, int, int]:
-        """Shape as an array."""
+        """Shape of the array that the mixtures stand for, (n, H, W, 3)."""
         _, height, width, _ = self.images.shape
         return len(self.light), height, width, 3
 
     @property
     def dtype(self) -> np.dtype[Any]:
-        """Type of the slices: that of the images, and at least float32."""
+        """Type of the computed slices: the type of the images, but at least float32."""
         return np.result_type(self.images.dtype, np.float32)
 
     def __getitem__(self, key: tuple[slice, slice]) -> NDArray[Any]:
-        """Some rows of all mixtures; `key`: all mixtures, and the slice of rows."""
+        """Rows of all mixtures as an array; `key`: a full slice, and the slice of rows."""
         where = key[1]
         part = self.images[:, where]
         flat = part.reshape(len(part), -1, 3)
@@ -372,7 +374,7 @@ def mixtures(
     weights: NDArray[np.float64],
     direct: NDArray[np.float64],
 ) -> Pairs:
-    """Sums of scaled images and of predictions of a prior for `direct` light (n, 3, h * w).
+    """Weighted sums of scaled images plus predictions of a prior for `direct` light (n, 3, h * w).
 
     `weights` of the images have the shape (3, n, k).
     """

@@ -1,4 +1,4 @@
-"""Directions that hold most of the indirect light.
+"""Directions that hold most of the energy of the indirect images.
 
 With the eigensystem of G = Y Y^T = V S^2 V^T, the columns of
 
@@ -35,14 +35,14 @@ class BasisSize:
     """Limits on the number of directions in a basis."""
 
     rank: int | float
-    """Largest number of directions (int), or fraction of the energy that they hold (float)."""
+    """Largest number of directions (int), or fraction of the energy to keep (float)."""
 
     error: float | None
     """Largest accepted relative RMS error of the images in the basis."""
 
     @classmethod
     def checked(cls, rank: object, error: object) -> BasisSize:
-        """Limits from the arguments of a user, or a refusal."""
+        """Limits from the arguments of a user; raises an error for invalid ones."""
         bound = None if error is None else amount("error", error)
         if not isinstance(rank, float | np.floating):
             return cls(count("rank", rank, least=1), bound)
@@ -52,7 +52,7 @@ class BasisSize:
         return cls(fraction, bound)
 
     def missed(self, values: NDArray[np.float64], rank: int) -> tuple[str, ...]:
-        """Notes if there are fewer directions, or a larger error, than requested."""
+        """Notes if the directions are fewer, or the error larger, than requested."""
         notes = []
         if len(values) < self.rank:
             notes.append(f"the images have no more than {len(values)} directions above rounding")
@@ -66,7 +66,7 @@ class BasisSize:
         energy = np.cumsum(values)
         most = len(values)
         if isinstance(self.rank, float):
-            # The same sum in two orders differs by rounding; a share of 1.0 means all of it.
+            # Allow for rounding, so that a fraction of 1.0 means all of the energy.
             enough = self.rank * energy[-1] * (1 - 1e-12)
             return min(int(np.searchsorted(energy, enough)) + 1, most)
         most = min(most, self.rank)
@@ -96,13 +96,13 @@ def check_parameters(
 
 @dataclass(frozen=True, eq=False)
 class Directions:
-    """Eigenvectors of the inner products, most energy first."""
+    """Eigenvectors of the Gram matrix, in descending order of energy."""
 
     values: NDArray[np.float64]
     """Energy in each direction, (n,)."""
 
     vectors: NDArray[np.float64]
-    """Weight of each row in each direction, (3 k, n)."""
+    """Weight of each image channel in each direction, (3 k, n)."""
 
     @property
     def coefficients(self) -> NDArray[np.float64]:
@@ -125,7 +125,7 @@ def directions(products: NDArray[np.float64], dtype: np.dtype[Any], energy: floa
 def outside(
     products: NDArray[np.float64], coefficients: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Inner products of the residuals of the three rows of each image, (k, 3, 3)."""
+    """Inner products of the residuals of the three colour channels of each image, (k, 3, 3)."""
     k = np.arange(len(coefficients))
     own: NDArray[np.float64] = products.reshape(len(k), 3, len(k), 3)[k, :, k]
     return own - coefficients @ coefficients.swapaxes(1, 2)
@@ -138,18 +138,18 @@ def basis(
     centred: bool,
     progress: bool | None = False,
 ) -> tuple[Any, Any]:
-    """Orthonormal columns over the lit texels, (lit texels, rank), and the mean of all rows there.
+    """Orthonormal columns over the lit texels, (lit texels, rank), and the mean image there.
 
     The values of one texel are adjacent: a frame reads them twice as fast as columns.
     """
     weights = first.vectors / np.sqrt(first.values)
     if centred:
-        # Append the mean as one more mixture; the weights of each other mixture add up to 0.
+        # Append the mean as another mixture; the weights of all other mixtures add up to 0.
         weights = np.column_stack([weights, np.full(len(weights), 1 / len(weights))])
-    # Fill the rows of the basis part by part.
+    # Fill the rows of the basis, one part of the texels at a time.
     columns = np.empty((np.count_nonzero(measured.lit), weights.shape[1]), pairs.dtype)
     end = 0
-    # Refuse an overflow of the mean below.
+    # Overflow of the mean raises an error below.
     with np.errstate(over="ignore", invalid="ignore"):
         for where, part in parts(pairs, progress):
             mixed = mixtures(pairs, part, measured.lit[where], weights)
@@ -168,9 +168,9 @@ def basis(
 def mixtures(
     pairs: Pairs, part: NDArray[Any], lit: NDArray[np.bool_], weights: NDArray[np.float64]
 ) -> NDArray[Any]:
-    """Mixtures of the rows of a part of the images in its lit texels, (lit texels, rank)."""
-    # Direct light of 1e30 beside indirect light of 1e-31 has weights beyond float32: a power of
-    # two, which rounds nothing, moves from them to the scale.
+    """Mixtures of all images in the lit texels of one part, (lit texels, rank)."""
+    # Direct light of 1e30 with indirect light of 1e-31 has weights beyond float32. A power of two,
+    # which causes no rounding, is moved from the weights to the scale.
     unit = np.ldexp(1.0, np.frexp(np.abs(weights).max(initial=0))[1])
     scale, shares = (pairs.scale * unit).astype(part.dtype), (weights / unit).astype(part.dtype)
     if is_for_kernels(pairs):

@@ -1,4 +1,4 @@
-"""Blocks of texels in the coordinates of a basis.
+"""Blocks of texels, described by sums of the basis.
 
 With the basis rows :math:`B_t` of the texels and the coefficients of the images, a block `b` has
 
@@ -33,7 +33,7 @@ class Blocks:
     """Sum of the basis over each block, (blocks, rank)."""
 
     spread: NDArray[np.float64]
-    """Sum of the basis times the gains of each channel, (3, blocks, rank)."""
+    """Sum of the basis, weighted by the gains of each channel, (3, blocks, rank)."""
 
 
 def blocks(
@@ -42,9 +42,9 @@ def blocks(
     coefficients: NDArray[np.float64],
     most: int,
 ) -> Blocks:
-    """At most `most` blocks, whose side is a power of two."""
+    """Divide the image into at most `most` square blocks, whose side is a power of two."""
     side = _side(lit.shape, most)
-    # Scale the coefficients, whose squares might underflow.
+    # Scale the coefficients, because their squares might underflow.
     unit = np.abs(coefficients).max(initial=0) or 1.0
     scaled = coefficients.swapaxes(0, 1) / unit
     moments = (scaled.swapaxes(1, 2) @ scaled).astype(basis.dtype)

@@ -1,4 +1,4 @@
-"""The two passes over the indirect images as tasks of Dask, for more than one machine.
+"""The two passes over the indirect images as Dask tasks, for more than one machine.
 
 Dask cuts the images into rows of the lightmap, all images of a row together, and hands the blocks
 to its workers. Each worker runs `gram.py` and `basis.py` on its blocks:
@@ -32,11 +32,11 @@ from envlights.transfer.training.gram import Gram
 
 
 def gram(pairs: Pairs, centred: bool) -> Gram:
-    """Compute `gram.gram` for indirect images that are an array of Dask."""
+    """Compute `gram.gram` for indirect images in a Dask array."""
     import dask
     import dask.array as da
 
-    # Make a task of each block.
+    # Make one task per block.
     shared = _shared(replace(pairs, indirect=None))
     products, energy, lit = [], [], []
     for where, block in _blocks(pairs):
@@ -45,13 +45,13 @@ def gram(pairs: Pairs, centred: bool) -> Gram:
         products.append(da.from_delayed(part.products, (rows, rows), np.float64))
         energy.append(da.from_delayed(part.energy, (rows // 3,), np.float64))
         lit.append(da.from_delayed(part.lit, (height, pairs.indirect.shape[2]), np.bool_))
-    # Sum what the blocks give, and join their masks.
+    # Sum the results of the blocks, and join their masks.
     sums = da.stack(products).sum(axis=0), da.stack(energy).sum(axis=0)
     return Gram(*dask.compute(*sums, da.concatenate(lit)))
 
 
 def basis(pairs: Pairs, measured: Gram, first: Directions, centred: bool) -> tuple[Any, Any]:
-    """Compute `basis.basis` for indirect images that are an array of Dask."""
+    """Compute `basis.basis` for indirect images in a Dask array."""
     import dask
 
     shared = _shared((replace(pairs, indirect=None), measured, first))
@@ -61,14 +61,14 @@ def basis(pairs: Pairs, measured: Gram, first: Directions, centred: bool) -> tup
 
 
 def _shared(values: Any) -> Any:
-    """Inputs of every task, sent to each worker once; they are not searched for arrays of Dask."""
+    """Inputs of all tasks, sent to each worker once, and not searched for Dask arrays."""
     import dask
 
     return dask.delayed(values, pure=False, traverse=False)
 
 
 def _blocks(pairs: Pairs) -> list[tuple[slice, Any]]:
-    """Slices of rows of the lightmap, and all images in these rows, yet to be computed.
+    """Row slices of the lightmap, and all images in these rows as lazy arrays.
 
     The setting ``array.chunk-size`` of Dask decides how many rows make a block.
     """

@@ -1,4 +1,4 @@
-"""The part of a direct image that no mixture of the training images explains.
+"""Residual of direct images that no mixture of the training images explains.
 
 With the direct images X (k, texels) of norm 1, the residual of an image x is
 
@@ -18,12 +18,12 @@ from numpy.typing import NDArray
 from envlights.transfer.training.gram import product
 from envlights.transfer.training.ridge import regression
 
-#: Ridge for direct images of norm 1.
+#: Ridge parameter for direct images of norm 1.
 _RIDGE = 1e-3
 
 
 def residuals(pairs: NDArray[np.float64], direct: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Residual of each of the `direct` images, (n, 3, texels), after those of the `pairs`."""
+    """Residuals of the `direct` images, (n, 3, texels), after a regression on the `pairs`."""
     solver = regression(pairs, channelwise=True)
     values = solver.regularised_eigenvalues(_RIDGE)[:, None]
     directions = product(solver.vectors.swapaxes(1, 2), solver.features)
@@ -34,7 +34,7 @@ def residuals(pairs: NDArray[np.float64], direct: NDArray[np.float64]) -> NDArra
 
 
 def unfamiliarity(pairs: NDArray[np.float64], direct: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Norm of the residual over the norm of each image, (n,); 0 for black images."""
+    """Norm of the residual relative to the norm of each image, (n,); 0 for black images."""
     sizes: NDArray[np.float64] = np.linalg.norm(residuals(pairs, at_norm_1(direct)), axis=(1, 2))
     return sizes
 
@@ -42,7 +42,7 @@ def unfamiliarity(pairs: NDArray[np.float64], direct: NDArray[np.float64]) -> ND
 def most_unfamiliar(
     pairs: NDArray[np.float64], direct: NDArray[np.float64], count: int
 ) -> NDArray[np.int64]:
-    """Indices of images, each the most unfamiliar after those before it, (count,)."""
+    """Indices of images, (count,), each the most unfamiliar after the previous choices."""
     images = at_norm_1(direct)
     left = residuals(pairs, images)
     chosen: list[int] = []
@@ -51,7 +51,7 @@ def most_unfamiliar(
         sizes[chosen] = -1.0
         best = int(np.argmax(sizes))
         chosen.append(best)
-        # Update each channel, which has a regression of its own.
+        # Remove the chosen image from all residuals, channel by channel.
         weights = np.einsum("cs,ncs->nc", images[best], left)
         weights /= _RIDGE + weights[best]
         left = left - weights[..., None] * left[best]
@@ -59,7 +59,7 @@ def most_unfamiliar(
 
 
 def at_norm_1(direct: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Images (n, 3, texels) at norm 1; a black one stays black."""
+    """Images (n, 3, texels) scaled to norm 1; black images stay black."""
     norm = np.linalg.norm(direct, axis=(1, 2), keepdims=True)
     scaled: NDArray[np.float64] = np.divide(direct, norm, out=np.zeros_like(direct), where=norm > 0)
     return scaled

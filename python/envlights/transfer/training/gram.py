@@ -1,4 +1,4 @@
-"""The inner products of all indirect images, a block of texels at a time.
+"""Inner products of all indirect images, computed in blocks of texels.
 
 An image has three rows, one for each channel, so that a basis serves all channels:
 
@@ -23,10 +23,10 @@ from envlights._common.progress import progress_bar
 from envlights._native import EnvLightsError
 from envlights.transfer.pairs import Pairs, check_finite
 
-#: Texels of a part, rounded to rows of the image. For the kernels: enough for several threads. For
-#: NumPy, which needs them in float64 and reordered: as many as stay in the cache.
+#: Texels in a part, rounded to whole rows of the image. The kernels need enough for several
+#: threads; NumPy, which needs reordered float64, as many as fit into the cache.
 _PART, _SMALL_PART = 8192, 1024
-#: Over fewer texels than this the rounding of float32 does not average out, and float64 is cheap.
+#: Number of texels below which float32 rounding does not average out, and float64 is cheap.
 _FEW = 2**16
 
 
@@ -35,7 +35,7 @@ class Gram:
     """Results of one pass over every texel."""
 
     products: NDArray[np.float64]
-    """Inner products of the rows, (3 k, 3 k), or of the rows less their mean if centred."""
+    """Inner products of the image channels, (3 k, 3 k); the mean is subtracted first if centred."""
 
     energy: NDArray[np.float64]
     """Sum of squares of each image, (k,); the mean is not subtracted."""
@@ -45,13 +45,13 @@ class Gram:
 
 
 def gram(pairs: Pairs, centred: bool, progress: bool | None = False) -> Gram:
-    """Inner products of the scaled indirect images; `centred`: less the mean of all rows."""
-    # Add up the lower half of the products, part by part.
+    """Inner products of the scaled indirect images, minus the mean image if `centred`."""
+    # Sum the lower half of the products, part by part.
     rows = 3 * len(pairs.scale)
     products = np.zeros((rows, rows))
     lit = np.empty(pairs.indirect.shape[1:3], np.bool_)
     inner = _single if is_for_kernels(pairs) else _double
-    # Overflow and NaN are refused below, with their place in the images.
+    # Overflow and NaN raise an error below, which names the image.
     with np.errstate(over="ignore", invalid="ignore"):
         for where, part in parts(pairs, progress):
             found, is_lit = inner(part, pairs.scale)
@@ -60,7 +60,7 @@ def gram(pairs: Pairs, centred: bool, progress: bool | None = False) -> Gram:
     energy = np.diagonal(products).copy()
     if not np.isfinite(energy).all():
         _refuse(pairs)
-    # Fill the upper half; for centred rows, subtract what the mean contributes.
+    # Fill the upper half; for centred images, subtract the contribution of the mean.
     products = np.tril(products) + np.tril(products, -1).T
     if centred:
         mean = products.mean(axis=0)
@@ -69,7 +69,7 @@ def gram(pairs: Pairs, centred: bool, progress: bool | None = False) -> Gram:
 
 
 def is_for_kernels(pairs: Pairs) -> bool:
-    """True for large images in float32, which are worth the buffers of the kernels."""
+    """True for large float32 images, for which the buffers of the kernels pay off."""
     _, height, width, _ = pairs.indirect.shape
     return bool(pairs.dtype == np.float32 and height * width >= _FEW)
 
@@ -80,14 +80,14 @@ def _single(part: NDArray[Any], scale: NDArray[np.float64]) -> tuple[Any, NDArra
 
 
 def _double(part: NDArray[Any], scale: NDArray[np.float64]) -> tuple[Any, NDArray[np.bool_]]:
-    """All inner products in float64 by a BLAS, and the mask of texels that are not black."""
+    """All inner products in float64 by BLAS, and the mask of texels that are not black."""
     block = texel_rows(part, scale)
     lit: NDArray[np.bool_] = np.any(block, axis=1)
     return product(block.T, block), lit
 
 
 def parts(pairs: Pairs, progress: bool | None = False) -> Iterator[tuple[slice, NDArray[Any]]]:
-    """Slices of rows, and all images in these rows: (k, texels, 3), not scaled."""
+    """Row slices, and the unscaled texels of all images in these rows, (k, texels, 3)."""
     images, height, width, _ = pairs.indirect.shape
     step = max(1, (_PART if is_for_kernels(pairs) else _SMALL_PART) // width)
     for first in progress_bar(range(0, height, step), "learning", "part", progress):
@@ -97,7 +97,7 @@ def parts(pairs: Pairs, progress: bool | None = False) -> Iterator[tuple[slice, 
 
 
 def texel_rows(part: NDArray[Any], scale: NDArray[Any]) -> NDArray[Any]:
-    """The scaled values of all images in each texel, (texels, 3 k)."""
+    """Scaled values of all images at each texel, (texels, 3 k)."""
     scaled: NDArray[Any] = part.swapaxes(0, 1) * scale[:, None]
     return scaled.reshape(len(scaled), -1)
 
@@ -110,13 +110,13 @@ def _refuse(pairs: Pairs) -> None:
 
 
 def product(left: NDArray[Any], right: NDArray[Any]) -> NDArray[Any]:
-    """``left @ right``."""
+    """Matrix product ``left @ right``, which Ctrl-C can interrupt."""
     whole: NDArray[Any] = interruptible(lambda: left @ right, left.size * right.shape[-1])
     return whole
 
 
 def eigensystem(symmetric: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Eigenvalues, least first, and eigenvectors as columns, of one matrix or a stack."""
+    """Eigenvalues in ascending order, and eigenvectors as columns, of one matrix or a stack."""
     values, vectors = interruptible(
         lambda: np.linalg.eigh(symmetric), 10 * symmetric.size * symmetric.shape[-1]
     )

@@ -1,4 +1,4 @@
-"""Addition of pairs to a model without a new fit.
+"""Addition of pairs to a trained model without training from scratch.
 
 The basis `B` and the coefficients `A` represent the earlier pairs. New rows `Z` have the
 coefficients `C = Z B` in it and the residual `E = Z - C B^T`, whose inner products are
@@ -55,7 +55,7 @@ def extend(
 
 
 def _inside(basis: NDArray[Any], lit: NDArray[np.bool_], pairs: Pairs) -> NDArray[np.float64]:
-    """Coefficients of the new rows in the old basis, (3 n, rank)."""
+    """Coefficients of the new images in the old basis, (3 n, rank)."""
     inside = np.zeros((3 * len(pairs.scale), basis.shape[1]))
     end = 0
     scale = pairs.scale.astype(pairs.dtype)
@@ -69,7 +69,7 @@ def _inside(basis: NDArray[Any], lit: NDArray[np.bool_], pairs: Pairs) -> NDArra
 def _outside(
     learnt: PairSummary, rows: NDArray[np.float64], coefficients: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Residual of each image in the new basis."""
+    """Inner products of the residuals of all images in the new basis, (k, 3, 3)."""
     rows = rows.reshape(len(coefficients), 3, -1)
     outside: NDArray[np.float64] = rows @ rows.swapaxes(1, 2)
     outside -= coefficients @ coefficients.swapaxes(1, 2)
@@ -84,7 +84,7 @@ def _rotate(
     pairs: Pairs,
     rotation: tuple[NDArray[np.float64], Directions, NDArray[np.float64]],
 ) -> NDArray[Any]:
-    """New basis over the lit texels of old and new images."""
+    """New basis over the texels that are lit in old or new images."""
     inside, residual, turn = rotation
     rank = basis.shape[1]
     from_new = residual.vectors / np.sqrt(residual.values) @ turn[rank:]

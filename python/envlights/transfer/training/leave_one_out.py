@@ -1,4 +1,4 @@
-"""Leave-one-out errors in closed form, for lights outside the pairs.
+"""Leave-one-out errors in closed form, for lights outside the training pairs.
 
 A basis adapts to every image that it was made of. Without the image `i`, whose rows are
 A_i (3, rank) inside the basis and R_i = (3, 3) in products outside of it, one step of orthogonal
@@ -25,7 +25,7 @@ def squares(
     outside: NDArray[np.float64],
     missed: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """Squared error of each image when it is left out, (k,).
+    """Squared leave-one-out error of each image, (k,).
 
     Parameters
     ----------
@@ -53,11 +53,11 @@ def relative(squares: NDArray[np.float64], energy: NDArray[np.float64]) -> NDArr
 def _rotate(
     coefficients: NDArray[np.float64], outside: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """`Q` and ``A S^-2`` of the head of this file."""
+    """Matrices `Q` and ``A S^-2`` of the module docstring."""
     energy = np.einsum("kcr,kcr->r", coefficients, coefficients)
     leaning = coefficients / energy
-    # A direction that only one image has, leverage 1, is rotated away completely, towards the
-    # smallest part of the image outside the basis.
+    # A direction that occurs in only one image (leverage 1) is removed completely, towards the
+    # smallest component of the image outside the basis.
     whole = np.einsum("kcr,kcr->k", coefficients, coefficients)[:, None, None]
     least = 1e-9 * np.eye(3)
     free = np.linalg.inv((1 + 1e-9) * np.eye(3) - leaning @ coefficients.swapaxes(1, 2))

@@ -1,4 +1,4 @@
-"""The non-negative operator from direct texels to blocks of texels.
+"""Non-negative operator from direct texels to blocks of texels.
 
 More light at one texel never makes another one darker. With the direct images X_c (k, texels) and
 the block sums A_c (k, blocks) in the channel c,
@@ -26,23 +26,23 @@ from envlights.transfer.training.blocks import Blocks
 from envlights.transfer.training.gram import product
 from envlights.transfer.training.ridge import Regression
 
-#: Added to the squared norm of each direct texel over all images; direct images have norm 1. 1e-4
-#: raises the 90th percentile of errors for new lights from 8.7 to 10.1 %, on the noise-free room
-#: with 128 pairs.
+#: Damping, added to the squared norm of each direct texel over all images of norm 1. 1e-4 raises
+#: the 90th percentile of errors for new lights from 8.7 to 10.1 %, in the noise-free room with 128
+#: pairs.
 _DAMPING = 1e-6
-#: Weight of the last non-negative point, for texels of norm 1. 0.3 raises the median error for new
-#: lights from 5.0 to 5.8 %, on the noise-free room with 64 pairs.
+#: Weight of the last non-negative iterate, for texels of norm 1. 0.3 raises the median error for
+#: new lights from 5.0 to 5.8 %, in the noise-free room with 64 pairs.
 _WEIGHT = 0.03
-#: Over-relaxation, within the range that Boyd et al. recommend.
+#: Over-relaxation factor, within the range that Boyd et al. recommend.
 _RELAXATION = 1.7
-#: 5 steps raise that error to 5.7 %; 200 lower it to 4.8 %.
+#: Iterations. 5 raise the error above to 5.7 %; 200 lower it to 4.8 %.
 _STEPS = 20
 
 
 def operator(
     solver: Regression, coefficients: NDArray[np.float64], blocks: Blocks
 ) -> NDArray[np.float64]:
-    """Non-negative operator, in the coordinates of the basis, (3, direct texels, rank).
+    """Non-negative operator in coordinates of the basis, (3, direct texels, rank).
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def operator(
         Blocks of texels.
     """
     sums = product(coefficients, blocks.sums.T)
-    # Scale the sums, which single precision might not hold.
+    # Scale the sums to the range of single precision.
     unit = np.abs(sums).max(initial=0) or 1.0
     channels = zip(solver.features, (sums / unit).swapaxes(0, 1), blocks.spread, strict=True)
     every = [product(minimiser(direct, sums), spread) for direct, sums, spread in channels]
@@ -65,13 +65,13 @@ def minimiser(
     direct: NDArray[np.float64], sums: NDArray[np.float64], steps: int = _STEPS
 ) -> NDArray[np.float64]:
     """Non-negative least squares ``direct @ N = sums`` of one channel, (direct texels, blocks)."""
-    # Scale every texel to norm 1, for which few steps suffice.
+    # Scale every texel to norm 1, so that few iterations suffice.
     scale = 1 / np.sqrt(np.sum(direct**2, axis=0) + _DAMPING)
     scaled = direct * scale
     solve = _inverse(scaled, _DAMPING * scale**2 + _WEIGHT)
     ridge = product(solve, product(scaled.T, sums)).astype(np.float32)
     towards = (_WEIGHT * solve).astype(np.float32)
-    # Alternate between the regression and its part that is not negative.
+    # Alternate between the regression and its non-negative part.
     point, price = np.maximum(ridge, 0), np.zeros_like(ridge)
     for _ in range(steps):
         moved = _RELAXATION * (ridge + product(towards, point - price))
@@ -83,7 +83,7 @@ def minimiser(
 
 
 def _inverse(rows: NDArray[np.float64], diagonal: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Inverse of ``rows.T @ rows + diag(diagonal)``, by the smaller side of the rows (Woodbury)."""
+    """Inverse of ``rows.T @ rows + diag(diagonal)``, by Woodbury's identity for few rows."""
     if len(rows) >= rows.shape[1]:
         whole: NDArray[np.float64] = np.linalg.inv(product(rows.T, rows) + np.diag(diagonal))
         return whole

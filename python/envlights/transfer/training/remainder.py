@@ -1,4 +1,4 @@
-"""Ridge regression of what a prior mean leaves over, and its errors for lights outside the pairs.
+"""Ridge regression around a prior mean, with errors for lights outside the training pairs.
 
 With a prior mean T0 of the matrix, the ridge (see `ridge.py`) pulls towards T0 instead of 0:
 
@@ -19,10 +19,11 @@ from numpy.typing import NDArray
 from envlights.transfer.training.gram import product
 from envlights.transfer.training.ridge import Regression, regression
 
-#: Parts of the pairs that are left out, one after the other.
+#: Number of folds for cross-validation.
 _FOLDS = 8
 
-#: Prior mean, (3, direct texels, rank), from the direct images and the coefficients of pairs.
+#: Function that computes a prior mean, (3, direct texels, rank), from direct images and
+#: coefficients of pairs.
 PriorMean = Callable[[Regression, NDArray[np.float64]], NDArray[np.float64]]
 
 
@@ -34,13 +35,13 @@ class Estimator:
     """Regression on the direct images of all pairs."""
 
     mean: NDArray[np.float64] | None
-    """Prior mean of the matrix, (3, direct texels, rank); absent: 0."""
+    """Prior mean of the matrix, (3, direct texels, rank); None means 0."""
 
     remainder: NDArray[np.float64]
-    """Coefficients less those of the prior mean, (k, 3, rank)."""
+    """Coefficients minus the coefficients of the prior mean, (k, 3, rank)."""
 
     folds: tuple[Fold, ...] | None = None
-    """Regressions without a part of the pairs; absent: errors have a closed form."""
+    """Regressions that each omit a part of the pairs; None if errors have a closed form."""
 
     def transfer(self, ridge: float) -> NDArray[np.float64]:
         """Matrix from direct light to coefficients, (3, features, rank)."""
@@ -48,11 +49,11 @@ class Estimator:
         return own if self.mean is None else self.mean + own
 
     def residual(self, ridge: float) -> NDArray[np.float64]:
-        """Coefficients less what the fit to all of them gives, (k, 3, rank)."""
+        """Residual coefficients of the fit to all pairs, (k, 3, rank)."""
         return self.solver.residual(ridge, self.remainder)
 
     def left_out(self, ridge: float) -> NDArray[np.float64]:
-        """Coefficients less what a fit without their image or fold gives, (k, 3, rank)."""
+        """Residual coefficients of each image in a fit without its image or fold, (k, 3, rank)."""
         if self.folds is None:
             return self.solver.left_out(ridge, self.remainder)
         missed = np.empty_like(self.remainder)
@@ -63,25 +64,25 @@ class Estimator:
 
 @dataclass(frozen=True, eq=False)
 class Fold:
-    """Regression on all pairs but those of one part, ready for any ridge."""
+    """Regression on all pairs outside a fold, ready for any ridge."""
 
     which: NDArray[np.intp]
-    """Pairs of the part, (n,)."""
+    """Indices of the pairs in the fold, (n,)."""
 
     solver: Regression
-    """Regression on the other pairs."""
+    """Regression on the pairs outside the fold."""
 
     products: NDArray[np.float64]
-    """Inner products of direct images of the part with eigenvectors of the others, (3, n, k)."""
+    """Inner products of direct images in the fold with the eigenvectors, (3, n, k)."""
 
     turned: NDArray[np.float64]
-    """Remainder of the others in these eigenvectors, (3, k, rank)."""
+    """Remainder of the other pairs in these eigenvectors, (3, k, rank)."""
 
     remainder: NDArray[np.float64]
-    """Remainder of the part, (n, 3, rank)."""
+    """Remainder of the pairs in the fold, (n, 3, rank)."""
 
     def missed(self, ridge: float) -> NDArray[np.float64]:
-        """Coefficients of the part less what the others give, (n, 3, rank)."""
+        """Residual coefficients of the fold in the fit to the other pairs, (n, 3, rank)."""
         weights = self.products / self.solver.regularised_eigenvalues(ridge)[:, None]
         missed: NDArray[np.float64] = self.remainder - product(weights, self.turned).swapaxes(0, 1)
         return missed
@@ -102,7 +103,7 @@ def estimator_around(
     prior: PriorMean,
     prior_of_folds: PriorMean,
 ) -> Estimator:
-    """Regression around a prior mean that is learnt from the pairs.
+    """Regression around a prior mean that is itself learnt from the pairs.
 
     `prior_of_folds` may be a faster, less accurate version.
     """
@@ -121,7 +122,7 @@ def _fold(
     which: NDArray[np.intp],
     prior: PriorMean,
 ) -> Fold:
-    # Learn from one black pair where there is no other.
+    # With a single pair, train on one black pair instead.
     black = len(which) == len(direct)
     others = (
         (0 * direct[:1], 0 * coefficients[:1])

@@ -1,4 +1,4 @@
-"""From direct light to coefficients: ridge regression by k x k systems.
+"""Ridge regression from direct light to coefficients, by k x k systems.
 
 With direct images `X` (k, texels) and coefficients `A` (k, rank), the matrix
 
@@ -19,22 +19,22 @@ from numpy.typing import NDArray
 
 from envlights.transfer.training.gram import eigensystem, product
 
-#: Where "loo" looks for the ridge: from clean to noisy images. Direct images have norm 1.
+#: Candidate ridges for "loo", from clean to noisy images, for direct images of norm 1.
 RIDGES = tuple(10.0 ** (exponent / 2) for exponent in range(-16, 1))
 
 
 @dataclass(frozen=True, eq=False)
 class Regression:
-    """The direct images of each channel, ready for any ridge."""
+    """Direct images, decomposed so that any ridge can be solved."""
 
     features: NDArray[np.float64]
-    """(3, k, texels): each channel sees its own texels; or (1, k, 3 * texels): it sees all."""
+    """Direct texels of each image: (3, k, texels) by channel, or (1, k, 3 * texels) joint."""
 
     values: NDArray[np.float64]
-    """Eigenvalues of the inner products of the features, (3 or 1, k)."""
+    """Eigenvalues of the Gram matrix of the features, (3 or 1, k)."""
 
     vectors: NDArray[np.float64]
-    """Their eigenvectors, (3 or 1, k, k)."""
+    """Eigenvectors of the Gram matrix, (3 or 1, k, k)."""
 
     def transfer(self, ridge: float, coefficients: NDArray[np.float64]) -> NDArray[np.float64]:
         """Matrix from direct light to coefficients, (3, features, rank)."""
@@ -42,13 +42,13 @@ class Regression:
         return product(turned, self._weighted(ridge, coefficients))
 
     def residual(self, ridge: float, coefficients: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Coefficients less what the fit to all of them gives, (k, 3, rank)."""
+        """Residual coefficients of the fit to all images, (k, 3, rank)."""
         fitted = product(self.features, self.transfer(ridge, coefficients))
         missed: NDArray[np.float64] = coefficients - fitted.swapaxes(0, 1)
         return missed
 
     def left_out(self, ridge: float, coefficients: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Coefficients less what a fit without their image gives, (k, 3, rank)."""
+        """Leave-one-out residuals of the coefficients, (k, 3, rank)."""
         own = np.einsum("cik,ck->ci", self.vectors**2, 1 / self.regularised_eigenvalues(ridge))
         missed = product(self.vectors, self._weighted(ridge, coefficients))
         missed /= own[..., None]
@@ -64,7 +64,7 @@ class Regression:
         return weighted
 
     def regularised_eigenvalues(self, ridge: float) -> NDArray[np.float64]:
-        """Eigenvalues of ``X X^T + ridge I``, with a ridge of at least the rounding error."""
+        """Eigenvalues of ``X X^T + ridge I``; the ridge is at least the rounding error."""
         k = self.values.shape[1]
         least = k * np.finfo(np.float64).eps * self.values.max(axis=1, keepdims=True)
         least += np.finfo(np.float64).tiny

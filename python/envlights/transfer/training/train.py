@@ -1,4 +1,4 @@
-"""Training: from pairs to a basis, and from a basis to its matrix and errors."""
+"""Training: a basis from pairs, then the matrix and its errors."""
 
 from __future__ import annotations
 
@@ -19,10 +19,11 @@ from envlights.transfer.training.nonnegative import operator
 from envlights.transfer.training.remainder import Estimator, PriorMean, estimator, estimator_around
 from envlights.transfer.training.ridge import RIDGES
 
-#: Largest number of blocks of a non-negative operator. On the noise-free room with 128 pairs, 64
+#: Largest number of blocks of a non-negative operator. In the noise-free room with 128 pairs, 64
 #: blocks raise the median error for new lights from 2.8 to 3.1 %, and 1024 do not lower it.
 _BLOCKS = 256
-#: Largest number in the folds. They report 3.1 % there; with 256 blocks they would report 2.7 %.
+#: Largest number of blocks in cross-validation, which reports 3.1 % for that room; 256 blocks would
+#: report 2.7 %.
 _FOLD_BLOCKS = 64
 
 
@@ -40,29 +41,29 @@ class Training(NamedTuple):
     """Texels that are not black in every image, (H, W)."""
 
     mean: NDArray[Any]
-    """Mean of all rows in those texels, or empty."""
+    """Mean of all images in the lit texels, or empty."""
 
     learnt: PairSummary
     """Summary of the pairs."""
 
     notes: tuple[str, ...]
-    """Remarks on requests that the basis does not meet."""
+    """Notes on requests that the basis does not meet."""
 
 
 def train(pairs: Pairs, size: BasisSize, centred: bool, progress: bool | None) -> Training:
-    """Basis of the `pairs`, around the mean of their rows if `centred`."""
+    """Basis of the `pairs`, around their mean image if `centred`."""
     gram_of, basis_of = (
         (cluster.gram, cluster.basis)
         if pairs.is_lazy
         else (partial(gram, progress=progress), partial(basis, progress=progress))
     )
-    # Find the directions of the images from their inner products.
+    # Find the directions of the images from their Gram matrix.
     measured = gram_of(pairs, centred=centred)
     every = directions(measured.products, pairs.dtype, measured.energy.sum())
     if not len(every.values):
         what = "the same in every image" if centred else "black in every image"
         raise EnvLightsError(f"indirect is {what}; there is nothing to learn")
-    # Keep the first of them, and read the images once more for their columns.
+    # Keep the first directions, and read the images again to compute the columns.
     rank = size.count(every.values)
     first = every.first(rank)
     columns, mean = basis_of(pairs, measured, first, centred=centred)
@@ -75,7 +76,7 @@ def train(pairs: Pairs, size: BasisSize, centred: bool, progress: bool | None) -
 def nonnegative_priors(
     columns: NDArray[Any], lit: NDArray[np.bool_], learnt: PairSummary
 ) -> tuple[PriorMean, PriorMean]:
-    """Non-negative operators as prior means: for all pairs, and coarser for the folds."""
+    """Non-negative operators as prior means: fine for all pairs, coarse for the folds."""
     fine, coarse = (
         partial(operator, blocks=blocks(columns, lit, learnt.coefficients, most))
         for most in (_BLOCKS, _FOLD_BLOCKS)
@@ -122,12 +123,12 @@ def report_of(
     notes: tuple[str, ...],
     prior_errors: tuple[float, ...] = (),
 ) -> TransferReport:
-    """Report of a regression that `missed` a part of the coefficients of its pairs, (k, 3, rank).
+    """Report of a regression with coefficient residuals `missed`, (k, 3, rank).
 
     `unseen` are the errors for new lights.
     """
     learnt = apart.learnt
-    # Split the energy of the images into that inside and that outside of the basis.
+    # Split the energy of the images into the parts inside and outside of the basis.
     inside = np.sum(learnt.coefficients**2)
     residual = np.trace(learnt.outside, axis1=1, axis2=2)
     # Add the error of the regression inside the basis to the residual outside.
@@ -153,22 +154,22 @@ def _left_out(solver: Estimator, ridge: float, apart: Distinct) -> NDArray[np.fl
 
 
 def _relative(squares: NDArray[np.float64], apart: Distinct) -> NDArray[np.float64]:
-    """Relative error of each image that is not black, copies among them."""
+    """Relative error of each image that is not black, including copies."""
     return leave_one_out.relative(squares[apart.group], apart.learnt.energy[apart.group])
 
 
-#: Relative difference of the numbers of two copies: that of rounding in single precision.
+#: Largest relative difference between two copies, due to single-precision rounding.
 _SAME = 1e-6
 
 
 class Distinct(NamedTuple):
-    """Distinct pairs, and the copies of each."""
+    """Distinct pairs, with an index from all pairs to the distinct ones."""
 
     learnt: PairSummary
-    """The first of each group of copies, brighter by the square root of their number."""
+    """Summary of the distinct pairs, each scaled by the square root of its number of copies."""
 
     group: NDArray[np.intp]
-    """For each of all pairs, which of these it is a copy of, (k,)."""
+    """Index of the distinct pair that each pair equals, (k,)."""
 
     @property
     def copies(self) -> int:
@@ -177,7 +178,7 @@ class Distinct(NamedTuple):
 
 
 def distinct(learnt: PairSummary) -> Distinct:
-    """The pairs without their copies."""
+    """Merge equal pairs."""
     first = _first(learnt)
     kept, group, times = np.unique(first, return_inverse=True, return_counts=True)
     root = np.sqrt(times)[:, None, None]
@@ -191,11 +192,11 @@ def distinct(learnt: PairSummary) -> Distinct:
 
 
 def _first(learnt: PairSummary) -> NDArray[np.intp]:
-    """For each pair the first that it is a copy of, which may be itself, (k,)."""
+    """Index of the first pair that equals each pair, (k,); its own index if it is the first."""
     count = len(learnt.energy)
     direct = learnt.direct.reshape(count, -1)
     first = np.arange(count)
-    # Direct images have norm 1: only those with products of 1 need a closer look.
+    # Direct images have norm 1, so only images whose product is 1 can be equal.
     for i, j in np.argwhere(np.tril(direct @ direct.T > 1 - _SAME, -1)):
         are_same = first[j] == j and all(
             np.linalg.norm(part[i] - part[j]) <= _SAME * np.linalg.norm(part[i])

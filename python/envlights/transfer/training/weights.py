@@ -1,4 +1,4 @@
-"""Ridge regression in which direct texels count by the size of their indirect light.
+"""Ridge regression that weights direct texels by the norm of their indirect light.
 
 A prior errs by a fraction of what each direct texel sends: by where the light falls within the
 texel, and by what a few rays miss. So the remainder of the pairs, R = Y - X T0, has the prior
@@ -32,10 +32,10 @@ class WeightedRegression:
     """Weight of each direct texel, (3, texels)."""
 
     norms: NDArray[np.float64]
-    """Norms of the weighted images, or 1 where they are black, (k, 3, 1)."""
+    """Norms of the weighted images, (k, 3, 1); 1 for black images."""
 
     solver: Regression
-    """Regression on weighted images of norm 1."""
+    """Regression on weighted images scaled to norm 1."""
 
     def transfer(self, ridge: float, coefficients: NDArray[np.float64]) -> NDArray[np.float64]:
         """Matrix from direct light to coefficients, (3, texels, rank)."""
@@ -43,15 +43,15 @@ class WeightedRegression:
         return self.weights[..., None] * matrix
 
     def residual(self, ridge: float, coefficients: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Coefficients less what the fit to all of them gives, (k, 3, rank)."""
+        """Residual coefficients of the fit to all images, (k, 3, rank)."""
         return self.norms * self.solver.residual(ridge, coefficients / self.norms)
 
     def left_out(self, ridge: float, coefficients: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Coefficients less what a fit without their image gives, (k, 3, rank)."""
+        """Leave-one-out residuals of the coefficients, (k, 3, rank)."""
         return self.norms * self.solver.left_out(ridge, coefficients / self.norms)
 
     def shares(self, ridge: float, direct: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Factor of each image in the fit at new direct images (n, 3, texels), (3, n, k)."""
+        """Weight of each training image in predictions for `direct` (n, 3, texels), (3, n, k)."""
         solver = self.solver
         rows = (self.weights * direct).swapaxes(0, 1)
         turned = product(product(rows, solver.features.swapaxes(1, 2)), solver.vectors)

@@ -13,7 +13,7 @@ use crate::kernels::fit::light_disc::on_tangents;
 use crate::kernels::fit::picture::Patch;
 use crate::kernels::lanes::{LANES, Lanes, Number};
 
-/// Patches in blocks of one direction, A and flux a lane; the last block ends with black ones.
+/// Patches in SIMD blocks: a lane holds a direction, A and RGB flux; unused lanes at the end are black.
 #[derive(Clone, Debug)]
 pub struct Patches {
     blocks: Vec<[[f64; LANES]; 7]>,
