@@ -156,6 +156,7 @@ def test_an_area_light_of_three_js_has_area_and_radiance_of_the_card(name):
 
 
 @node.needs("three")
+@pytest.mark.filterwarnings("ignore:.* in one colour")
 @pytest.mark.parametrize("name", cards.ALL)
 def test_three_js_reads_light_and_plane(name, tmp_path):
     el.export.save(cards.ALL[name], tmp_path / "scene.three.json")
