@@ -245,3 +245,30 @@ def test_the_gloss_error_is_that_of_rendered_metal():
         squares += (off[0] * off[1]).sum(), (truth[0] * truth[1]).sum()
     expected = np.sqrt(squares[0] / squares[1])
     assert rig.report.gloss_error(0.4) == pytest.approx(expected, rel=0.05)
+
+
+def test_a_sun_that_was_moved_in_the_map_casts_its_shadow_from_there():
+    """The shadow of a hanging ball on a floor, seen from above, under the changed map alone."""
+    sun = el.synthetic.Disc((1, 1.5, 0.2), 1.5, (3000, 2800, 2500))
+    parts = el.split(el.synthetic.scene(256, background=[0.3, 0.4, 0.5], shapes=[sun]).radiance)
+    moved = parts.lights.moved(0, azimuth=np.deg2rad(250), elevation=np.deg2rad(50))
+    env = parts.with_lights(moved)
+    eye = mi.ScalarTransform4f().look_at(origin=[0, 3, 0], target=[0, 0, 0], up=[0, 0, 1])
+    eye = eye @ mi.ScalarTransform4f().scale([2, 2, 1])
+    flat = mi.ScalarTransform4f().rotate([1, 0, 0], -90).scale(4)
+    film = {"type": "hdrfilm", "width": 80, "height": 80, "rfilter": {"type": "box"}}
+    white = {"type": "diffuse", "reflectance": {"type": "rgb", "value": 1.0}}
+    scene = {
+        "type": "scene",
+        "integrator": {"type": "direct"},
+        "sensor": {"type": "orthographic", "to_world": eye, "film": film},
+        "floor": {"type": "rectangle", "to_world": flat, "bsdf": white},
+        "ball": {"type": "sphere", "center": [0, 1, 0], "radius": 0.15, "bsdf": white},
+        **el.export.mitsuba(parts.lights[:0], env),
+    }
+    image = np.array(mi.render(mi.load_dict(scene), spp=64, seed=1)).mean(axis=2)
+    z, x = 2 - 4 * (np.mgrid[:80, :80] + 0.5) / 80  # seen from above, +x is to the left
+    dark = (image < 0.5 * np.median(image)) & (np.hypot(x, z) > 0.2)
+    x, z = x[dark].mean(), z[dark].mean()
+    towards = moved.direction[0]
+    np.testing.assert_allclose([x, z], -towards[[0, 2]] / towards[1], atol=0.03)
