@@ -72,6 +72,7 @@ html_title = "envlights"
 html_static_path = ["static"]
 html_css_files = ["site.css"]
 html_extra_path = ["static/index.html"]
+html_search_scorer = str(HERE / "extensions" / "scorer.js")
 html_copy_source = False
 html_show_sphinx = False
 html_theme_options = {"navigation_with_keys": True}
