@@ -27,6 +27,14 @@ BATCH_CALLS = {
         BATCH.save,
         {"path": st.just("table.jsonl"), "of": st.sampled_from(["lights", "maps"])},
     ),
+    "row": (
+        el.batches.row,
+        {
+            "env": IMAGE,
+            "what": st.sampled_from(["fit", "detect", "split", "nothing"]),
+            "threads": st.sampled_from([1, 2]),
+        },
+    ),
     "label_arrays": (
         el.batches.label_arrays,
         {"labels": st.one_of(st.just(BATCH), st.lists(RIGS)), "lights": COUNT},

@@ -34,7 +34,7 @@ _COMMANDS = {
     "mcp": "Run an MCP server that gives agents access to chosen folders.",
     "merge": "Merge exposures into one map.",
     "photograph": "Find the lights of a photograph.",
-    "place": "Compute the light at any point of a room, from a depth map or its size.",
+    "place": "Compute the light at any point of a room, from a depth map or the size of the room.",
     "relight": "Move, dim, colour, resize, remove or add lights of a map.",
     "repair": "Estimate the clipped light of a picture.",
     "show": "Write one page on a map: its lights, errors and notes.",

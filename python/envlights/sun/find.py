@@ -113,7 +113,7 @@ class _Search(NamedTuple):
 
 
 def _answer(world: EnvMap, image: SkyImage, found: _Search) -> Sun:
-    """Sun of a clipped map, with the answer that follows from the points."""
+    """Sun of a clipped map, with the answer by the number of questions that it passes."""
     points = points_of(image, *found)
     count = sum(points.values())
     if count < PERHAPS:

@@ -73,7 +73,7 @@ impl<S: Simd> CapBatch<S> {
 }
 
 impl Harmonics {
-    /// Add discs, each given by its direction, its A and its flux.
+    /// Add discs, each given by direction, `A = sin^2(radius / 2)` and flux.
     pub fn add_discs(&mut self, discs: impl Iterator<Item = (DVec3, f64, [f64; 3])>) {
         let (caps, fluxes): (Vec<Cap>, Vec<[f64; 3]>) =
             discs.map(|(direction, share, flux)| (Cap::new(direction, share), flux)).unzip();

@@ -136,7 +136,7 @@ impl<'a> Search<'a> {
     }
 }
 
-/// The `count` best states, best first, each of another cost.
+/// The `count` states of lowest cost, best first; one of those with equal cost.
 fn best_of(mut states: Vec<State>, count: usize) -> Vec<State> {
     states.sort_by_key(rounded_cost);
     states.dedup_by_key(|state| rounded_cost(state));

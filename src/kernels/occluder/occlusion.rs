@@ -120,7 +120,7 @@ pub struct Place {
     normal: DVec3,
     /// Directions above the surface.
     horizon: ConvexRegion,
-    /// Silhouette of each solid; none of that of the receiver, because a convex solid hides nothing from itself.
+    /// Silhouette of each solid; `None` for that of the receiver, because a convex solid does not hide itself.
     silhouettes: Vec<Option<ConvexRegion>>,
 }
 

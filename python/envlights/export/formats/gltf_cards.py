@@ -80,7 +80,7 @@ def _buffers(panels: tuple[Panel, ...]) -> dict[str, Any]:
 
 
 def _arrays(panel: Panel) -> list[tuple[NDArray[Any], str, int]]:
-    """Points, (a, b) from the upper left as glTF has them, and a fan of triangles."""
+    """Vertices, texture coordinates from the upper left, as in glTF, and a fan of triangles."""
     points, places = panel.outline("gltf")
     fan = [index for k in range(1, len(points) - 1) for index in (0, k, k + 1)]
     return [

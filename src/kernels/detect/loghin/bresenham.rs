@@ -88,7 +88,7 @@ pub fn line(start: [i64; 2], end: [i64; 2]) -> Result<Vec<[i64; 2]>> {
     Ok(std::iter::once(start).chain(LineSteps::new(start, end)).collect())
 }
 
-/// True if the line between two pixels stays as bright as its start, after each of its pixels.
+/// True if the running mean along a line stays within `tolerance` of its start, or above `bright`.
 ///
 /// The mean is over the pixels after the start, each cut at the rule's ceiling. With `rule.sphere` the
 /// line goes the shorter way around.

@@ -64,7 +64,7 @@ impl<'a> Shadows<'a> {
         self.target.falls(&self.reference, sides, &state.moments.discs, &state.x)
     }
 
-    /// The disc nearest to one of that direction and radius.
+    /// Disc of this direction, with its radius clamped to the allowed range.
     pub fn disc(&self, direction: DVec3, radius: f64) -> Disc {
         Disc::new(direction, radius.clamp(DISCS.least, self.greatest_radius(direction)))
     }

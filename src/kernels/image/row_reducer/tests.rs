@@ -64,7 +64,7 @@ fn codes() -> impl Strategy<Value = Array3<u8>> {
     )
 }
 
-/// Values that grow like the power 9, so that a lamp may have nearly all of the flux.
+/// Values that grow as the 9th power, so that a lamp may have nearly all of the flux.
 fn table(codes: usize) -> Vec<f32> {
     (0..codes).map(|code| (code as f32 / (codes - 1) as f32).powi(9) * 1e4).collect()
 }
