@@ -171,8 +171,9 @@ def test_a_peer_that_is_better_in_both_is_reported(curves):
         for name, seconds, error in rows
     ]
     text = page.page([("p", part, MACHINE, points)])
-    assert "more accurate than ours, error: wins (1) against ours (1) on 1 of 1." in text
-    assert "matched by ours in less time, error: fast (1) on 1 of 1; wins (1) on 1 of 1." in text
+    cases = "(number of cases):"
+    assert f"with a smaller error {cases} wins (1) against ours (1) on 1 of 1." in text
+    assert f"both time and error {cases} fast (1) on 1 of 1; wins (1) on 1 of 1." in text
 
 
 def test_mksource_finds_a_sun(curves):

@@ -106,12 +106,12 @@ def _losses(part, errors, points):
             if not any(_is_matched(our, their, error) for our in rivals):
                 unbeaten.setdefault(name, set()).add(their.case)
         text.append(
-            f"\nOther methods that are faster and have a smaller {label} than a setting of ours"
-            f" (number of cases): {_listing(beaten, cases)}."
+            f"\nFaster than a setting of ours and with a smaller {label} (number of cases):"
+            f" {_listing(beaten, cases)}."
         )
         text.append(
-            f"\nOther methods for which no setting of ours is both faster and at least as accurate,"
-            f" by {label} (number of cases): {_listing(unbeaten, cases)}."
+            f"\nNot beaten by a setting of ours in both time and {label} (number of cases):"
+            f" {_listing(unbeaten, cases)}."
         )
     return text
 
