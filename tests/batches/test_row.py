@@ -26,6 +26,8 @@ def test_a_bad_map_is_a_row_and_a_bad_option_is_not():
         el.batches.row(b"no map", lihgts=2)
     with pytest.raises(el.EnvLightsError, match="what must be one of fit, detect"):
         el.batches.row(b"no map", "fits")
+    with pytest.raises(el.EnvLightsError, match="threads must be a whole number"):
+        el.batches.row(b"no map", threads="2")
 
 
 POOLS = """

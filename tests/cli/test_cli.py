@@ -253,16 +253,7 @@ def test_the_help_lists_every_subcommand_and_imports_none():
     context = click.Context(main)
     names = {path.stem for path in Path(cli.__file__).parent.iterdir()}
     listed = {name.replace("_", "-") for name in names if name[0] != "_"}
-    listed -= {
-        "demonstration",
-        "examples",
-        "map-input",
-        "fit-input",
-        "detection-input",
-        "sun-input",
-        "outputs",
-    }
-    listed -= {"numbers", "settings", "quiet", "refusal-words", "standard-streams"}
+    listed -= {"options", "demonstration", "examples", "refusal-words"}
     assert set(main.list_commands(context)) == listed
     for name in main.list_commands(context):
         assert main.get_command(context, name).name == name
@@ -270,10 +261,8 @@ def test_the_help_lists_every_subcommand_and_imports_none():
     code += "print([name for name in sys.modules if name.startswith('envlights.cli.')])"
     told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert all(name in told.stdout for name in main.list_commands(context))
-    imported = [
-        f"envlights.cli.{name}"
-        for name in ("examples", "quiet", "refusal_words", "standard_streams")
-    ]
+    options = ["options", "options.quiet", "options.standard_streams"]
+    imported = [f"envlights.cli.{name}" for name in ("examples", *options, "refusal_words")]
     assert told.stdout.endswith(f"{imported}\n")
 
 

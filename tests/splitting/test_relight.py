@@ -254,7 +254,10 @@ def test_the_command_draws_the_lights_of_a_rig_as_discs(tmp_path):
         (["--move", "1=x,3"], "--move must be a number"),
         (["--move", "1=,95"], "elevation in degrees must be a finite number, from -90 to 90"),
         (["--move", "9=1,3"], "names light 9; the map has"),
-        (["--turn", "1=0,60"], "the elevation would be 105"),
+        (
+            ["--turn", "1=0,60"],
+            "the new elevation in degrees must be a finite number, from -90 to 90",
+        ),
         (["--turn", "1=5"], "--turn must be two numbers"),
         (["--tint", "1=red"], "--tint must be three numbers"),
         (["--tint", "1=99K"], "kelvin must be a finite number, from 2000 to 15000"),

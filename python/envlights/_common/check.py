@@ -111,9 +111,9 @@ def amount(name: str, value: object, least: float = 0.0, most: float = math.inf)
         with contextlib.suppress(OverflowError):  # an int too large for a float
             number = float(value)
     if not (least <= number <= most and math.isfinite(number)):
-        limits = f"from {least:g} to {most:g}" if math.isfinite(most) else f"{least:g} or more"
-        limits += " (1 is 100 %)" if most == 1 else ""
-        raise EnvLightsError(f"{name} must be a finite number, {limits}; got {describe(value)}")
+        limits = f", from {least:g} to {most:g}" if math.isfinite(most) else f", {least:g} or more"
+        limits = limits * math.isfinite(least) + " (1 is 100 %)" * (most == 1)
+        raise EnvLightsError(f"{name} must be a finite number{limits}; got {describe(value)}")
     return number
 
 

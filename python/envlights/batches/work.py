@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from envlights import _native
+from envlights._common.check import count
 from envlights._common.printable import printable
 from envlights._native import EnvLightsError
 from envlights.batches.rows import row_of
@@ -108,7 +109,7 @@ def row(
     Raises
     ------
     EnvLightsError
-        If `what` is unknown or has no such options.
+        If `what` is unknown or has no such options, or `threads` is not a count.
 
     Examples
     --------
@@ -123,7 +124,18 @@ def row(
         raise EnvLightsError(f"what must be one of {', '.join(METHODS)}, or a function; got {what}")
     if isinstance(what, str) and options.keys() - inspect.signature(METHODS[what]).parameters:
         check_options(what, options)  # raises an error with a suggestion
-    found = work_on(Task("", "", env, what, options, None, None, threads, None)) or {}
+    task = Task(
+        name="",
+        source="",
+        content=env,
+        what=what,
+        options=options,
+        folder=None,
+        suffix=None,
+        threads=count("threads", threads),
+        known=None,
+    )
+    found = work_on(task) or {}  # never None, because no row is known
     return {name: value for name, value in found.items() if name not in {"name", "source", "file"}}
 
 

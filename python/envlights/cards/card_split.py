@@ -87,8 +87,6 @@ class CardSplit(_Fields, LinkedParts):
         ...     [path.name for path in written]
         ['rest.exr', 'room.usda', 'room.card_0.usd.exr']
         """
-        if not paths:
-            raise EnvLightsError("there is no path; give one or several, such as 'room.usda'")
         return save_with_map(
             at_place(self.cards, distance, radius), self.remainder, paths, **options
         )

@@ -16,9 +16,9 @@ from envlights._common.errors import FileError
 from envlights._common.printable import printable
 from envlights._native import EnvLightsError
 from envlights.cli.examples import with_examples
-from envlights.cli.quiet import with_quiet
+from envlights.cli.options.quiet import with_quiet
+from envlights.cli.options.standard_streams import with_standard_streams
 from envlights.cli.refusal_words import with_options
-from envlights.cli.standard_streams import with_standard_streams
 
 #: Subcommands with their help. The module of a subcommand is imported when it is called.
 _COMMANDS = {

@@ -13,9 +13,9 @@ from envlights.batches.columns import COLUMNS, SUFFIXES, check_table
 from envlights.batches.executors import NAMES
 from envlights.batches.result import Batch
 from envlights.batches.work import METHODS
-from envlights.cli.map_input import MapCommand, reading_options
-from envlights.cli.outputs import default_of, json_option, print_result
-from envlights.cli.settings import settings_from, settings_option
+from envlights.cli.options.map_input import MapCommand, reading_options
+from envlights.cli.options.outputs import default_of, json_option, print_result
+from envlights.cli.options.settings import settings_from, settings_option
 from envlights.environment.reading import Reading
 
 

@@ -8,8 +8,14 @@ import click
 
 from envlights._common.tables import json_text, save_table
 from envlights._native import EnvLightsError
-from envlights.cli.map_input import MapCommand, reading_options
-from envlights.cli.outputs import check_output, default_of, json_option, print_result, say_written
+from envlights.cli.options.map_input import MapCommand, reading_options
+from envlights.cli.options.outputs import (
+    check_output,
+    default_of,
+    json_option,
+    print_result,
+    say_written,
+)
 from envlights.comparison.compare import Comparison, compare
 from envlights.comparison.folders import FolderComparison, compare_folders
 from envlights.comparison.protocol import PROTOCOLS

@@ -10,9 +10,9 @@ from typing import Any
 import click
 
 from envlights._native import EnvLightsError
-from envlights.cli.map_input import MapCommand, MapFile, map_argument
-from envlights.cli.numbers import numbers
-from envlights.cli.outputs import check_source, default_of, say_written
+from envlights.cli.options.map_input import MapCommand, MapFile, map_argument
+from envlights.cli.options.numbers import numbers
+from envlights.cli.options.outputs import check_source, default_of, say_written
 from envlights.environment.envmap import EnvMap
 from envlights.environment.files.image_output import COMPRESSIONS, MAP_SUFFIXES
 from envlights.environment.layouts.picture import check_picture_path

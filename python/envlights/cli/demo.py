@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from envlights._common.files import NO_MATPLOTLIB, PICTURES, can_draw
-from envlights.cli.outputs import print_result, say_written, verbose_option
+from envlights.cli.options.outputs import print_result, say_written, verbose_option
 
 
 @click.command("demo")

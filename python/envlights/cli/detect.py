@@ -10,9 +10,9 @@ import click
 from envlights._common.files import PICTURES
 from envlights._native import EnvLightsError
 from envlights.batches.work import check_options
-from envlights.cli.detection_input import METHODS, SETTINGS, detection_settings
-from envlights.cli.map_input import MapCommand, MapFile, map_argument
-from envlights.cli.outputs import (
+from envlights.cli.options.detection_input import METHODS, SETTINGS, detection_settings
+from envlights.cli.options.map_input import MapCommand, MapFile, map_argument
+from envlights.cli.options.outputs import (
     OUTPUTS,
     check_outputs,
     json_option,
@@ -23,7 +23,7 @@ from envlights.cli.outputs import (
     verbose_option,
     write,
 )
-from envlights.cli.settings import settings_option, with_settings
+from envlights.cli.options.settings import settings_option, with_settings
 from envlights.export.targets import SUFFIXES
 from envlights.papers.loghin_steps import SAMPLINGS
 

@@ -8,10 +8,10 @@ from typing import Any
 import click
 
 from envlights._common.files import PICTURES
-from envlights.cli.fit_input import curve_arguments, curve_options
-from envlights.cli.map_input import MapCommand, MapFile, map_argument
-from envlights.cli.numbers import whole_numbers
-from envlights.cli.outputs import (
+from envlights.cli.options.fit_input import curve_arguments, curve_options
+from envlights.cli.options.map_input import MapCommand, MapFile, map_argument
+from envlights.cli.options.numbers import whole_numbers
+from envlights.cli.options.outputs import (
     check_outputs,
     json_option,
     output_option,

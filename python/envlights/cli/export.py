@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 from envlights._native import EnvLightsError
-from envlights.cli.outputs import (
+from envlights.cli.options.outputs import (
     check_outputs,
     output_option,
     print_losses,
@@ -18,7 +18,7 @@ from envlights.cli.outputs import (
     stage_options,
     strict_option,
 )
-from envlights.cli.standard_streams import STANDARD_INPUT
+from envlights.cli.options.standard_streams import STANDARD_INPUT
 from envlights.detection.lights_file import load_lights
 from envlights.environment.envmap import EnvMap
 from envlights.export.saving import save

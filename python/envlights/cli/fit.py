@@ -12,7 +12,7 @@ import click
 from envlights._common.files import PICTURES
 from envlights._common.printable import printable
 from envlights.batches.work import check_options
-from envlights.cli.fit_input import (
+from envlights.cli.options.fit_input import (
     fixed_of,
     radius_of,
     roughness_option,
@@ -20,14 +20,14 @@ from envlights.cli.fit_input import (
     start_of,
     start_options,
 )
-from envlights.cli.map_input import (
+from envlights.cli.options.map_input import (
     MapCommand,
     MapFile,
     map_argument,
     radiance_or_name,
     unseen_option,
 )
-from envlights.cli.outputs import (
+from envlights.cli.options.outputs import (
     OUTPUTS,
     as_dict,
     check_outputs,
@@ -41,7 +41,7 @@ from envlights.cli.outputs import (
     verbose_option,
     write,
 )
-from envlights.cli.sun_input import sun_options
+from envlights.cli.options.sun_input import sun_options
 from envlights.environment.envmap import EnvMap
 from envlights.export.capabilities import Capabilities
 from envlights.export.targets import SUFFIXES, shown_by, target_of

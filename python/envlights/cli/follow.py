@@ -8,14 +8,14 @@ from typing import Any
 
 import click
 
-from envlights.cli.fit_input import radius_of, shape_options
-from envlights.cli.map_input import (
+from envlights.cli.options.fit_input import radius_of, shape_options
+from envlights.cli.options.map_input import (
     MapCommand,
     radiance_or_name,
     reading_options,
     unseen_option,
 )
-from envlights.cli.outputs import (
+from envlights.cli.options.outputs import (
     check_outputs,
     default_of,
     json_option,

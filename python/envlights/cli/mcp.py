@@ -13,7 +13,7 @@ import click
 
 from envlights._common.printable import printable
 from envlights._native import EnvLightsError
-from envlights.cli.outputs import check_source
+from envlights.cli.options.outputs import check_source
 from envlights.cli.relight import EDITS, apply_edits
 from envlights.comparison.compare import compare
 from envlights.detection.detect import detect

@@ -9,7 +9,7 @@ from pathlib import Path
 import click
 
 from envlights._native import EnvLightsError
-from envlights.cli.outputs import check_output, say_written
+from envlights.cli.options.outputs import check_output, say_written
 from envlights.environment.envmap import EnvMap
 
 #: Formats that can hold radiance above the clip level.

@@ -9,7 +9,7 @@ import click
 import numpy as np
 
 from envlights._common.files import PICTURES
-from envlights.cli.outputs import (
+from envlights.cli.options.outputs import (
     OUTPUTS,
     check_outputs,
     json_option,
@@ -20,7 +20,12 @@ from envlights.cli.outputs import (
     verbose_option,
     write,
 )
-from envlights.cli.settings import settings_from, settings_of, settings_option, with_settings
+from envlights.cli.options.settings import (
+    settings_from,
+    settings_of,
+    settings_option,
+    with_settings,
+)
 from envlights.export.targets import SUFFIXES
 from envlights.papers.loghin_steps import PHOTOGRAPH, SAMPLINGS
 from envlights.papers.photograph import detect_photograph

@@ -9,9 +9,9 @@ from typing import Any
 import click
 
 from envlights._native import EnvLightsError
-from envlights.cli.map_input import MapCommand, MapFile, map_argument
-from envlights.cli.numbers import numbers
-from envlights.cli.outputs import (
+from envlights.cli.options.map_input import MapCommand, MapFile, map_argument
+from envlights.cli.options.numbers import numbers
+from envlights.cli.options.outputs import (
     check_outputs,
     check_source,
     json_option,

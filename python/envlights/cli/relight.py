@@ -13,9 +13,9 @@ from envlights._common.check import amount
 from envlights._common.words import quantity
 from envlights._native import EnvLightsError
 from envlights.cli.convert import layout_option, write_map
-from envlights.cli.map_input import MapCommand, MapFile, map_argument
-from envlights.cli.numbers import numbers
-from envlights.cli.outputs import check_output, say_written
+from envlights.cli.options.map_input import MapCommand, MapFile, map_argument
+from envlights.cli.options.numbers import numbers
+from envlights.cli.options.outputs import check_output, say_written
 from envlights.detection.lights_file import load_lights
 from envlights.environment.files.image_output import MAP_SUFFIXES
 from envlights.kernels.angles import direction_at
@@ -40,9 +40,7 @@ _CHANGES: dict[str, tuple[str, Callable[[Lights, int, str], Lights]]] = {
     ),
     "radius": (
         "1=0.27",
-        lambda lights, row, text: lights.resized(
-            row, math.radians(*numbers("--radius", text, "0.27"))
-        ),
+        lambda lights, row, text: lights.resized(row, _radius(*numbers("--radius", text, "0.27"))),
     ),
     "remove": ("1", lambda lights, row, _: lights.without(row)),
 }
@@ -140,12 +138,14 @@ def _row(option: str, number: int, removed: Lights, lights: Lights) -> int:
 
 def _turn(lights: Lights, row: int, degrees: Sequence[float]) -> Lights:
     """Lights with one of them moved by degrees of azimuth and elevation."""
-    azimuth, elevation = np.add([lights.azimuth[row], lights.elevation[row]], np.deg2rad(degrees))
-    if abs(elevation) > math.pi / 2:
-        raise EnvLightsError(
-            f"--turn: the elevation would be {math.degrees(elevation):.4g} degrees"
-        )
-    return lights.moved(row, azimuth=azimuth, elevation=elevation)
+    before = np.rad2deg([lights.azimuth[row], lights.elevation[row]])
+    azimuth, elevation = before + [amount("--turn: degrees", each, -math.inf) for each in degrees]
+    amount("--turn: the new elevation in degrees", elevation.item(), -90.0, 90.0)
+    return lights.moved(row, azimuth=math.radians(azimuth), elevation=math.radians(elevation))
+
+
+def _radius(degrees: float) -> float:
+    return math.radians(amount("--radius in degrees", degrees, 0.0, 90.0))
 
 
 def _colour(text: str) -> dict[str, Any]:

@@ -6,15 +6,15 @@ from typing import Any
 
 import click
 
-from envlights.cli.map_input import (
+from envlights.cli.options.map_input import (
     MapCommand,
     MapFile,
     map_argument,
     radiance_or_name,
     unseen_option,
 )
-from envlights.cli.outputs import check_output, say_written
-from envlights.cli.sun_input import reading_options, sun_options
+from envlights.cli.options.outputs import check_output, say_written
+from envlights.cli.options.sun_input import reading_options, sun_options
 from envlights.environment.envmap import EnvMap
 from envlights.sun.choice import AnySun, is_of_map, sun_of
 from envlights.sun.sun_split import with_sun

@@ -8,9 +8,9 @@ from typing import Any
 import click
 
 from envlights._common.files import write_atomically
-from envlights.cli.fit_input import curve_arguments, curve_options
-from envlights.cli.map_input import MapCommand, MapFile, map_argument
-from envlights.cli.outputs import check_can_draw, check_output, say_written
+from envlights.cli.options.fit_input import curve_arguments, curve_options
+from envlights.cli.options.map_input import MapCommand, MapFile, map_argument
+from envlights.cli.options.outputs import check_can_draw, check_output, say_written
 from envlights.fitting.error_curve import error_curve
 from envlights.fitting.request import LIGHTS
 

@@ -16,9 +16,9 @@ from envlights.batches.work import check_options
 from envlights.cards.card_split import CardSplit, at_place
 from envlights.cards.cut import with_discs
 from envlights.cli.convert import layout_option, write_map
-from envlights.cli.detection_input import detection_settings
-from envlights.cli.map_input import MapCommand, MapFile, map_argument
-from envlights.cli.outputs import (
+from envlights.cli.options.detection_input import detection_settings
+from envlights.cli.options.map_input import MapCommand, MapFile, map_argument
+from envlights.cli.options.outputs import (
     check_outputs,
     check_source,
     json_option,
@@ -29,8 +29,8 @@ from envlights.cli.outputs import (
     stage_options,
     verbose_option,
 )
-from envlights.cli.settings import settings_of, settings_option
-from envlights.cli.sun_input import reading_options, sun_options
+from envlights.cli.options.settings import settings_of, settings_option
+from envlights.cli.options.sun_input import reading_options, sun_options
 from envlights.detection.detect import detect
 from envlights.environment.envmap import EnvMap
 from envlights.environment.files.image_output import MAP_SUFFIXES
@@ -192,8 +192,9 @@ def _write(
     written = list(map(str, paths_of(plan(parts.remainder, scenes, parts.lights))))
     for path in written:
         check_source(path, {"the map": source})
-    with print_losses():
-        save_with_map(parts.lights, parts.remainder, scenes, **stage)
+    if scenes:
+        with print_losses():
+            save_with_map(parts.lights, parts.remainder, scenes, **stage)
     for output in maps:
         written += write_map(parts.remainder, output, target)
     for output in pictures:

@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 from envlights._common.tables import json_lines
-from envlights.cli.outputs import (
+from envlights.cli.options.outputs import (
     check_output,
     check_source,
     default_of,
@@ -18,8 +18,8 @@ from envlights.cli.outputs import (
     stage_of,
     stage_options,
 )
+from envlights.export.exposure import with_exposure
 from envlights.export.files import save_scene
-from envlights.export.formats.mujoco import with_exposure
 from envlights.export.saving import check_options, save
 from envlights.export.targets import SUFFIXES, Target, target_of
 from envlights.rigs.rig import Rig

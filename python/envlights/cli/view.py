@@ -6,8 +6,8 @@ from pathlib import Path
 
 import click
 
-from envlights.cli.map_input import MapCommand, MapFile, map_argument, radiance_or_name
-from envlights.cli.outputs import check_output, say_written
+from envlights.cli.options.map_input import MapCommand, MapFile, map_argument, radiance_or_name
+from envlights.cli.options.outputs import check_output, say_written
 from envlights.rigs.rig import Rig
 from envlights.viewer.model import Model
 from envlights.viewer.page import SUFFIXES, view

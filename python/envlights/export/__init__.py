@@ -9,6 +9,7 @@
 | lights, and a constant or a map around them              | `scene.py`     |
 | from our frame to the target's                           | `../frames.py` |
 | from lux and cd/m2 to the target's units                 | `units.py`     |
+| scale of pixels that end at 1                            | `exposure.py`  |
 | cards as panels in front of the map                      | `panels.py`    |
 | discs in a map, for targets whose lights have no size    | `discs.py`     |
 | pixels of a map in given directions                      | `look_up.py`   |

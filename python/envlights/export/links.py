@@ -58,9 +58,12 @@ def save_with_map(
     Raises
     ------
     EnvLightsError
-        If a suffix is unknown, two of the files have the same path, or one cannot be written.
+        If there is no path, a suffix is unknown, two of the files have the same path, or one cannot
+        be written.
     """
     files = plan(environment, paths, lights)
+    if not files:
+        raise EnvLightsError("there is no path; give one or several, such as 'room.usda'")
     check_options((file.target for file in files if file.target), options)
     # Write map files first, so that no scene references a missing map.
     for file in sorted(files, key=lambda file: file.target is not None):
@@ -119,8 +122,6 @@ class LinkedParts:
         ...     [path.name for path in parts.save(*paths)]
         ['rest.exr', 'sun.py']
         """
-        if not paths:
-            raise EnvLightsError("there is no path; give one or several, such as 'sun.usda'")
         return save_with_map(self.lights, self.remainder, paths, **options)
 
     def _repr_pretty_(self, printer: Any, _: bool) -> None:

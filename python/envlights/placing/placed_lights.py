@@ -224,10 +224,8 @@ class PlacedLights(Result):
                 raise EnvLightsError(
                     f"cannot write {path}: {target_of(path).title} shows no lights with positions;"
                     f" give one of {', '.join(_SUFFIXES)}, or write the light of one point, a rig:"
-                    " placed.at(point).save(...)"
+                    " placed.at(point).save(...), or --point on the command line"
                 )
-        if not paths:
-            raise EnvLightsError("there is no path; give one or several, such as 'room.usda'")
         place = triple("at", at)
         where = " ".join(f"{metres:.4g}" for metres in place)
         note = f"positions are in metres from the camera, and the map is that of ({where})"

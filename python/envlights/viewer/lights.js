@@ -8,7 +8,7 @@ const clamp = (x, least, most) => Math.min(Math.max(x, least), most);
 const encode = (x) => (x > 0.0031308 ? 1.055 * x ** (1 / 2.4) - 0.055 : 12.92 * x);
 const decode = (x) => (x > 0.04045 ? ((x + 0.055) / 1.055) ** 2.4 : x / 12.92);
 
-/** Place of a direction on the map, from 0 to 1 to the right and down, and the direction of a place. */
+/** Position on the map of a direction, from 0 to 1 to the right and down, and the direction of a position. */
 const placeOf = ([x, y, z]) => [0.5 - Math.atan2(x, z) / (2 * Math.PI), Math.atan2(Math.hypot(x, z), y) / Math.PI];
 const directionAt = (u, v) => [Math.sin(Math.PI * v) * Math.sin(2 * Math.PI * (0.5 - u)), Math.cos(Math.PI * v), Math.sin(Math.PI * v) * Math.cos(2 * Math.PI * (0.5 - u))];
 
@@ -30,19 +30,19 @@ function lightsPanel(page) {
     page.list();
     page.redraw();
   });
-  // The codes of the picture end far above white.
+  // Brighten the picture, because its largest code is far above the white of the page.
   picture.style.filter = `brightness(${(data.exposure * data.white) ** (1 / 2.4)})`;
-  const tell = () => {
+  const updateNote = () => {
     const rig = rigOf(data, state), count = rig.lights.length - state.off.length, lights = `${count} light${count === 1 ? "" : "s"}`;
     undo.disabled = !state.off.length && JSON.stringify(rig.lights) === JSON.stringify(rig.rows.map(lightOf));
     fitted.textContent = undo.disabled ? (rig.error > 0 ? `${lights}: error of the irradiance ${(100 * rig.error).toPrecision(2)} %` : lights) : `${lights}, changed: the error is not measured`;
   };
   page.list = () => {
-    const rig = rigOf(data, state), controls = rig.lights.map((_, k) => lightControls(page, rig, k, tell));
+    const rig = rigOf(data, state), controls = rig.lights.map((_, k) => lightControls(page, rig, k, updateNote));
     sky.replaceChildren(picture, ...controls.map(([handle]) => handle).reverse());
     rows.replaceChildren(...controls.map(([, row]) => row));
     page.caution.hidden = rig.floor;
-    tell();
+    updateNote();
   };
   const files = node("div", { className: "files" },
     button("Save lights", "lights.json, which el.Rig.load reads", () => download("lights.json", JSON.stringify(rigFile(page), null, 1))),
@@ -51,7 +51,7 @@ function lightsPanel(page) {
 }
 
 // Handle and row of a light of a rig, which change it.
-function lightControls(page, rig, k, tell) {
+function lightControls(page, rig, k, updateNote) {
   const { data, state } = page, light = rig.lights[k], name = `light ${k + 1}`;
   const luminance = (rgb) => rgb.reduce((sum, x, channel) => sum + x * data.luminance[channel], 0);
   const scaled = (rgb, most) => rgb.map((x) => x * most / (luminance(rgb) || 1));
@@ -70,7 +70,7 @@ function lightControls(page, rig, k, tell) {
     for (const each of [handle, row]) each.style.setProperty("--lamp", codeOf(light.irradiance));
     output.textContent = page.stops(Number(stops.value));
   };
-  const change = (values) => { Object.assign(light, values); show(); tell(); page.redraw(); };
+  const change = (values) => { Object.assign(light, values); show(); updateNote(); page.redraw(); };
   const aim = (u, v) => change({ direction: directionAt(u, clamp(v, POLE, rig.floor ? 0.5 : 1 - POLE)) });
   on.addEventListener("input", () => { state.off = state.off.filter((j) => j !== k).concat(on.checked ? [] : [k]); change({}); });
   stops.addEventListener("input", () => change({ irradiance: scaled(light.irradiance, first * 2 ** stops.value) }));
@@ -123,10 +123,10 @@ function panorama({ data, state }, width, height) {
   const { ambient, floor, lights } = rigOf(data, state), radiance = new Float32Array(3 * width * height);
   const pixel = (row, column) => directionAt((column + 0.5) / width, (row + 0.5) / height);
   // Radiance over irradiance of harmonics by their degree.
-  const share = (k) => (k ? k < 4 ? 3 / 2 : 4 : 1) / Math.PI;
+  const factor = (k) => (k ? k < 4 ? 3 / 2 : 4 : 1) / Math.PI;
   for (let row = 0; row < (floor ? height / 2 : height); row++) for (let column = 0; column < width; column++) {
     const [x, y, z] = pixel(row, column), terms = [1, y, z, x, x * y, y * z, 3 * z * z - 1, x * z, x * x - y * y];
-    const sky = ambient.length > 1 ? [0, 1, 2].map((channel) => Math.max(terms.reduce((sum, term, k) => sum + term * share(k) * ambient[k][channel], 0), 0)) : ambient[0];
+    const sky = ambient.length > 1 ? [0, 1, 2].map((channel) => Math.max(terms.reduce((sum, term, k) => sum + term * factor(k) * ambient[k][channel], 0), 0)) : ambient[0];
     radiance.set(sky, 3 * (row * width + column));
   }
   for (const { direction, irradiance, radius } of lights.filter((_, k) => !state.off.includes(k))) {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from envlights.cli.outputs import check_output, default_of, say_written
+from envlights.cli.options.outputs import check_output, default_of, say_written
 from envlights.environment.files.image_output import write_exr
 from envlights.environment.files.images import read_image
 from envlights.transfer.model import TransferModel

@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from envlights._common.files import PICTURES
-from envlights.cli.outputs import check_output, say_written
+from envlights.cli.options.outputs import check_output, say_written
 from envlights.environment.files.images import read_image
 from envlights.transfer.model import TransferModel
 

@@ -8,7 +8,7 @@ import click
 
 from envlights._common.files import check_writable
 from envlights._common.printable import printable
-from envlights.cli.outputs import json_option, say_written
+from envlights.cli.options.outputs import json_option, say_written
 from envlights.transfer.files.database import read_pairs
 from envlights.transfer.files.npz_file import check_suffix
 from envlights.transfer.model import TransferModel

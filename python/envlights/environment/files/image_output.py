@@ -166,7 +166,8 @@ def write_png(
     if not largest <= 1:
         raise FileError(
             f"cannot write {path}: its largest sample is {largest:g}, above the 1 of PNG files;"
-            " scale the map, use its `limited(1)`, or write an .exr, .hdr or .tif file"
+            " scale the map, limit it (`limited(1)`, or `envlights convert --limit 1`), or write"
+            " an .exr, .hdr or .tif file"
         )
     codes = np.round(encode_srgb(radiance) * 65535).astype(np.uint16)
     _write(path, _native.png_file(codes, _description(comments)))

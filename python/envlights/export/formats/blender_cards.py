@@ -57,7 +57,7 @@ def add_cards(collection):
         lamp.energy = 4 * math.pi * max(intensity)  # W
         lamp.shadow_soft_size, lamp.use_soft_falloff = radius, False
         light = bpy.data.objects.new(f"envlights_{name}", lamp)
-        light.location = centre
+        light.location, light.visible_camera = centre, True
         collection.objects.link(light)
     for name, points, places, texture in PLANES:
         mesh = bpy.data.meshes.new(f"envlights_{name}")
@@ -74,6 +74,7 @@ def show_to_cameras():
     """Let cameras see as far as the cards; a new one ends at 100 m."""
     places = [Matrix(matrix).translation for _, matrix, *_ in RECTANGLES]
     places += [Vector(point) for _, points, *_ in PLANES for point in points]
+    places += [Vector(centre) for _, centre, *_ in SPHERES]
     reach = 2 * max((place.length for place in places), default=0)
     for camera in bpy.data.cameras:
         camera.clip_end = max(camera.clip_end, reach)

@@ -13,20 +13,17 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._common.check import amount
 from envlights._common.words import fill_template
 from envlights.environment.reading import AnyMap
+from envlights.export.exposure import with_exposure
 from envlights.export.files import AnyPath, save_scene
 from envlights.export.formats.xml_text import comment, document
-from envlights.export.scene import Discs, Exportable, Scene, at_most, mean_radiance, scene_of
-from envlights.export.targets import AXES, CASTERS, target_named
-from envlights.kernels.sampling import icosphere
+from envlights.export.scene import Discs, Exportable
+from envlights.export.targets import AXES, CASTERS
 
 #: Metres from the origin to each lamp, where its shadow map begins. MuJoCo draws shadow maps to 50
 #: times the extent of the model, so shadows need an extent of 0.2 to 10 metres.
 _DISTANCE = 10.0
-#: Normals at which the brightest white surface is searched.
-_NORMALS = 5120
 
 _COMMENT = """
   Lights of envlights for the classic renderer of MuJoCo. z is up; the centre of the map is along x.
@@ -114,18 +111,6 @@ def save_mujoco(
     save_scene(path, mujoco(rig, environment, scale=scale))
 
 
-def with_exposure(
-    target: str, rig: Exportable, environment: AnyMap | None, scale: float | None
-) -> tuple[Scene, float]:
-    """Brightest lights and a constant, for a target without maps, and the scale of its pixels."""
-    scene = scene_of(rig, environment, target=target)
-    constant = scene._replace(ambient=mean_radiance(scene), environment=None)
-    scene = at_most(constant, target_named(target).shows.lights)
-    if scale is not None:
-        return scene, amount("scale", scale)
-    return scene, _largest_scale(scene.lights, np.pi * scene.constant)
-
-
 def _lamps(lights: Discs, factor: float) -> list[dict[str, str]]:
     """Attributes of each light; its highlights on a material are as bright as its diffuse light."""
     return [
@@ -141,14 +126,6 @@ def _lamps(lights: Discs, factor: float) -> list[dict[str, str]]:
             zip(AXES["mujoco"].to_target(lights.direction), lights.irradiance, strict=True)
         )
     ]
-
-
-def _largest_scale(lights: Discs, ambient: NDArray[np.float64]) -> float:
-    """Scale at which the brightest channel of the brightest white surface is 1."""
-    towards = lights.direction
-    normals = np.concatenate([towards, icosphere(_NORMALS)[0]])
-    lit = np.maximum(normals @ towards.T, 0) @ lights.irradiance + ambient
-    return float(1 / (lit.max() or 1.0))
 
 
 def _numbers(values: NDArray[Any]) -> str:

@@ -6,8 +6,8 @@ from typing import Any
 
 from envlights._common.words import fill_template
 from envlights.environment.reading import AnyMap
+from envlights.export.exposure import with_exposure
 from envlights.export.files import AnyPath, save_scene
-from envlights.export.formats.mujoco import with_exposure
 from envlights.export.scene import Exportable
 from envlights.export.targets import AXES
 

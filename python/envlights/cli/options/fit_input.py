@@ -9,8 +9,8 @@ from typing import Any
 import click
 
 from envlights.batches.work import check_options
-from envlights.cli.map_input import direction_in, radiance_or_name, unseen_option
-from envlights.cli.outputs import default_of
+from envlights.cli.options.map_input import direction_in, radiance_or_name, unseen_option
+from envlights.cli.options.outputs import default_of
 from envlights.detection.lights_file import SUFFIXES, load_lights
 from envlights.fitting.fit import fit
 from envlights.fitting.map_fit import OBJECTIVES

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import click
 
 from envlights._native import EnvLightsError
-from envlights.cli.numbers import numbers
+from envlights.cli.options.numbers import numbers
 from envlights.environment.envmap import EnvMap
 from envlights.environment.layouts.projections import (
     ARGUMENTS,

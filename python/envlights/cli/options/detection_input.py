@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from envlights.cli.settings import settings_from, settings_of
+from envlights.cli.options.settings import settings_from, settings_of
 from envlights.detection.detect import detect
 from envlights.papers import loghin
 

@@ -19,7 +19,7 @@ from envlights._common.errors import FileError
 from envlights._common.files import NO_MATPLOTLIB, PICTURES, can_draw, check_writable
 from envlights._common.printable import printable
 from envlights._native import EnvLightsError
-from envlights.cli.standard_streams import is_standard_output
+from envlights.cli.options.standard_streams import is_standard_output
 from envlights.export.saving import check_options
 from envlights.export.targets import SUFFIXES, target_of
 from envlights.frames import frame_named

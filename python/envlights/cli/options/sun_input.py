@@ -10,8 +10,8 @@ from typing import Any
 import click
 
 from envlights._native import EnvLightsError
-from envlights.cli.map_input import MapOption
-from envlights.cli.numbers import numbers
+from envlights.cli.options.map_input import MapOption
+from envlights.cli.options.numbers import numbers
 from envlights.sun.almanac import SunAt
 from envlights.sun.choice import AUTO, AnySun
 
