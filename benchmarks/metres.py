@@ -1,6 +1,13 @@
-"""Errors of lights in metres, for docs/lab/metres.md: rooms, bad depths, two maps, run time."""
+"""Errors of lights in metres, for docs/lab/metres.md: rooms, bad depths, two maps, run time.
 
+Rooms are in closed form, without indirect light. With folders as arguments, the truth is that of
+path-traced maps: files KIND.npz of the rooms with `map0` and `depth0` at the camera, 512 x 256,
+and `map1` to `map6` at `OFFSETS`.
+"""
+
+import sys
 import time
+from pathlib import Path
 
 import numpy as np
 from scipy.ndimage import gaussian_filter
@@ -8,11 +15,14 @@ from tests.placing.rooms import OFFSETS, room, seen
 
 import envlights as el
 from envlights import kernels
+from envlights.placing.depth import box_distance
 
 NORMALS, WEIGHTS = kernels.icosphere(320)
 POINTS = np.array([(0, 0, 0), *OFFSETS])
 #: Points at each distance.
 GROUPS = ([0], [1, 2], [3, 4], [5, 6])
+#: Corner of the rooms, whose camera is in the middle.
+CORNER = np.array([3, 1.5, 2.5])
 ROOMS = ("pendants", "panel", "downlights", "hole", "furnished")
 
 
@@ -31,12 +41,16 @@ def errors_of(irradiance, truth):
 
 
 def position_errors(placed, kind):
-    """Distance of each light to the nearest lamp, relative to its own, in percent."""
+    """Distance of each light to the lamp in its direction, relative to its own, in percent.
+
+    Spots of bright ceiling, in whose direction there is no lamp, are left out.
+    """
     lamps = np.array([lamp.centre for lamp in room(kind).lamps])
-    near = [each for each in placed if each.kind != "sun"]
+    towards = lamps / np.linalg.norm(lamps, axis=1)[:, None]
     return [
         100 * np.linalg.norm(lamps - light.position, axis=1).min() / light.distance
-        for light in near
+        for light in placed
+        if light.kind != "sun" and (towards @ light.direction).max() > np.cos(0.1)
     ]
 
 
@@ -47,7 +61,8 @@ def of_depths(kind, split, depth, truth):
         "smooth noise": [{"depth": noisy(depth, seed, 14)} for seed in range(4)],
         "noise of pixels": [{"depth": noisy(depth, 1, 0)}],
         "scale 1.05": [{"depth": depth, "scale": 1.05}],
-        "room": [{"room": (6, 3, 5)}],
+        "box alone": [{"depth": box_distance((-CORNER, CORNER), 256), "reading": "ray"}],
+        "box and shading": [{"room": 2 * CORNER}],
     }
     for name, options in cases.items():
         placed = [el.place(split, **each) for each in options]
@@ -58,8 +73,36 @@ def of_depths(kind, split, depth, truth):
     return el.place(split, depth)
 
 
+def of_traced_rooms(folder):
+    """Print the errors in rooms that a renderer has traced."""
+    for kind in ROOMS:
+        with np.load(folder / f"{kind}.npz") as arrays:
+            maps = [arrays[f"map{number}"] for number in range(7)]
+            depth = without_window(arrays["depth0"], kind)
+        truth = [el.EnvMap(each).probe(NORMALS) for each in maps]
+        split = el.split(maps[0], shapes=True)
+        received = of_depths(kind, split, depth, truth).irradiance(POINTS[:1], NORMALS)[0]
+        print(" at infinity", np.round(errors_of([received] * 7, truth), 2))
+        for number, point in enumerate(OFFSETS[2:], 3):
+            other = el.place([(split, (0, 0, 0)), (maps[number], point)])
+            print(" two maps", point, np.round(position_errors(other, kind), 2), f"of {len(other)}")
+
+
+def without_window(depth, kind):
+    """Depth that is unknown in a window, as behind glass."""
+    rays = kernels.pixel_directions(*depth.shape)
+    for lamp in room(kind).lamps:
+        if getattr(lamp, "is_window", False):
+            depth = np.where(np.isfinite(lamp.hit(np.zeros(3), rays)), np.inf, depth)
+    return depth
+
+
 def main():
     """Print all figures."""
+    for folder in map(Path, sys.argv[1:]):
+        of_traced_rooms(folder)
+    if sys.argv[1:]:
+        return
     for kind in ROOMS:
         radiance, depth = seen(kind)
         start = time.process_time()

@@ -187,10 +187,19 @@ def test_lights_with_positions_are_those_of_python(hall, tmp_path):
     placed = el.place(hall, room=(8, 4, 6))
     for folder in ("one", "two"):
         (tmp_path / folder).mkdir()
-    stage = {"up": "z", "metres_per_unit": 0.01}
+    stage = {"up": "z", "metres_per_unit": 0.01, "at": [1, 0.2, -0.5]}
     placed.save(tmp_path / "one/room.usda", tmp_path / "one/rest.exr", **stage)
     outputs = ["-o", tmp_path / "two/room.usda", "-o", tmp_path / "two/rest.exr"]
-    words = ["--room", "8,4,6", "--up", "z", "--metres-per-unit", "0.01"]
+    words = [
+        "--room",
+        "8,4,6",
+        "--up",
+        "z",
+        "--metres-per-unit",
+        "0.01",
+        "--remainder-at",
+        "1,0.2,-0.5",
+    ]
     run("place", hall, *words, *outputs)
     for path in (tmp_path / "one").iterdir():
         assert path.read_bytes() == (tmp_path / "two" / path.name).read_bytes(), path.name
@@ -198,6 +207,12 @@ def test_lights_with_positions_are_those_of_python(hall, tmp_path):
     refused = CliRunner().invoke(main, no_positions)
     assert refused.exit_code == 2
     assert "shows no lights with positions" in refused.output
+    for words in (["--point", "1,0,0", "-o", str(tmp_path / "a.usda")], []):
+        refused = CliRunner().invoke(
+            main, ["place", hall, "--room", "8,4,6", "--remainder-at", "1,0,0", *words]
+        )
+        assert refused.exit_code == 2
+        assert "--remainder-at is a point for lights with positions" in refused.output
 
 
 def test_the_map_beside_a_scene_of_positions_does_not_replace_the_input(hall, tmp_path):

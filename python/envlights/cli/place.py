@@ -51,6 +51,11 @@ _POINT = "1,0.2,-0.5"
     help="Point for -o, in metres from the camera, in the axes of MAP. Default: lights with"
     " positions.",
 )
+@click.option(
+    "--remainder-at",
+    metavar="X,Y,Z",
+    help="Point whose map lies around lights with positions. Default: the camera.",
+)
 @output_option(
     "Lights with positions in metres (.usda, .py, .xml, .pbrt, .gltf, .three.json), or their"
     " remainder (.exr). With --point, the map or a rig (as of `fit`) there. Can be repeated."
@@ -65,6 +70,7 @@ def command(
     room: str | None,
     camera_position: str | None,
     point: str | None,
+    remainder_at: str | None,
     outputs: Sequence[str],
     stage: dict[str, Any],
     as_json: bool,
@@ -74,6 +80,11 @@ def command(
     check_outputs(outputs, (*SUFFIXES, *MAP_SUFFIXES), inputs, stage)
     if point and not outputs:
         raise EnvLightsError("--point is a point for files; give -o as well")
+    if remainder_at and (point or not outputs):
+        raise EnvLightsError(
+            "--remainder-at is a point for lights with positions; give -o, and no --point"
+        )
+    stage |= {} if remainder_at is None else {"at": numbers("--remainder-at", remainder_at, _POINT)}
     where = None if point is None else numbers("--point", point, _POINT)
     placed = place(
         map_file.open(),

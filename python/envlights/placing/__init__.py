@@ -6,6 +6,7 @@
 | distance along the ray, from a file or a room         | `depth.py`         |
 | light with a position                                 | `placed_light.py`  |
 | position of a light by depth                          | `position.py`      |
+| - by its light on the walls of a box                  | `shading.py`       |
 | - by two maps                                         | `triangulate.py`   |
 | remainder as surfaces at their depth                  | `patches.py`       |
 | all lights, with irradiance, rig and map at a point   | `placed_lights.py` |

@@ -40,8 +40,8 @@ def read_depth(depth: Any, reading: str | None, scale: float | None) -> tuple[Re
     return np.where(known, distance, np.inf), [*notes, *_doubts(distance)]
 
 
-def room_distance(room: ArrayLike, camera: ArrayLike | None, height: int) -> Reals:
-    """Distance of the walls of a box along the ray of each pixel; see `place`."""
+def corners_of(room: ArrayLike, camera: ArrayLike | None) -> tuple[Reals, Reals]:
+    """Least and largest coordinates of a box, from the camera; see `place`."""
     size = triple("room", room)
     inside = size / 2 if camera is None else triple("camera", camera)
     if not ((inside > 0) & (inside < size)).all():
@@ -49,9 +49,14 @@ def room_distance(room: ArrayLike, camera: ArrayLike | None, height: int) -> Rea
             f"camera must lie in the room of {size.tolist()} m, measured from the corner with the"
             f" least x, y and z; got {inside.tolist()}"
         )
-    ray = pixel_directions(height, 2 * height)
+    return -inside, size - inside
+
+
+def box_distance(corners: tuple[Reals, Reals], height: int) -> Reals:
+    """Distance of the walls of a box along the ray of each pixel."""
+    ray, (low, high) = pixel_directions(height, 2 * height), corners
     with np.errstate(divide="ignore"):
-        distance: Reals = np.where(ray > 0, (size - inside) / ray, -inside / ray).min(axis=-1)
+        distance: Reals = np.where(ray > 0, high / ray, low / ray).min(axis=-1)
     return distance
 
 

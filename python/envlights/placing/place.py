@@ -14,20 +14,17 @@ from envlights._native import EnvLightsError
 from envlights.cards import CardSplit
 from envlights.environment.reading import AnyMap
 from envlights.kernels.image import luminance
-from envlights.placing.depth import read_depth, room_distance, triple, without_holes
+from envlights.placing.depth import box_distance, corners_of, read_depth, triple, without_holes
 from envlights.placing.patches import patches_of
 from envlights.placing.placed_lights import PlacedLights
 from envlights.placing.planes import Reals
 from envlights.placing.position import place_cards
+from envlights.placing.shading import hang
 from envlights.placing.triangulate import triangulate
 from envlights.splitting.split import Split, split
 
 #: Map of a place, or its cards and remainder.
 AnyParts = AnyMap | CardSplit
-_WALLS_ALONE = (
-    "the depth is that of the walls of a room, so lamps that hang are placed on them: 10 to 41 % of"
-    " the distance too far in three rooms"
-)
 
 
 def place(
@@ -63,8 +60,9 @@ def place(
         Metres of a value of 1, such as 0.001 for millimetres; of "inverse", 1 / metres. Required
         for whole numbers. Default: 1.
     room : array_like, shape (3,), optional
-        Instead of a depth, width along x, height along y and depth along z of a box, in metres.
-        Lamps that hang in it are then placed on its walls.
+        Instead of a depth, width along x, height along y and depth along z of a box, in metres. The
+        light on its walls shows how far round lamps hang. Rectangles stay in their wall, and also
+        lamps for which both are possible, with a note.
     camera : array_like, shape (3,), optional
         Position of the camera in the room, from the corner with the least x, y and z. Default: the
         middle.
@@ -92,6 +90,11 @@ def place(
     sphere of radius :math:`D \sin a` at the distance D for the angular radius a. Its pixels show
     its front, at :math:`D (\cos t - \sqrt{\sin^2 a - \sin^2 t})` along a ray at the angle t from
     its centre.
+
+    With `room`, the radiance of each wall is fitted by its albedo times the direct light of the
+    lamps, plus a multiple of the light of the other walls, plus a linear function. A lamp hangs
+    where the squared residual is less than on the wall by 13 % or more. The note states the
+    residual: 2 to 5 % in five rooms, 14 % with furniture, 40 % or more if the room is no box.
 
     Examples
     --------
@@ -121,30 +124,24 @@ def place(
         return PlacedLights(lights, first.remainder, np.zeros((0, 10)), None, tuple(notes))
     if len(parts) > 1:
         raise EnvLightsError("give depth or several maps, not both; the depth is that of one map")
-    distance, notes = _distance(depth, reading, scale, room, camera)
-    log(notes)
+    corners = None if room is None else corners_of(room, camera)
+    if corners is None:
+        if camera is not None:
+            raise EnvLightsError("camera is a position in a room; give room= as well")
+        distance, notes = read_depth(depth, reading, scale)
+    elif depth is not None or reading is not None or scale is not None:
+        raise EnvLightsError("room replaces depth=, reading= and scale=; leave them out")
+    else:
+        distance, notes = box_distance(corners, 256), []
     light = luminance(first.cards.to_map(2 * len(distance)).radiance)
     lights, behind = place_cards(first.cards, distance, light)
     surfaces = without_holes(behind)
     patches = patches_of(first.remainder, surfaces)
+    if corners is not None:
+        lights, note = hang(lights, first.cards, first.remainder, patches, corners)
+        notes.append(note)
+    log(notes)
     return PlacedLights(lights, first.remainder, patches, surfaces, tuple(notes))
-
-
-def _distance(
-    depth: ArrayLike | str | os.PathLike[str] | None,
-    reading: str | None,
-    scale: float | None,
-    room: ArrayLike | None,
-    camera: ArrayLike | None,
-) -> tuple[Reals, list[str]]:
-    """Distance along the ray of each pixel, and notes on it."""
-    if room is not None:
-        if depth is not None or reading is not None or scale is not None:
-            raise EnvLightsError("room replaces depth=, reading= and scale=; leave them out")
-        return room_distance(room, camera, 256), [_WALLS_ALONE]
-    if camera is not None:
-        raise EnvLightsError("camera is a position in a room; give room= as well")
-    return read_depth(depth, reading, scale)
 
 
 def _pairs(env: Any) -> list[tuple[Any, Reals]]:

@@ -41,7 +41,8 @@ class PlacedLight(Result):
     uncertainty: float = 0.0
     """Median relative deviation of the depth from the sphere or the plane.
 
-    Of several maps, the largest angle in radians by which a ray misses the position."""
+    Of several maps, the largest angle in radians by which a ray misses the position. Of a lamp that
+    hangs in a `room`, half of the relative range of distances that fit the walls nearly as well."""
 
     @property
     def direction(self) -> Reals:

@@ -132,7 +132,7 @@ class PlacedLights(Result):
         places, is_one = one_or_more("points", points)
         rows = reals("normals", normals, 2)
         around = self._around(places, rows)
-        values: Reals = around + self._near(places, rows, self.lights, self.patches[:0])
+        values: Reals = around + near_irradiance(places, rows, self.lights, self.patches[:0])
         return values[0] if is_one else values
 
     def at(self, point: ArrayLike, *, lights: int = 8) -> Rig:
@@ -278,8 +278,8 @@ class PlacedLights(Result):
 
     def _around(self, points: Reals, normals: Reals) -> Reals:
         """Irradiance of surfaces and suns, (p, n, 3): the camera's, and the change of patches."""
-        there = self._near(points, normals, (), self.patches)
-        here = self._near(np.zeros((1, 3)), normals, (), self.patches)
+        there = near_irradiance(points, normals, (), self.patches)
+        here = near_irradiance(np.zeros((1, 3)), normals, (), self.patches)
         surfaces = np.maximum(self.remainder.probe(normals) + there - here, 0)
         values: Reals = surfaces + self._suns(normals)
         return values
@@ -288,24 +288,6 @@ class PlacedLights(Result):
         suns = self._lamps_from(np.zeros(3), self._of_kind("sun"))
         arrays = suns.direction, suns.irradiance, suns.angular_radius
         return rig_irradiance(normals, np.zeros(3), *arrays)
-
-    def _near(
-        self, points: Reals, normals: Reals, lights: Sequence[PlacedLight], patches: Reals
-    ) -> Reals:
-        """Irradiance of lights and patches with positions, (p, n, 3)."""
-        spheres = [
-            [*each.position, each.radius, *each.irradiance]
-            for each in lights
-            if each.kind == "sphere"
-        ]
-        planes = [
-            [*each.matrix.T.ravel(), each.is_disc, *each.irradiance]
-            for each in lights
-            if each.kind == "plane"
-        ]
-        globes, cards = np.array(spheres, float), np.array(planes, float)
-        arrays = globes.reshape(-1, 7), cards.reshape(-1, 13)
-        return _native.near_irradiance(points, normals, *arrays, patches)
 
     def _pieces(self, point: Reals, most: int) -> list[PlacedLight]:
         """Lights, with large rectangles in quarters as long as there are at most `most` lights."""
@@ -371,6 +353,23 @@ class PlacedLights(Result):
             for light in self.lights
         ]
         return {"lights": rows, "scale": self.remainder.units, "notes": list(self.notes)}
+
+
+def near_irradiance(
+    points: Reals, normals: Reals, lights: Sequence[PlacedLight], patches: Reals
+) -> Reals:
+    """Irradiance of lights and patches with positions, (p, n, 3)."""
+    spheres = [
+        [*each.position, each.radius, *each.irradiance] for each in lights if each.kind == "sphere"
+    ]
+    planes = [
+        [*each.matrix.T.ravel(), each.is_disc, *each.irradiance]
+        for each in lights
+        if each.kind == "plane"
+    ]
+    globes, cards = np.array(spheres, float), np.array(planes, float)
+    arrays = globes.reshape(-1, 7), cards.reshape(-1, 13)
+    return _native.near_irradiance(points, normals, *arrays, patches)
 
 
 def _shape(light: PlacedLight) -> str:
