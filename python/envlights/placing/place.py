@@ -94,7 +94,8 @@ def place(
     With `room`, the radiance of each wall is fitted by its albedo times the direct light of the
     lamps, plus a multiple of the light of the other walls, plus a linear function. A lamp hangs
     where the squared residual is less than on the wall by 13 % or more. The note states the
-    residual: 2 to 5 % in five rooms, 14 % with furniture, 39 % or more in photographs of rooms of unknown size.
+    residual: 2 to 5 % in five rooms, 14 % with furniture, 39 % or more in photographs of rooms of
+    unknown size.
 
     Examples
     --------
