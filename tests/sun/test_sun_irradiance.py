@@ -7,7 +7,7 @@ import pytest
 
 import envlights as el
 from envlights.kernels.image import LUMINANCE
-from envlights.kernels.sphere import pixel_directions
+from envlights.kernels.sphere import pixel_directions, pixel_solid_angles
 from tests.conftest import real_maps
 from tests.helpers import angle_deg
 from tests.sun.skies import expose, sunny, towards
@@ -53,6 +53,44 @@ def test_the_wide_interval_holds_unusual_suns(ratio):
     factor, answer = factor_of(ratio)
     low, high = answer.wide_interval
     assert low < factor < high
+
+
+def grey(radiance):
+    """The map without colours."""
+    return np.repeat((radiance @ LUMINANCE)[..., None], 3, axis=2)
+
+
+def cloudy(radiance):
+    """The map with clouds of a few degrees in its upper half."""
+    directions = pixel_directions(*radiance.shape[:2])
+    waves = np.random.default_rng(1).normal(size=(20, 3)) * 15
+    cover = np.exp(0.5 * np.sin(directions @ waves.T).sum(-1, keepdims=True))
+    return np.where(directions[..., 1:2] > 0, radiance * cover, radiance)
+
+
+@pytest.mark.parametrize(
+    ("elevation", "veil", "reason"),
+    [
+        (38, grey, "the sky is not blue"),
+        (38, cloudy, "the sky is not smooth"),
+        (12, np.asarray, "the sun is below 25 degrees"),
+    ],
+)
+def test_the_interval_of_a_sun_that_a_veil_may_dim_is_wide(elevation, veil, reason):
+    """Suns of 0.1 and of 3 times the irradiance of the sky, which pictures hardly show."""
+    for ratio in (0.1, 3):
+        radiance, flux, direction = sunny(towards(130, elevation), ratio)
+        picture, white = expose(veil(radiance), 0.02)
+        answer = el.find_sun(picture, direction=direction)
+        low, high = answer.interval
+        assert low < flux / white / (answer.irradiance @ LUMINANCE) < high
+        assert low < 0.05
+        assert any(reason in note for note in answer.notes)
+
+
+def test_a_clear_sun_has_a_narrow_interval_and_no_note_on_veils(sun):
+    assert sun.interval[0] >= 0.5
+    assert not any("cloud" in note for note in sun.notes)
 
 
 def test_the_formula_of_the_irradiance():
@@ -233,6 +271,26 @@ def test_suns_of_real_maps_are_found(path):
         answer = el.find_sun(expose(env.radiance, share)[0])
         assert answer.answer in ("sun", "perhaps")
         assert angle_deg(answer.direction, own.direction) < 5
+
+
+@real_maps("hdr/venice*.hdr", "hdr/immen*.hdr", "hdr/rooitou*.hdr", "hdr/kloppen*.hdr")
+@pytest.mark.slow
+@pytest.mark.parametrize("share", [0.002, 0.005, 0.02, 0.05])
+def test_the_interval_holds_the_suns_of_real_maps(path, share):
+    """Veiled and clear suns; the irradiance of the sun in the map, within 3 degrees."""
+    radiance = np.asarray(el.EnvMap.open(path).resized(1024).radiance, float)
+    directions, solid_angles = pixel_directions(512, 1024), pixel_solid_angles(512, 1024)
+    luminance = radiance @ LUMINANCE
+    peak = directions[np.unravel_index(luminance.argmax(), luminance.shape)]
+    cosine = directions @ peak
+    ring = (cosine < np.cos(np.radians(3))) & (cosine > np.cos(np.radians(5)))
+    excess = (luminance - np.median(luminance[ring])) * solid_angles
+    picture, white = expose(radiance, share)
+    answer = el.find_sun(picture)
+    answer = answer if answer.answer == "sun" else el.find_sun(picture, direction=peak)
+    true = excess[cosine > np.cos(np.radians(3))].sum() / white
+    low, high = answer.interval
+    assert low < true / (answer.irradiance @ LUMINANCE) < high
 
 
 @real_maps("hdr/lebombo*.hdr", "hdr/empty_ware*.hdr", "hdr/studio_small*.hdr", "hdr/potsdamer*.hdr")

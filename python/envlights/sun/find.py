@@ -15,12 +15,18 @@ from envlights.environment.envmap import EnvMap
 from envlights.environment.reading import AnyMap, as_envmap
 from envlights.kernels.image import LUMINANCE
 from envlights.kernels.sphere import pixel_directions, pixel_solid_angles
-from envlights.sun.brightness import INTERVAL, WIDE_INTERVAL, sun_irradiance
+from envlights.sun.brightness import (
+    INTERVAL,
+    VEILED_INTERVAL,
+    WIDE_INTERVAL,
+    WIDE_VEILED_INTERVAL,
+    sun_irradiance,
+)
 from envlights.sun.direction import SunPosition, fit_about, spot_position, sun_position
 from envlights.sun.float_map import sun_of_float_map
 from envlights.sun.parts import Part, best_part, part_at
 from envlights.sun.plateau import plateau_of
-from envlights.sun.questions import PERHAPS, SUN, points_of
+from envlights.sun.questions import PERHAPS, SUN, points_of, veils_of
 from envlights.sun.result import SUN_RADIUS, Sun
 from envlights.sun.sky_image import SkyImage, sky_image
 from envlights.sun.spots import single_spot
@@ -32,6 +38,7 @@ _NEAR = 3.0
 _SUN_OR_MOON = "sun or moon: a picture does not say which"
 _NO_PART = "no clipped part above the horizon is like a sun"
 _NO_GROUND = "too little unclipped ground: the irradiance is from the sky alone"
+_MAY_BE_DIM = "cloud, haze or thick air may dim the sun to a small part of the estimate"
 _UNSEEN = "parts of the sphere are not seen and count as black"
 
 
@@ -149,6 +156,8 @@ def _with_irradiance(
     notes = [] if "given" in position.evidence else [_SUN_OR_MOON]
     notes += [] if is_measured else [_NO_GROUND]
     notes += [] if world.coverage is None else [_UNSEEN]
+    veils = veils_of(image, position) + [f"the answer is {answer!r}"] * (answer != "sun")
+    notes += [f"{_MAY_BE_DIM} ({', '.join(veils)})"] if veils else []
     notes += _contradiction(world, position.direction, clip_level * relative)
     plateau = None
     if part is not None:
@@ -162,8 +171,8 @@ def _with_irradiance(
         position.direction,
         float(np.radians(position.uncertainty)),
         clip_level * relative,
-        INTERVAL,
-        WIDE_INTERVAL,
+        VEILED_INTERVAL if veils else INTERVAL,
+        WIDE_VEILED_INTERVAL if veils else WIDE_INTERVAL,
         SUN_RADIUS,
         0.0 if part is None else float(np.radians(part.radius)),
         position.evidence,

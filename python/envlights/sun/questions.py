@@ -27,8 +27,9 @@ _BLUE_SHADOWS = -0.05
 _ROUND = 0.45
 #: Largest deviation of log luminance from the fitted sky.
 _SMOOTH = 0.12
-#: Smallest elevation and smallest depth, in degrees.
-_UP, _DEEP = 3.0, 1.0
+#: Smallest elevation, smallest depth, and elevation below which air may dim a sun to 0.01 of its
+#: irradiance (the air mass is above 2.4), in degrees.
+_UP, _DEEP, _HIGH = 3.0, 1.0, 25.0
 #: Range of elevations that count as ground, in degrees.
 _GROUND = -60.0, -3.0
 
@@ -50,6 +51,18 @@ def points_of(image: SkyImage, part: Part | None, position: SunPosition) -> dict
         "it is up": is_up and (part is None or float(part.depth.max()) > _DEEP),
     }
     return {question: bool(answer) for question, answer in answers.items()}
+
+
+def veils_of(image: SkyImage, position: SunPosition) -> list[str]:
+    """Reasons why the sun may be dimmed, which its clipped region does not show."""
+    fit = position.fit
+    is_smooth = fit is not None and fit.deviation < _SMOOTH
+    is_low = position.direction[1] < np.sin(np.radians(_HIGH))
+    return [
+        *([] if _blueness(image, image.sky) > _BLUE else ["the sky is not blue"]),
+        *([] if is_smooth else ["the sky is not smooth"]),
+        *([f"the sun is below {_HIGH:g} degrees"] if is_low else []),
+    ]
 
 
 def _blueness(image: SkyImage, mask: NDArray[np.bool_]) -> float:

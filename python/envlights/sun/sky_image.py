@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -122,31 +121,18 @@ def sky_image(radiance: NDArray[np.float32], clip_level: float) -> SkyImage:
     rows = columns // 2
     least = np.float32(_native.LEAST_WHITE * clip_level)
     means, (clipped, touched, peak) = np.zeros((rows, columns, 3)), np.zeros((3, rows, columns))
-    edges = np.arange(rows + 1) * height // rows
+    edges, starts = np.arange(rows + 1) * height // rows, np.arange(columns) * width // columns
+    counts = np.diff(starts, append=width)
     for row, (top, bottom) in enumerate(pairwise(edges)):
         band = radiance[top:bottom]
-        is_clipped: Mask = np.asarray(band >= least)
-        means[row] = _means(band, columns) / clip_level
-        clipped[row] = _means(np.asarray(is_clipped.all(axis=2, keepdims=True)), columns)[..., 0]
-        touched[row] = _means(np.asarray(is_clipped.any(axis=2, keepdims=True)), columns)[..., 0]
-        highest = (band @ LUMINANCE).max(axis=0) / clip_level
-        peak[row] = np.maximum.reduceat(highest, _starts(width, columns))
+        pixels = counts * len(band)
+        sums = np.add.reduceat(band.sum(axis=0, dtype=np.float64), starts, axis=0)
+        means[row] = sums / pixels[:, None] / clip_level
+        red, green, blue = np.moveaxis(band >= least, 2, 0)
+        for share, mask in ((clipped, red & green & blue), (touched, red | green | blue)):
+            share[row] = np.add.reduceat(mask.sum(axis=0), starts) / pixels
+        peak[row] = np.maximum.reduceat((band @ LUMINANCE).max(axis=0) / clip_level, starts)
     return SkyImage(means, clipped, touched, peak)
-
-
-def _means(band: NDArray[Any], columns: int) -> Image:
-    """Block means of a band of rows, (rows, width, channels), in a number of columns."""
-    sums = band.sum(axis=0, dtype=np.float64)
-    width = len(sums)
-    starts = _starts(width, columns)
-    counts = np.diff(starts, append=width)
-    means: Image = np.add.reduceat(sums, starts, axis=0) / (counts[:, None] * len(band))
-    return means
-
-
-def _starts(width: int, columns: int) -> NDArray[np.intp]:
-    """First pixel column of each image column."""
-    return np.arange(columns) * width // columns
 
 
 def _mean_of_25(image: Image) -> Image:
