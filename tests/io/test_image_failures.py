@@ -164,3 +164,29 @@ def test_rows_that_are_read_at_once_make_the_whole(tmp_path, height, tile):
     write(tmp_path / "map.tif", codes, oiio.UINT8, tile=tile)
     expected = decode_srgb(codes / 255)
     np.testing.assert_array_equal(io.read_image(tmp_path / "map.tif").pixels, expected)
+
+
+@pytest.mark.parametrize("at", [0, 1])
+@pytest.mark.parametrize("value", [0x15, 0x51, 0x10, 0x01, 4])
+def test_factors_and_tables_of_a_jpeg_beyond_its_standard_are_refused(value, at, tmp_path):
+    # T.81, B.2.2: factors from 1 to 4, tables from 0 to 3.
+    content = bytearray(write(tmp_path / "a.jpg", np.uint8(RADIANCE), oiio.UINT8).read_bytes())
+    frame = content.index(b"\xff\xc0")
+    component = frame + 10 + 3 * at
+    assert content[frame + 9] == 3
+    content[component + (2 if value == 4 else 1)] = value
+    with pytest.raises(el.EnvLightsError, match="its frame has wrong factors"):
+        el.EnvMap.open(bytes(content))
+
+
+@pytest.mark.parametrize("tag", [256, 257])
+def test_a_tiff_without_a_size_is_refused(tag, tmp_path):
+    content = write(tmp_path / "a.tif", RADIANCE).read_bytes()
+    order = "<" if content[:2] == b"II" else ">"
+    (first,) = struct.unpack(order + "I", content[4:8])
+    entry = content.index(struct.pack(order + "H", tag), first + 2)
+    broken = content[:entry] + struct.pack(order + "H", 65000) + content[entry + 2 :]
+    with pytest.raises(
+        el.EnvLightsError, match=r"at least one pixel; got (16 rows of 0|0 rows of 32)"
+    ):
+        el.EnvMap.open(broken)

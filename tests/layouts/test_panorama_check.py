@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import envlights as el
+from envlights.environment.layouts import panorama_check
 from envlights.kernels import pixel_directions
 from tests.layouts.worlds import smooth
 from tests.public_maps import public_maps, read
@@ -124,3 +125,9 @@ def test_a_direction_that_nobody_gave_is_noted():
     assert "was taken for the front" in doubts(square, layout=layout)[0]
     assert not doubts(square, layout=given)
     assert "was taken for the front" in doubts(square, layout=el.io.Layout.planar(fov=60))[0]
+
+
+@pytest.mark.parametrize("number", [1, 2, 7, 10])
+def test_the_median_is_that_of_numpy(number):
+    cells = np.random.default_rng(number).random((number, 1))
+    assert panorama_check._median(cells) == np.median(cells)

@@ -258,9 +258,27 @@ def test_files_of_depth(tmp_path):
         el.place(radiance, colours)
     with pytest.raises(FileNotFoundError):
         el.place(radiance, tmp_path / "none.exr")
-    (tmp_path / "c.npy").write_bytes(b"nothing")
+
+
+def npy(header):
+    """Bytes of a .npy file with this header and few samples."""
+    return b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header + bytes(100)
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"nothing",
+        b"PK\x03\x04",  # a .npz file by its first bytes
+        npy(b"(" * 9000),
+        npy(b"{'descr': '<f4', 'fortran_order': False, 'shape': (50000, 100000)}"),  # 20 GB
+        npy(b"{'descr': '|O', 'fortran_order': False, 'shape': (2, 4)}"),
+    ],
+)
+def test_a_damaged_array_of_depth_is_refused(content, tmp_path):
+    (tmp_path / "c.npy").write_bytes(content)
     with pytest.raises(el.EnvLightsError, match="cannot read the depth"):
-        el.place(radiance, tmp_path / "c.npy")
+        el.place(np.ones((16, 32, 3)), tmp_path / "c.npy")
 
 
 def test_a_point_behind_a_wall_is_noted():

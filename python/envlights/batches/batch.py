@@ -193,10 +193,9 @@ def _tasks(
     """Tasks, one per map, created when a worker is free; their sources are added to `calls`."""
     names = {source: entry.name for source, entry in journal.entries.items()}
     out = None if folder is None else str(folder)
-    for name, source, content in with_unique_names(items_of(maps, folder), names):
+    for name, source, content in with_unique_names(items_of(maps, folder), names, calls):
         known = journal.finished_hash(source, name, method)
         own = journal.claim(name, files_of(name, what, suffix))
-        calls.add(source)
         yield Task(name, source, content, what, options, out, suffix, threads, known, own)
 
 
@@ -210,5 +209,6 @@ def _keep(task: Task, future: Future[Any], journal: Journal, head: dict[str, Any
         row = {"name": task.name, "source": task.source, "sha256": None}
         row["failure"] = f"{type(error).__name__}: {printable(str(error))}"
     if row is not None:
-        journal.append({**row, **head})
+        # The strings of the task are in memory anyway; those of a worker are copies.
+        journal.append({**row, **head, "name": task.name, "source": task.source})
     return row is not None

@@ -70,18 +70,17 @@ def _claims_of_line(line: bytes) -> list[str] | None:
 
 
 class Entry(NamedTuple):
-    """Last row of a source, reduced to its identification."""
+    """Last row of a source; rows of this run have only a name and a start, to save memory."""
 
     name: str
-    sha256: str | None
+    start: int
+    sha256: str | None = None
     """Hash of the map; None after a failure, so that the map is tried again."""
 
-    method: tuple[str, str, str | None]
+    method: tuple[str, str, str | None] | None = None
     """Method, options and file suffix."""
 
-    file: str | None
-    start: int
-    length: int
+    file: str | None = None
 
 
 class Journal:
@@ -93,6 +92,7 @@ class Journal:
         self._file = io.BytesIO() if folder is None else _lock_file(self._path)
         self._end = 0
         self._claims: set[str] = set()
+        """Files that this batch may write, except those of rows of this run."""
         self._torn: set[bytes] = set()
         self._synced = monotonic()
         self.entries: dict[str, Entry] = {}
@@ -136,7 +136,7 @@ class Journal:
             return False
         sha256 = None if row.get("failure") else row["sha256"]
         method = (row["what"], row["options"], row["suffix"])
-        entry = Entry(row["name"], sha256, method, row.get("file"), start, len(line))
+        entry = Entry(row["name"], start, sha256, method, row.get("file"))
         self.entries[row["source"]] = entry
         self._claims.update([entry.file] if entry.file else [])
         return True
@@ -168,11 +168,14 @@ class Journal:
         return entry.sha256 if is_there else None
 
     def append(self, row: dict[str, Any]) -> None:
-        """Write a complete row; the file of its map must already be on disk."""
-        line = json_lines([row]).encode()
+        """Write a complete row; the file of its map must already be on disk.
+
+        A source has one row in a run.
+        """
         start = self._end
-        self._write(line)
-        self._note(line, start)
+        self._write(json_lines([row]).encode())
+        self.entries[row["source"]] = Entry(row["name"], start)
+        self._claims.discard(row.get("file"))
 
     def _write(self, line: bytes) -> None:
         """Append a line in a single write; raises an error if the disk is full."""
@@ -196,7 +199,7 @@ class Journal:
         """Last row of each source, sorted by name."""
         for entry in sorted(self.entries.values()):
             self._file.seek(entry.start)
-            yield self._file.read(entry.length)
+            yield self._file.readline()
 
     def finish(self) -> bytes:
         """Compact the file to the last row per source, sorted by name; return rows in memory."""

@@ -171,13 +171,14 @@ def _items_of_line(path: Path, number: int, text: str) -> Iterator[Item]:
     yield Item(_file_name(printable(str(entry.get("name") or _stem(source)))), source, source)
 
 
-def with_unique_names(items: Iterable[Item], known: Mapping[str, str]) -> Iterator[Item]:
+def with_unique_names(
+    items: Iterable[Item], known: Mapping[str, str], used: set[str]
+) -> Iterator[Item]:
     """Items with unique names: known names for known sources, otherwise with a hash of the source.
 
-    A path that comes again is left out.
+    A path that comes again is left out; the sources are added to `used`.
     """
-    sources = {name: source for source, name in known.items()}
-    used: set[str] = set()
+    sources, names = {name: source for source, name in known.items()}, set[str]()
     for item in items:
         if item.source in used:
             if isinstance(item.content, str):
@@ -185,6 +186,7 @@ def with_unique_names(items: Iterable[Item], known: Mapping[str, str]) -> Iterat
             raise EnvLightsError(f"two maps of the batch have the name '{item.name}'")
         used.add(item.source)
         name = known.get(item.source, item.name)
-        while sources.setdefault(name, item.source) != item.source:
+        while name in names or sources.get(name, item.source) != item.source:
             name = f"{name}-{zlib.crc32(item.source.encode('utf-8', 'surrogateescape')):08x}"
+        names.add(name)
         yield item._replace(name=name)

@@ -18,6 +18,7 @@ from envlights.environment.envmap import EnvMap
 from envlights.environment.files.images import MOST_PIXELS
 from envlights.kernels.sphere import pixel_directions
 from envlights.placing.planes import READINGS, Reals, flatness
+from envlights.transfer.files.npz_file import DAMAGE
 
 #: Names of channels of depth, in lower case.
 _CHANNELS = ("z", "depth", "distance", "depth.z")
@@ -96,8 +97,9 @@ def _samples(path: str) -> NDArray[Any]:
     """Samples of the depth channel of a file."""
     if Path(path).suffix.lower() == ".npy":
         try:
-            return np.asarray(np.load(path, allow_pickle=False))
-        except (OSError, ValueError) as error:
+            # A map of the file, because a header may claim more than the file has.
+            return np.array(np.lib.format.open_memmap(path, mode="r"))
+        except (OSError, *DAMAGE) as error:
             raise EnvLightsError(f"cannot read the depth in {path}: {error}") from None
     source = named_source(path)
     file = open_native(source, kind_of(source, any_format=False), MOST_PIXELS)

@@ -23,7 +23,7 @@ from envlights._native import EnvLightsError
 
 #: Errors that numpy and zipfile raise for damaged files. A damaged byte can also look like a
 #: request for a password or like an unknown compression.
-_DAMAGE = (
+DAMAGE = (
     AttributeError,
     EOFError,
     KeyError,
@@ -94,7 +94,7 @@ def load(
     try:
         _check_finite(data)
         return build(data)
-    except _DAMAGE as error:
+    except DAMAGE as error:
         raise EnvLightsError(f"{path} does not hold a {kind.noun}: {_reason(error)}") from None
 
 
@@ -110,7 +110,7 @@ def _read(path: str | os.PathLike[str], kind: Kind) -> dict[str, NDArray[Any]]:
         raise unreadable(path, error) from None
     except EnvLightsError:
         raise
-    except _DAMAGE as error:
+    except DAMAGE as error:
         raise EnvLightsError(f"{path} is not a complete .npz file: {_reason(error)}") from None
 
 
