@@ -23,6 +23,9 @@ _SIDE = 1.25
 #: Directions of the centre, of the right and of the upper edge of that map, which has +z of pbrt in
 #: its centre.
 _SQUARE = ((0.0, 1.0, 0.0), (0.0, 0.0, -1.0), (-1.0, 0.0, 0.0))
+#: Largest relative difference between the axes of an ellipse that is written as a disk. An ellipse
+#: of 53 by 29 degrees as a disk made the error of a scene 7 % instead of 5 %.
+_ROUND = 0.01
 #: Escapes of pbrt in a string.
 _ESCAPES = str.maketrans(
     {
@@ -132,16 +135,29 @@ def _patch(panel: Panel) -> str:
 
 
 def _round(panel: Panel) -> str:
-    """A sphere, or a disk of the same area, because pbrt measures disks without their scale."""
+    """A sphere, a disk, or a polygon for an ellipse: pbrt measures disks without their scale."""
     u, _, facing, centre = panel.axes("pbrt")
     if panel.shape == "sphere":
         translate = _numbers(centre).strip("[]")
         return f'Translate {translate} Shape "sphere" "float radius" {panel.radius:.9g}'
+    if not panel.is_rectangle or abs(panel.size[0] / panel.size[1] - 1) > _ROUND:
+        return _ellipse(panel)
     x = u / np.linalg.norm(u)
     columns = [x, np.cross(facing, x), facing, centre]
     rows = [[*column, place] for column, place in zip(columns, (0, 0, 0, 1), strict=True)]
     radius = np.sqrt(panel.size.prod()) / 2
     return f'ConcatTransform {_numbers(np.ravel(rows))} Shape "disk" "float radius" {radius:.9g}'
+
+
+def _ellipse(panel: Panel) -> str:
+    """A fan of triangles whose normal, the cross product of two edges, points to the origin."""
+    points, _ = panel.outline("pbrt")
+    _, _, facing, _ = panel.axes("pbrt")
+    if np.cross(points[1] - points[0], points[2] - points[0]) @ facing < 0:
+        points = points[::-1]
+    fan = " ".join(f"0 {k} {k + 1}" for k in range(1, len(points) - 1))
+    mesh = f'"point3 P" {_numbers(points.ravel())} "integer indices" [{fan}]'
+    return f'Shape "trianglemesh" {mesh}'
 
 
 def _string(name: str) -> str:
