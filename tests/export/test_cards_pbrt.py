@@ -49,7 +49,7 @@ def test_a_disk_faces_the_origin(tmp_path):
 
 
 def test_an_ellipse_keeps_its_axes(tmp_path):
-    """As triangles that shine to the origin, with vertices on the ellipse in the card."""
+    """Triangles that shine to the origin, with vertices on the ellipse in the card."""
     matrix = cards.facing(100, 15, 50, 20, turn=20)
     card = cards.card("disc", matrix, np.full((8, 8, 3), [3, 2, 1], np.float32))
     el.export.save(card, tmp_path / "scene.pbrt")

@@ -6,6 +6,9 @@ import warnings
 from collections.abc import Iterable
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from envlights._native import EnvLightsError
 from envlights.environment.reading import AnyMap, as_envmap
 from envlights.export.capabilities import Capabilities
@@ -17,8 +20,6 @@ from envlights.kernels.sampling import icosphere
 #: Error in a file below which `save` does not warn, and largest ratio to the error of the rig
 #: without a warning: stated errors are compared with files to a tenth.
 _SMALL_ERROR, _SAME_ERROR = 1e-3, 1.1
-#: Number of normals at which scenes with a map are compared.
-_FACES = 320
 
 
 def save(rig: Any, path: AnyPath, environment: AnyMap | None = None, **options: Any) -> None:
@@ -93,10 +94,16 @@ def _warn_of_losses(rig: Any, target: Target, environment: AnyMap | None = None)
         warnings.warn(f"{lost}: {_figures(rig, target, error)}", stacklevel=5)
 
 
+def _around(environment: AnyMap | None) -> tuple[NDArray[np.float64], ...]:
+    """Normals, their solid angles, and the irradiance of a map at each."""
+    normals, weights = icosphere(320)
+    none = np.zeros((len(normals), 3))
+    return normals, weights, none if environment is None else as_envmap(environment).probe(normals)
+
+
 def _change(lights: Any, target: Target, environment: AnyMap) -> float:
     """Relative RMS difference that a target makes to the irradiance of lights before a map."""
-    normals, weights = icosphere(_FACES)
-    around = as_envmap(environment).probe(normals)
+    normals, weights, around = _around(environment)
     shown, whole = (each.irradiance(lights, normals) for each in (target.shows, Capabilities()))
     return relative_rms(around + shown, around + whole, weights)
 
@@ -105,8 +112,7 @@ def _warn_of_uniform_cards(cards: Any, target: Target, environment: AnyMap | Non
     """Warn if the irradiance of a scene changes because cards lose their textures."""
     if not set(target.shows.uniform_cards) & set(cards.shape):
         return
-    normals, weights = icosphere(_FACES)
-    around = 0 if environment is None else as_envmap(environment).probe(normals)
+    normals, weights, around = _around(environment)
     lit = around + cards.probe(normals)
     shown = around + cards.probe(normals, uniform=target.shows.uniform_cards)
     change = relative_rms(shown, lit, weights) if lit.any() else 0.0
