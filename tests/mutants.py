@@ -57,6 +57,12 @@ def _detector(name, radiance):
     return Mutant(f"detector: {name}", file, old, new, _PUBLIC)
 
 
+def _brighter(target, old, new):
+    """Mutant of an exporter: its lights are 1 % too bright."""
+    mutant = _exporter(target, old, new)
+    return mutant._replace(name=f"lights of {target}: 1 % too bright")
+
+
 #: Edits by name.
 MUTANTS = (
     _detector("mirrored", "world.radiance[:, ::-1].copy()"),
@@ -84,6 +90,18 @@ MUTANTS = (
         "axes.to_target(lights.direction[:, [2, 1, 0]])",
     ),
     _exporter("mitsuba", "(0.0 - lights.direction[j])", "(0.0 - lights.direction[j][[2, 1, 0]])"),
+    _brighter("usd", "*colour(irradiance)", "*colour(1.01 * irradiance)"),
+    _brighter("mitsuba", "_rgb(lights.irradiance[j])", "_rgb(1.01 * lights.irradiance[j])"),
+    _brighter("pbrt", "{_numbers(irradiance)}", "{_numbers(1.01 * irradiance)}"),
+    _brighter("gltf", "**_strength(irradiance)", "**_strength(1.01 * irradiance)"),
+    _brighter("three", "colour_of(irradiance)", "colour_of(1.01 * irradiance)"),
+    Mutant(
+        "rig.probe: 1 % too dark",
+        "python/envlights/rigs/rig.py",
+        "return values[0] if is_one else values",
+        "return 0.99 * (values[0] if is_one else values)",
+        ("tests/test_rig.py",),
+    ),
     Mutant(
         "kernel of shadows: sign of the visibility",
         "src/kernels/fit/discs/zonal.rs",

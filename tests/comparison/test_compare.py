@@ -419,3 +419,23 @@ def test_the_shadow_error_under_a_high_sun_is_that_of_a_fit(elevation):
     rig = el.fit(sky.radiance, 8)
     error = el.compare(sky.radiance, rig).shadow_error
     assert error == pytest.approx(rig.report.shadow_error, rel=0.04)
+
+
+@pytest.mark.parametrize("fraction", [9e-4, 2e-4])
+def test_a_dim_sun_that_moved_has_the_shadow_error_of_the_closed_form(fraction):
+    """Two squares of one flux before an even sky; a dim sun is not expanded to high degrees."""
+    radiance = np.ones((128, 256, 3), np.float32)
+    angle = el.kernels.pixel_solid_angles(128, 256)[38, 70]
+    radiance[38, 70] += fraction * 4 * np.pi / angle
+    directions = el.kernels.pixel_directions(128, 256)[38]
+    cosine = directions[70] @ directions[79]
+    flux = fraction * 4 * np.pi
+    itself = np.pi / 3 - shadows.MEAN_DISTANCE / 3 * np.sqrt(angle)
+    # The mean of the kernel over the sphere: all of the sky, seen from one point of it.
+    sky = 2 * np.pi**2 * shadows.gauss(lambda g: shadows.kernel(np.cos(g)) * np.sin(g), 0, np.pi)
+    whole = 4 * np.pi * sky + 2 * sky * flux + flux**2 * itself
+    exact = np.sqrt(2 * flux**2 * (itself - shadows.kernel(cosine)) / whole)
+    moved = np.roll(radiance, 9, axis=1)
+    assert el.compare(radiance, moved).shadow_error == pytest.approx(exact, rel=0.01)
+    none = el.compare(radiance, np.ones_like(radiance)).shadow_error
+    assert none == pytest.approx(flux * np.sqrt(itself / whole), rel=2e-3)

@@ -118,8 +118,15 @@ def test_lights_alone_warn_of_the_change_in_irradiance(tmp_path):
     sentence = f"the irradiance changes by {100 * error_in(RIG.lights, 'three'):.3g} %"
     with pytest.warns(UserWarning, match=sentence):
         RIG.lights.save(tmp_path / "a.three.json")
-    with pytest.warns(UserWarning, match=sentence):
+
+
+def test_lights_before_a_map_warn_of_the_change_of_both(tmp_path):
+    around = MAP.resized(32).probe(DENSE) - np.pi * RIG.ambient
+    shown, whole = (rig.probe(DENSE) + around for rig in (as_points(RIG), RIG))
+    with pytest.warns(UserWarning, match="the irradiance changes by") as caught:
         RIG.save(tmp_path / "b.three.json", MAP.resized(32))
+    stated = float(str(caught[0].message).split()[-2]) / 100
+    assert stated == pytest.approx(relative_rms(shown, whole, WEIGHTS), rel=0.03)
 
 
 @pytest.mark.parametrize("target", el.export.TARGETS, ids=lambda target: target.name)

@@ -1,5 +1,7 @@
 """three.js, checked by its own loader and by the formulas of its shaders."""
 
+import colorsys
+
 import numpy as np
 import pytest
 
@@ -100,6 +102,23 @@ def test_a_map_lies_where_the_lights_are(tmp_path):
     u, v = (np.arctan2(z, x) / (2 * np.pi) + 0.5) % 1, np.arcsin(y) / np.pi + 0.5
     looked_up = data[(16 * (1 - v)).astype(int), (32 * u).astype(int), :3]
     np.testing.assert_allclose(looked_up, env.radiance.reshape(-1, 3), rtol=1e-6)
+
+
+@pytest.mark.parametrize("name", ["none", "constant"])
+def test_the_colours_of_a_file_have_the_irradiance_of_the_rig(name):
+    """Read without three.js: hue, saturation and lightness of sRGB codes, times intensity."""
+    children = three(RIGS[name])["object"]["children"]
+    lit = np.array([_colour(child["color"]) * child["intensity"] for child in children])
+    lights = len(RIGS[name].lights)
+    np.testing.assert_allclose(lit[:lights], RIGS[name].lights.irradiance, rtol=1e-6)
+    np.testing.assert_allclose(lit[lights:].sum(axis=0), np.pi * RIGS[name].ambient, atol=1e-6)
+
+
+def _colour(text):
+    """Linear RGB of ``hsl(...)``."""
+    hue, saturation, lightness = (float(part.strip("%")) for part in text[4:-1].split(","))
+    codes = np.array(colorsys.hls_to_rgb(hue / 360, lightness / 100, saturation / 100))
+    return np.where(codes <= 0.04045, codes / 12.92, ((codes + 0.055) / 1.055) ** 2.4)
 
 
 def test_sizes_stand_in_the_user_data():

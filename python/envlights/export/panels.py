@@ -56,7 +56,12 @@ class Panel(NamedTuple):
     @property
     def opaque_radiance(self) -> NDArray[np.float64]:
         """Uniform radiance for renderers in which the panel hides the map behind it."""
-        mean: NDArray[np.float64] = self.hidden.mean(axis=(0, 1), dtype=np.float64)
+        places = _texel_centres(self.hidden)
+        # The solid angle of a texel falls with the cube of its distance.
+        weights = np.linalg.norm(places @ self.matrix.T, axis=-1) ** -3
+        if self.shape in ("disc", "sphere"):
+            weights *= ((2 * places[..., :2] - 1) ** 2).sum(axis=-1) <= 1
+        mean: NDArray[np.float64] = np.einsum("yx,yxc->c", weights / weights.sum(), self.hidden)
         return self.radiance + mean
 
     @property
@@ -150,12 +155,15 @@ def _panel(j: int, card: Any, environment: EnvMap | None, factor: float) -> Pane
     )
 
 
+def _texel_centres(texture: NDArray[np.float32]) -> NDArray[np.float64]:
+    """Coordinates (a, b, 1) of each texel, (rows, columns, 3)."""
+    rows, columns, _ = texture.shape
+    b, a = (np.arange(rows) + 0.5)[:, None] / rows, (np.arange(columns) + 0.5) / columns
+    return np.stack(np.broadcast_arrays(a, b, 1.0), axis=-1)
+
+
 def _behind(card: Any, texture: NDArray[np.float32], env: EnvMap) -> NDArray[np.float32]:
     """Radiance of the map in the direction of each texel of a card."""
-    rows, columns, _ = texture.shape
-    b, a = np.meshgrid(
-        (np.arange(rows) + 0.5) / rows, (np.arange(columns) + 0.5) / columns, indexing="ij"
-    )
-    towards = np.stack([a, b, np.ones_like(a)], axis=-1).reshape(-1, 3) @ card.matrix.T
+    towards = _texel_centres(texture).reshape(-1, 3) @ card.matrix.T
     towards /= np.linalg.norm(towards, axis=1, keepdims=True)
     return looked_up(env, towards).reshape(texture.shape)

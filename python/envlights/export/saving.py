@@ -6,8 +6,12 @@ import warnings
 from collections.abc import Iterable
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from envlights._native import EnvLightsError
 from envlights.environment.reading import AnyMap, as_envmap
+from envlights.export.capabilities import Capabilities
 from envlights.export.files import AnyPath
 from envlights.export.targets import TARGETS, Target, target_of
 from envlights.kernels.probe import relative_rms
@@ -72,30 +76,43 @@ def save_for(
         _warn_of_losses(shown, target)
         target.save(rig, path, **options)
     else:
-        # If the map replaces the ambient term, compare only the lights.
-        _warn_of_losses(getattr(shown, "lights", shown), target)
+        # The map replaces the ambient term.
+        _warn_of_losses(getattr(shown, "lights", shown), target, environment)
         target.save(rig, path, environment, **options)
 
 
-def _warn_of_losses(rig: Any, target: Target) -> None:
+def _warn_of_losses(rig: Any, target: Target, environment: AnyMap | None = None) -> None:
     """Warn if the error in the file exceeds that of the rig, stating both."""
     if not hasattr(getattr(rig, "lights", rig), "discs"):
         return  # the writer raises an error
     losses, stated = target.shows.losses(rig), getattr(rig, "error", None) or 0.0
     if not losses:
         return
-    error = target.shows.error(rig)
+    error = target.shows.error(rig) if environment is None else _change(rig, target, environment)
     if error > max(_SAME_ERROR * stated, _SMALL_ERROR):
         lost = f"{target.title} shows {' and '.join(losses)}"
         warnings.warn(f"{lost}: {_figures(rig, target, error)}", stacklevel=5)
+
+
+def _around(environment: AnyMap | None) -> tuple[NDArray[np.float64], ...]:
+    """Normals, their solid angles, and the irradiance of a map at each."""
+    normals, weights = icosphere(320)
+    none = np.zeros((len(normals), 3))
+    return normals, weights, none if environment is None else as_envmap(environment).probe(normals)
+
+
+def _change(lights: Any, target: Target, environment: AnyMap) -> float:
+    """Relative RMS difference that a target makes to the irradiance of lights before a map."""
+    normals, weights, around = _around(environment)
+    shown, whole = (each.irradiance(lights, normals) for each in (target.shows, Capabilities()))
+    return relative_rms(around + shown, around + whole, weights)
 
 
 def _warn_of_uniform_cards(cards: Any, target: Target, environment: AnyMap | None) -> None:
     """Warn if the irradiance of a scene changes because cards lose their textures."""
     if not set(target.shows.uniform_cards) & set(cards.shape):
         return
-    normals, weights = icosphere(320)
-    around = 0 if environment is None else as_envmap(environment).probe(normals)
+    normals, weights, around = _around(environment)
     lit = around + cards.probe(normals)
     shown = around + cards.probe(normals, uniform=target.shows.uniform_cards)
     change = relative_rms(shown, lit, weights) if lit.any() else 0.0

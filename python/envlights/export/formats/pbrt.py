@@ -132,16 +132,32 @@ def _patch(panel: Panel) -> str:
 
 
 def _round(panel: Panel) -> str:
-    """A sphere, or a disk of the same area, because pbrt measures disks without their scale."""
+    """A sphere, a disk, or a polygon for an ellipse: pbrt measures disks without their scale."""
     u, _, facing, centre = panel.axes("pbrt")
     if panel.shape == "sphere":
         translate = _numbers(centre).strip("[]")
         return f'Translate {translate} Shape "sphere" "float radius" {panel.radius:.9g}'
+    if not (panel.is_rectangle and np.isclose(*panel.size)):
+        return _ellipse(panel)
     x = u / np.linalg.norm(u)
     columns = [x, np.cross(facing, x), facing, centre]
     rows = [[*column, place] for column, place in zip(columns, (0, 0, 0, 1), strict=True)]
     radius = np.sqrt(panel.size.prod()) / 2
     return f'ConcatTransform {_numbers(np.ravel(rows))} Shape "disk" "float radius" {radius:.9g}'
+
+
+def _ellipse(panel: Panel) -> str:
+    """A fan of triangles whose normal, the cross product of two edges, points to the origin.
+
+    An ellipse of 53 by 29 degrees as a disk made the error of a scene 7 % instead of 5 %.
+    """
+    points, _ = panel.outline("pbrt")
+    _, _, facing, _ = panel.axes("pbrt")
+    if np.cross(points[1] - points[0], points[2] - points[0]) @ facing < 0:
+        points = points[::-1]
+    fan = " ".join(f"0 {k} {k + 1}" for k in range(1, len(points) - 1))
+    mesh = f'"point3 P" {_numbers(points.ravel())} "integer indices" [{fan}]'
+    return f'Shape "trianglemesh" {mesh}'
 
 
 def _string(name: str) -> str:
