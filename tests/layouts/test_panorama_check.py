@@ -88,7 +88,7 @@ def test_two_eyes_with_parallax_by_depth_are_noted():
     """The ground shifts more than the horizon."""
     one = panorama(N)[:, N // 2 : 3 * N // 2]
     top, bottom = (
-        np.roll(half, by, axis=1) for half, by in zip((one[:96], one[96:]), (-5, 5), strict=True)
+        np.roll(half, by, axis=1) for half, by in zip((one[:96], one[96:]), (-6, 6), strict=True)
     )
     picture = np.concatenate([one, np.concatenate([top, bottom])], axis=1)
     assert "two eyes" in doubts(codes(picture, 2))[0]

@@ -34,9 +34,9 @@ class WholeNumbers:
         return self
 
     def notes(self) -> tuple[str, ...]:
-        """Note on codes, if all samples may be codes and at least half of them are not small."""
+        """Note on codes, if all samples may be codes and more than half of them are not small."""
         counts = self._counts
-        if counts is None or 2 * counts[MEDIAN:].sum() < counts.sum():
+        if counts is None or 2 * counts[MEDIAN:].sum() <= counts.sum():
             return ()
         return (NOTE,)
 
