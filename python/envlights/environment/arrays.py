@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 from envlights._common.check import for_kernels
 from envlights._common.srgb import decode_codes
 from envlights._native import EnvLightsError
-from envlights.environment import whole_numbers
 from envlights.environment.clip_level import clip_level_of_codes
 from envlights.environment.coverage import checked_coverage, multiply_by_coverage
+from envlights.environment.files import whole_numbers
 from envlights.environment.files.hints import NO_HINTS
 from envlights.environment.files.images import Image
 from envlights.environment.picture_files import faces_of_mapping

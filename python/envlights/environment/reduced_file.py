@@ -18,8 +18,8 @@ from envlights.environment.clean import Cleaned, notes_of_cleaning
 from envlights.environment.clip_level import CodeHistogram, white_of
 from envlights.environment.decoders.source import AnySource
 from envlights.environment.files.images import OpenImage, open_image
+from envlights.environment.files.whole_numbers import WholeNumbers
 from envlights.environment.layouts.panorama_check import notes_on_panorama
-from envlights.environment.whole_numbers import WholeNumbers
 
 
 class ReducedFile(NamedTuple):

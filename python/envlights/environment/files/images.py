@@ -26,7 +26,7 @@ from envlights.environment.decoders.source import AnySource, Source, kind_of, na
 from envlights.environment.files.channels import Choice, choose
 from envlights.environment.files.hints import NO_HINTS, Hints
 from envlights.environment.files.placement import Placement, placement
-from envlights.environment.whole_numbers import WholeNumbers
+from envlights.environment.files.whole_numbers import WholeNumbers
 
 #: Default limit on the number of pixels, 32768 x 16384, because a damaged header may claim any
 #: size.
