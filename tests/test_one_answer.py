@@ -59,6 +59,7 @@ FILES = {
     "file of codes": (CLIPPED, "a.png", {}, "decoded"),
     "16 bits": (CLIPPED.astype(np.uint16) * 257, "a.tif", {}, "decoded"),
     "one layer": (np.dstack([SKY, SKY]), "a.exr", {"channelnames": LAYERS}, "layer"),
+    "codes in floats": (CLIPPED.astype(np.float32), "a.exr", {}, "codes"),
     "depth": (np.dstack([SKY, SKY[..., :1]]), "a.exr", {"channelnames": [*"RGBZ"]}, "channels"),
     "grey file": (SKY[..., :1], "a.exr", {"channelnames": ["Y"]}, "grey"),
     "file with nan": (sky_with(np.nan), "a.exr", {}, "nan"),
@@ -130,7 +131,9 @@ def test_every_function_and_command_knows_what_the_file_knows(fact, tmp_path):
         assert " ".join(text.split()) in " ".join(said.split())
 
 
-@pytest.mark.parametrize("form", ["codes", "EnvMap", "floats", "whole floats", "over 255"])
+@pytest.mark.parametrize(
+    "form", ["codes", "EnvMap", "floats", "whole floats", "over 255", "bright"]
+)
 def test_a_clipped_sun_is_one_sun_in_each_form(form):
     env = el.EnvMap(CLIPPED)
     forms = {
@@ -139,15 +142,16 @@ def test_a_clipped_sun_is_one_sun_in_each_form(form):
         "floats": np.asarray(env.radiance),
         "whole floats": CLIPPED.astype(float),
         "over 255": CLIPPED / 255,
+        "bright": 2.5 * np.asarray(env.radiance),
     }
     world = forms[form]
     own = env if form == "EnvMap" else el.EnvMap(world)
-    # Without a known level, only the level itself is clipped, not codes from 254 on.
-    assert own.clipped_fraction == pytest.approx(env.clipped_fraction, rel=0.15)
+    assert own.clipped_fraction == env.clipped_fraction
     assert el.find_sun(world).answer == "sun"
     assert len(el.with_sun(world).lights) == 1
     assert "was raised by a factor" in own.repaired().notes[-1]
     found, expected = el.detect(world), el.detect(env)
     np.testing.assert_array_equal(found.direction, expected.direction)
     np.testing.assert_array_equal(found.is_clipped, expected.is_clipped)
-    assert found.report.clip_level == expected.report.clip_level == 1
+    assert expected.report.clip_level == 1
+    assert found.report.clip_level == (2.5 if form == "bright" else 1)

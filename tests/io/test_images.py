@@ -326,7 +326,9 @@ def test_odd_files_are_read_whole(path):
         ("VIEW= -vp 0 0 0 -vth -vh 180", "a hemispherical fisheye (VIEW -vth)"),
         ("VIEW=-vta -vh 180 -vv 180", "an angular fisheye (VIEW -vta)"),
         ("\tVIEW= -vtv -vh 90", ""),
-        ("VIEW= -vh 90", ""),
+        ("VIEW= -vh 90 -vv 45", "a perspective (VIEW -vtv)"),
+        ("VIEW= -vtv -vh 90\nVIEW= -vh 90 -vtl", "a parallel projection (VIEW -vtl)"),
+        ("VIEW= -vp 0 0 0", ""),
     ],
 )
 def test_the_view_of_a_radiance_header_is_noted(tmp_path, line, said):

@@ -85,6 +85,26 @@ def test_two_eyes_are_noted(kind, shift, noise):
     assert "two eyes" in doubts(codes(eyes(kind, shift), noise))[0]
 
 
+def test_two_eyes_with_parallax_by_depth_are_noted():
+    """The ground shifts more than the horizon."""
+    one = panorama(N)[:, N // 2 : 3 * N // 2]
+    top, bottom = (
+        np.roll(half, by, axis=1) for half, by in zip((one[:96], one[96:]), (-6, 6), strict=True)
+    )
+    picture = np.concatenate([one, np.concatenate([top, bottom])], axis=1)
+    assert "two eyes" in doubts(codes(picture, 2))[0]
+
+
+@pytest.mark.parametrize("noise", [0, 3])
+@pytest.mark.parametrize("margin", [0, 0.1])
+def test_one_lens_between_black_sides_is_noted(margin, noise):
+    sides = np.zeros((N, N // 2, 3))
+    picture = np.concatenate([sides, lens(N, 1, margin, 0), sides], axis=1)
+    assert "may be a fisheye picture" in doubts(codes(picture, noise))[0]
+    part = np.concatenate([sides, panorama(N)[:, N // 2 : 3 * N // 2], sides], axis=1)
+    assert not any("fisheye" in doubt for doubt in doubts(codes(part, noise)))
+
+
 @pytest.mark.parametrize("part", [(48, 144, 40), (20, 170, 0), (80, 190, 100)])
 @pytest.mark.parametrize("noise", [0, 3])
 def test_a_part_of_a_panorama_is_noted(part, noise):

@@ -60,7 +60,11 @@ CODES = {
     ),
     "eye": Code((" eye, was read",), "One of two eyes was read."),
     "part": Code(
-        ("of several images in the file was read", "image of the animation was read"),
+        (
+            "of several images in the file was read",
+            "image of the animation was read",
+            "by its tags the picture is a reduced copy",
+        ),
         "One of several pictures in the file was read.",
     ),
     "layer": Code((" was read; others are ", "the only layer, "), "One of several layers."),

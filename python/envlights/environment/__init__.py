@@ -9,6 +9,7 @@
 | convert samples to linear Rec.709                      | `colour/`                      |
 | recognise the layout                                   | `layouts/`                     |
 | clean the samples                                      | `clean.py`                     |
+| find codes of a picture that are kept as floats        | `files/whole_numbers.py`       |
 | resample to an equirectangular map                     | `resample.py`                  |
 | merge exposures                                        | `exposures/`                   |
 | reduce the rows of a file for a fit                    | `reduced_file.py`              |

@@ -13,6 +13,7 @@ from envlights._common.srgb import decode_codes
 from envlights._native import EnvLightsError
 from envlights.environment.clip_level import clip_level_of_codes
 from envlights.environment.coverage import checked_coverage, multiply_by_coverage
+from envlights.environment.files import whole_numbers
 from envlights.environment.files.hints import NO_HINTS
 from envlights.environment.files.images import Image
 from envlights.environment.picture_files import faces_of_mapping
@@ -66,9 +67,8 @@ def image_of_array(
     return Image(linear, False, tuple(notes), clip_level, seen, hints)
 
 
-#: Smallest number of different values in an array of 8-bit codes, and the smallest median if floats
-#: have fewer values: maps made by hand often contain only 0 and 1, and a lamp.
-_VALUES, _MEDIAN = 32, 4
+#: Smallest number of different values in an array of 8-bit codes.
+_VALUES = 32
 
 
 def _codes_of_floats(samples: NDArray[Any], notes: list[str]) -> NDArray[Any]:
@@ -88,11 +88,8 @@ def _codes_of_floats(samples: NDArray[Any], notes: list[str]) -> NDArray[Any]:
                 " another factor they would be linear radiance"
             )
             return np.round(samples.astype(np.float64) * scale).astype(np.uint8)
-        if scale == 1 and np.median(samples) >= _MEDIAN:
-            notes.append(
-                f"the samples are {name}, as of codes, but were taken for linear radiance, because"
-                " they are floats; give uint8 to decode them from sRGB"
-            )
+        if scale == 1 and np.median(samples) >= whole_numbers.MEDIAN:
+            notes.append(whole_numbers.NOTE)
     return samples
 
 

@@ -323,8 +323,9 @@ class EnvMap:
     def clipped_fraction(self) -> float:
         """Fraction of the sphere with clipped radiance.
 
-        With a known `clip_level`: pixels with a channel at it, from code 254 of 255 on. Otherwise:
-        pixels with the largest sample of the map, if there are several.
+        With a known `clip_level`, or in floats decoded from 8-bit codes: pixels with a channel at
+        it, from code 254 of 255 on. Otherwise: pixels with the largest sample, if there are
+        several.
         """
         return self._pixels.clipped_fractions[0]
 

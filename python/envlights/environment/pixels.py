@@ -86,7 +86,12 @@ class MapPixels:
     @cached_property
     def clipped_fractions(self) -> tuple[float, float]:
         """Fractions of the sphere, and of the luminance flux, in clipped pixels."""
-        return _native.clipped_fraction(self.radiance, self.is_border_sampled, self.clip_level)
+        fractions = _native.clipped_fraction(self.radiance, self.is_border_sampled, self.clip_level)
+        if self.clip_level is None and fractions[0] and are_decoded_codes(self.radiance):
+            # As in codes, the code below the largest one counts too.
+            white = float(self.radiance.max())
+            return _native.clipped_fraction(self.radiance, self.is_border_sampled, white)
+        return fractions
 
     @property
     def found_clip_level(self) -> float | None:
@@ -123,12 +128,22 @@ class MapPixels:
 
 
 def are_decoded_codes(radiance: NDArray[np.float32]) -> bool:
-    """True if the floats are values of many 8-bit sRGB codes; checks a sample of the pixels."""
+    """True if the floats are values of many 8-bit sRGB codes; checks a sample of the pixels.
+
+    The picture may have another exposure, if the largest value is white.
+    """
     rows, columns = (max(side // 64, 1) for side in radiance.shape[:2])
-    some = radiance[::rows, ::columns]
-    if some.max(initial=0) > 1:
+    values = np.unique(radiance[::rows, ::columns])
+    if len(values) > 256:
         return False
-    codes = 255 * encode_srgb(some)
+    white = float(radiance.max(initial=0)) or 1.0
+    return any(_are_values_of_codes(values / scale) for scale in (1, white))
+
+
+def _are_values_of_codes(values: NDArray[np.float32]) -> bool:
+    if values.max(initial=0) > 1:
+        return False
+    codes = 255 * encode_srgb(values)
     whole = np.round(codes)
     # A lamp of radiance 1 in the dark has only the codes 0 and 255.
     return bool(np.abs(codes - whole).max(initial=0) < 0.01 and len(np.unique(whole)) > 8)

@@ -18,6 +18,7 @@ from envlights.environment.clean import Cleaned, notes_of_cleaning
 from envlights.environment.clip_level import CodeHistogram, white_of
 from envlights.environment.decoders.source import AnySource
 from envlights.environment.files.images import OpenImage, open_image
+from envlights.environment.files.whole_numbers import WholeNumbers
 from envlights.environment.layouts.panorama_check import notes_on_panorama
 
 
@@ -118,10 +119,13 @@ def _of_rows(file: OpenImage, cells: _Cells, table: NDArray[np.float32]) -> Redu
     header = file.raw.header
     size = (header.height, header.width, header.border_sampled)
     reducer = RowReducer(size, cells, header.dtype.name, table)
+    whole = WholeNumbers()
     for rows in _whole_blocks(_rows(file), reducer.block):
         reducer.add(rows)
+        if not table.size:
+            whole.add(rows)
     reduced, cleaned, fraction = _finish(file, reducer)
-    notes = notes_of_cleaning(cleaned)
+    notes = [*whole.notes(), *notes_of_cleaning(cleaned)]
     if table.size:
         fraction, said = _clipped(reducer, header.height, table)
         notes = [*said, *notes]

@@ -60,6 +60,9 @@ where
             .and_then(|page| statements::header(&page, &directory, &mut texts).map(|header| (page, header)));
         match page {
             Ok((page, header)) => {
+                if number == 0 && is_lesser(&directory) {
+                    reasons.push("by its tags the picture is a reduced copy or a mask, and the file has no page at full size".into());
+                }
                 pages.push((page, Cache::default()));
                 headers.push(header);
             }
@@ -97,15 +100,19 @@ impl<Bytes: AsRef<[u8]> + Send + Sync> PictureFile for Tiff<Bytes> {
 ///
 /// Only the first page of a texture counts: the others are its smaller levels.
 fn full_pages(file: File<'_>) -> Result<Vec<Directory<'_>>> {
-    /// Tag of the kind of a page, and its bits for a reduced copy and for a mask.
-    const KIND: (u16, u64) = (254, 0b101);
     let mut all = directories(file)?;
     if all[0].has(statements::TEXTURE_FORMAT) {
         all.truncate(1);
     }
-    let is_full = |page: &&Directory<'_>| page.integer(KIND.0).unwrap_or(0) & KIND.1 == 0;
-    let full: Vec<Directory<'_>> = all.iter().filter(is_full).copied().collect();
+    let full: Vec<Directory<'_>> = all.iter().filter(|page| !is_lesser(page)).copied().collect();
     Ok(if full.is_empty() { all } else { full })
+}
+
+/// True for a reduced copy or a mask, by the tag of TIFF 6 or by the older one.
+fn is_lesser(page: &Directory<'_>) -> bool {
+    const KIND: (u16, u64) = (254, 0b101);
+    const OLDER: (u16, u64) = (255, 2);
+    page.integer(KIND.0).unwrap_or(0) & KIND.1 != 0 || page.integer(OLDER.0) == Some(OLDER.1)
 }
 
 /// Directories of all pages, at least one; a damaged one ends the list.

@@ -415,7 +415,11 @@ fn reduced_copies_masks_and_damaged_pages_are_left_out() {
     assert_eq!(channels(two_pages(&[], &[])), (vec![3, 1], String::new()));
     assert_eq!(channels(two_pages(&kind(1), &[])), (vec![1], String::new()));
     assert_eq!(channels(two_pages(&[], &kind(4))), (vec![3], String::new()));
-    assert_eq!(channels(two_pages(&kind(1), &kind(1))), (vec![3, 1], String::new()));
+    let older = |kind| [(255, 3, vec![kind])];
+    assert_eq!(channels(two_pages(&older(2), &older(1))), (vec![1], String::new()));
+    let (counts, notes) = channels(two_pages(&kind(1), &older(2)));
+    assert_eq!(counts, [3, 1]);
+    assert!(notes.contains("by its tags the picture is a reduced copy or a mask"), "{notes}");
     assert_eq!(channels(two_pages(&[(33302, 2, vec![65, 0])], &[])), (vec![3], String::new()));
     let (counts, notes) = channels(two_pages(&[], &[(259, 3, vec![7])]));
     assert_eq!(counts, [3]);

@@ -54,10 +54,13 @@ _VIEWS = {
 
 def note_of_view(description: str) -> tuple[str, ...]:
     """Note on the view in a Radiance header; indented lines of older files do not count."""
-    found = re.findall(r"^VIEW= *(?:.* )?-vt([a-z])", description, re.MULTILINE)
-    if not found or found[-1] not in _VIEWS:
+    views = re.findall(r"^VIEW=(.*)", description, re.MULTILINE)
+    # A view with angles and without a type is a perspective, as in Radiance.
+    found = re.findall(r"-vt([a-z])", views[-1]) if views else []
+    kind = found[-1] if found else "v" if views and re.search(r"-v[hv] ", views[-1]) else ""
+    if kind not in _VIEWS:
         return ()
     return (
-        f"the header says that the picture is {_VIEWS[found[-1]]} (VIEW -vt{found[-1]}), which was"
+        f"the header says that the picture is {_VIEWS[kind]} (VIEW -vt{kind}), which was"
         " not applied; name its projection if it is no panorama",
     )

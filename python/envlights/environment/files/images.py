@@ -26,6 +26,7 @@ from envlights.environment.decoders.source import AnySource, Source, kind_of, na
 from envlights.environment.files.channels import Choice, choose
 from envlights.environment.files.hints import NO_HINTS, Hints
 from envlights.environment.files.placement import Placement, placement
+from envlights.environment.files.whole_numbers import WholeNumbers
 
 #: Default limit on the number of pixels, 32768 x 16384, because a damaged header may claim any
 #: size.
@@ -159,6 +160,8 @@ class OpenImage:
         histogram = CodeHistogram(header.height) if header.dtype.kind == "u" else None
         pixels, coverage = self._pixels(linear, histogram)
         clip_level, notes = self._clip_level(histogram, pixels)
+        if header.dtype.kind == "f":
+            notes += WholeNumbers().add(pixels).notes()
         if coverage is not None and not coverage.any():
             self._check_alpha()
             coverage = None
