@@ -35,6 +35,7 @@ FACTS = {
     "clip level below 255": ((0.9 * CLIPPED).astype(np.uint8), "clip-level"),
     "codes in floats": (CLIPPED.astype(np.float32), "codes"),
     "codes over 255": (CLIPPED / 255, "codes"),
+    "16 bits in floats": (np.float32(257) * CLIPPED, "codes"),
     "two eyes": (codes(eyes("squeezed")), "layout-doubt"),
     "two eyes above": (codes(eyes("above")), "layout-doubt"),
     "part": (codes(panorama()[48:144, 40:232]), "layout-doubt"),

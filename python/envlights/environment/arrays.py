@@ -13,9 +13,9 @@ from envlights._common.srgb import decode_codes
 from envlights._native import EnvLightsError
 from envlights.environment.clip_level import clip_level_of_codes
 from envlights.environment.coverage import checked_coverage, multiply_by_coverage
-from envlights.environment.files import whole_numbers
 from envlights.environment.files.hints import NO_HINTS
 from envlights.environment.files.images import Image
+from envlights.environment.files.whole_numbers import WholeNumbers
 from envlights.environment.picture_files import faces_of_mapping
 
 
@@ -88,8 +88,7 @@ def _codes_of_floats(samples: NDArray[Any], notes: list[str]) -> NDArray[Any]:
                 " another factor they would be linear radiance"
             )
             return np.round(samples.astype(np.float64) * scale).astype(np.uint8)
-        if scale == 1 and np.median(samples) >= whole_numbers.MEDIAN:
-            notes.append(whole_numbers.NOTE)
+    notes += WholeNumbers().add(samples).notes()
     return samples
 
 

@@ -1,4 +1,4 @@
-"""Floats that are whole numbers from 0 to 255: codes of a picture, kept as floats."""
+"""Floats that are whole numbers of 8 or 16 bits: codes of a picture, kept as floats."""
 
 from __future__ import annotations
 
@@ -8,40 +8,41 @@ import numpy as np
 from numpy.typing import NDArray
 
 #: Smallest median of codes: maps made by hand often contain only 0 and 1, and a lamp.
-MEDIAN = 4
-NOTE = (
-    "the samples are whole numbers from 0 to 255, as of codes, but were taken for linear radiance,"
-    " because they are floats; give uint8, or a file of 8 bits, to decode them from sRGB"
-)
+_MEDIAN = 4
+#: As a float of 32 bits, because halves end at 65504.
+_LARGEST = np.float32(65535)
 
 
 class WholeNumbers:
-    """Search for whole numbers in the rows of a file, until some are none."""
+    """Search for whole numbers in the rows of a picture, until some are none."""
 
     def __init__(self) -> None:
-        self._counts: NDArray[np.int64] | None = np.zeros(256, np.int64)
+        self._is_whole = True
+        self._largest = self._count = self._large = 0
 
     def add(self, samples: NDArray[Any]) -> WholeNumbers:
         """Add rows of samples."""
-        if self._counts is None:
-            return self
         step = max(samples.size // 512, 1)
-        if _are_whole(samples.reshape(-1)[::step]) and _are_whole(samples):
-            codes = samples.astype(np.uint8).ravel()
-            self._counts += np.bincount(codes, minlength=256)
-        else:
-            self._counts = None
+        self._is_whole &= _are_whole(samples.reshape(-1)[::step]) and _are_whole(samples)
+        if self._is_whole:
+            self._largest = max(self._largest, int(samples.max(initial=0)))
+            self._count += samples.size
+            self._large += int(np.count_nonzero(samples >= _MEDIAN))
         return self
 
     def notes(self) -> tuple[str, ...]:
         """Note on codes, if all samples may be codes and more than half of them are not small."""
-        counts = self._counts
-        if counts is None or 2 * counts[MEDIAN:].sum() <= counts.sum():
+        if not self._is_whole or 2 * self._large <= self._count:
             return ()
-        return (NOTE,)
+        bits = 8 if self._largest <= 255 else 16
+        return (
+            f"the samples are whole numbers from 0 to {2**bits - 1}, as of codes, but were taken"
+            f" for linear radiance, because they are floats; give uint{bits}, or a file of {bits}"
+            " bits, to decode them from sRGB",
+        )
 
 
 def _are_whole(samples: NDArray[Any]) -> bool:
     with np.errstate(invalid="ignore"):
-        whole = (samples >= 0) & (samples <= 255) & (np.round(samples) == samples)
+        whole = (samples >= 0) & (samples <= _LARGEST) & (np.round(samples) == samples)
     return bool(whole.all())
