@@ -397,7 +397,7 @@ def test_depth_that_is_noted(change, words):
     [
         ({}, "needs depth=, room="),
         ({"room": (6, 3)}, "room must be three"),
-        ({"room": (6, -3, 5)}, "camera must lie in the room"),
+        ({"room": (6, -3, 5)}, "room must have positive sides"),
         ({"room": (6, 3, 5), "camera": (7, 1, 1)}, "camera must lie in the room"),
         ({"camera": (1, 1, 1), "depth": np.ones((16, 32))}, "give room= as well"),
         ({"room": (6, 3, 5), "scale": 2}, "room replaces depth"),

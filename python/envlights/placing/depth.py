@@ -44,6 +44,8 @@ def read_depth(depth: Any, reading: str | None, scale: float | None) -> tuple[Re
 def corners_of(room: ArrayLike, camera: ArrayLike | None) -> tuple[Reals, Reals]:
     """Least and largest coordinates of a box, from the camera; see `place`."""
     size = triple("room", room)
+    if not (size > 0).all():
+        raise EnvLightsError(f"room must have positive sides in metres; got {size.tolist()}")
     inside = size / 2 if camera is None else triple("camera", camera)
     if not ((inside > 0) & (inside < size)).all():
         raise EnvLightsError(
