@@ -298,6 +298,14 @@ def test_pbrt_has_the_irradiance_of_a_point(kind, point, tmp_path):
             matrix = np.stack([2 * radius * y, 2 * radius * x, centre - radius * (x + y)], axis=1)
             light = numbers('"rgb L"', piece)
             received += of_plane(matrix, light, there, normals, is_disc=True, around=around)
+        elif '"point2 uv"' not in piece:  # a fan of triangles is an ellipse
+            points = numbers('"point3 P"', piece).reshape(-1, 3)
+            centre = points.mean(axis=0)
+            x, y = points[0] - centre, points[len(points) // 4] - centre
+            assert np.cross(x, y) @ (there - centre) > 0
+            matrix = np.stack([2 * y, 2 * x, centre - x - y], axis=1)
+            light = numbers('"rgb L"', piece)
+            received += of_plane(matrix, light, there, normals, is_disc=True, around=around)
         else:
             points = numbers('"point3 P"', piece).reshape(4, 3)
             uv = numbers('"point2 uv"', piece).reshape(4, 2)

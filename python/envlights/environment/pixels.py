@@ -133,7 +133,9 @@ def are_decoded_codes(radiance: NDArray[np.float32]) -> bool:
     The picture may have another exposure, if the largest value is white.
     """
     rows, columns = (max(side // 64, 1) for side in radiance.shape[:2])
-    values = np.unique(radiance[::rows, ::columns])
+    # Unlike `np.unique`, this loads no module of NumPy.
+    values = np.sort(radiance[::rows, ::columns], axis=None)
+    values = values[np.append(True, values[1:] > values[:-1])]
     if len(values) > 256:
         return False
     white = float(radiance.max(initial=0)) or 1.0

@@ -178,9 +178,12 @@ def _likeness(one: Array, other: Array) -> float:
     one, other = (half - half.mean(axis=2, keepdims=True) for half in rows)
     if min(one.std(), other.std()) < _CONTRAST:
         return 0.0
-    reach = one.shape[2] // 24
-    shifts = range(-reach, reach + 1)
-    rows_of_shifts = np.stack([(one * np.roll(other, by, axis=2)).sum((0, 2)) for by in shifts])
+    width = one.shape[2]
+    reach = width // 24
+    # Without wrapping: the halves of a lamp in the middle would match those of one at the seam.
+    pairs = [(one[..., by:], other[..., : width - by]) for by in range(reach + 1)]
+    pairs += [(one[..., : width - by], other[..., by:]) for by in range(1, reach + 1)]
+    rows_of_shifts = np.stack([(left * right).sum((0, 2)) for left, right in pairs])
     bands = np.array_split(rows_of_shifts, _BANDS, axis=1)
     common = sum(band.sum(axis=1).max() for band in bands)
     return float(common / np.sqrt((one**2).sum() * (other**2).sum()))
