@@ -8,12 +8,32 @@ import importlib.util
 import os
 import shutil
 import stat
+import struct
+import tokenize
 import zlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from envlights._common.errors import DamagedFileError, FileError, unreadable
 from envlights._native import EnvLightsError
+
+#: Errors that NumPy raises for damaged files of arrays. A damaged byte can also look like a request
+#: for a password or like an unknown compression.
+DAMAGE = (
+    AttributeError,
+    EOFError,
+    KeyError,
+    MemoryError,
+    NotImplementedError,
+    OverflowError,
+    RuntimeError,
+    SyntaxError,
+    TypeError,
+    ValueError,
+    struct.error,
+    tokenize.TokenError,
+    zlib.error,
+)
 
 try:
     import fcntl

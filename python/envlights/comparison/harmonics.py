@@ -72,21 +72,21 @@ def bright_parts(radiance: NDArray[np.float32]) -> Discs:
     count = _MOST_CELLS / (2 * len(rows))
     sine = np.sin(np.pi * (rows[0] + 0.5) / len(radiance))
     tall = int(max(np.sqrt(count / sine), 1))
-    wide, across = int(max(count / tall, 1)), int(max(tall / count, 1))
+    wide = int(max(count / tall, 1))
     down, right = (np.arange(n) / n + 0.5 / n for n in (tall, wide))
     v = np.repeat(rows[:, None] + down, wide, axis=1) / radiance.shape[0]
     u = np.tile(columns[:, None] + np.tile(right, tall), 1) / radiance.shape[1]
     areas = solid_angles[pixels].repeat(tall * wide) / (tall * wide)
     flux = radiance[pixels].repeat(tall * wide, axis=0) * areas[:, None]
     directions = uv_to_direction(np.stack([u.ravel(), v.ravel()], axis=-1))
+    # Near a pole, pixels are slivers: squares are parts of rows that span columns. A shadow error
+    # under a sun at 84 degrees was 10 % too large with slivers.
+    high = block if tall == 1 and count <= 1 else 1
+    long = int(max(tall / count, 1)) if tall > 1 else high
+    parts = rows[:, None] // high * tall + np.arange(tall)
+    cells = parts * radiance.shape[1] + (columns // long)[:, None]
     groups = np.arange(len(flux))
-    if tall == 1 and count <= 1:
-        cells = rows // block * radiance.shape[1] + columns // block
-        groups = np.unique(cells, return_inverse=True)[1]
-    elif across > 1:
-        # Near a pole, pixels are slivers: squares are parts of rows that span columns. A shadow
-        # error under a sun at 84 degrees was 10 % too large with slivers.
-        cells = rows[:, None] * tall + np.arange(tall) + 1j * (columns // across)[:, None]
+    if long > 1:
         groups = np.unique(cells.ravel(), return_inverse=True)[1]
     return merge(directions, flux, areas, groups)
 

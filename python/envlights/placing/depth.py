@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights._common.check import amount, check_choice, reals
+from envlights._common.files import DAMAGE
 from envlights._common.words import percent
 from envlights._native import EnvLightsError
 from envlights.environment.decoders.native import open_native
@@ -18,7 +19,6 @@ from envlights.environment.envmap import EnvMap
 from envlights.environment.files.images import MOST_PIXELS
 from envlights.kernels.sphere import pixel_directions
 from envlights.placing.planes import READINGS, Reals, flatness
-from envlights.transfer.files.npz_file import DAMAGE
 
 #: Names of channels of depth, in lower case.
 _CHANNELS = ("z", "depth", "distance", "depth.z")

@@ -125,13 +125,9 @@ def place(
         return PlacedLights(lights, first.remainder, np.zeros((0, 10)), None, tuple(notes))
     if len(parts) > 1:
         raise EnvLightsError("give depth or several maps, not both; the depth is that of one map")
-    corners = None if room is None else corners_of(room, camera)
+    corners = _corners(room, camera, depth, reading, scale)
     if corners is None:
-        if camera is not None:
-            raise EnvLightsError("camera is a position in a room; give room= as well")
         distance, notes = read_depth(depth, reading, scale)
-    elif depth is not None or reading is not None or scale is not None:
-        raise EnvLightsError("room replaces depth=, reading= and scale=; leave them out")
     else:
         distance, notes = box_distance(corners, 256), []
     light = luminance(first.cards.to_map(2 * len(distance)).radiance)
@@ -143,6 +139,19 @@ def place(
         notes.append(note)
     log(notes)
     return PlacedLights(lights, first.remainder, patches, surfaces, tuple(notes))
+
+
+def _corners(
+    room: ArrayLike | None, camera: ArrayLike | None, *of_depth: object
+) -> tuple[Reals, Reals] | None:
+    """Corners of a room, if there is one; it replaces a depth."""
+    if room is None:
+        if camera is not None:
+            raise EnvLightsError("camera is a position in a room; give room= as well")
+        return None
+    if any(each is not None for each in of_depth):
+        raise EnvLightsError("room replaces depth=, reading= and scale=; leave them out")
+    return corners_of(room, camera)
 
 
 def _pairs(env: Any) -> list[tuple[Any, Reals]]:

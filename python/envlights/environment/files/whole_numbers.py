@@ -22,8 +22,9 @@ class WholeNumbers:
 
     def add(self, samples: NDArray[Any]) -> WholeNumbers:
         """Add rows of samples."""
-        step = max(samples.size // 512, 1)
-        self._is_whole &= _are_whole(samples.reshape(-1)[::step]) and _are_whole(samples)
+        step = max(samples.shape[-2] // 64, 1)
+        if self._is_whole:
+            self._is_whole = _are_whole(samples[..., ::step, ::step, :]) and _are_whole(samples)
         if self._is_whole:
             self._largest = max(self._largest, int(samples.max(initial=0)))
             self._count += samples.size

@@ -82,9 +82,10 @@ def notes_on_panorama(overview: NDArray[np.float32], height: int, width: int) ->
         doubts.append(f"{what} may be a dual fisheye; stitch it in the camera's program")
     if _is_one_lens(coarse.sum(axis=2)):
         doubts.append("a disc between black sides may be a fisheye picture; cut it out")
-    if any(_has_two_eyes(_logs(cells)) for cells in (coarse, fine)):
+    logs = _logs(fine)
+    if _has_two_eyes(_logs(coarse), logs):
         doubts.append("its halves are alike, so that it may hold two eyes; cut out one of them")
-    if _is_part(_logs(fine)):
+    if _is_part(logs):
         doubts.append(
             "its left and right edges do not meet, and its upper and lower rows are no poles, so"
             " that it may be a part of one or a photograph; give fov="
@@ -163,12 +164,20 @@ def _overlap(background: NDArray[np.bool_], x: Array, y: Array) -> float:
     return best
 
 
-def _has_two_eyes(logs: Array) -> bool:
+def _has_two_eyes(coarse: Array, fine: Array) -> bool:
     """True if the left and right, or the upper and lower, halves show the same scene."""
+    likeness = _likeness_of_eyes(coarse)
+    # Few maps are half as alike, so that fine structure is rarely compared.
+    if _ALIKE / 2 < likeness <= _ALIKE:
+        likeness = _likeness_of_eyes(fine)
+    return likeness > _ALIKE
+
+
+def _likeness_of_eyes(logs: Array) -> float:
+    """Likeness of the left and right, or of the upper and lower halves."""
     rows, columns = (side // 2 for side in logs.shape[:2])
     beside = _likeness(logs[:, :columns], logs[:, -columns:])
-    above = _likeness(logs[:rows], logs[-rows:])
-    return max(beside, above) > _ALIKE
+    return max(beside, _likeness(logs[:rows], logs[-rows:]))
 
 
 def _likeness(one: Array, other: Array) -> float:

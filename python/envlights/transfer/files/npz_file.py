@@ -4,11 +4,8 @@ from __future__ import annotations
 
 import math
 import os
-import struct
 import sys
-import tokenize
 import zipfile
-import zlib
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
@@ -18,27 +15,11 @@ from numpy.lib.format import read_array_header_1_0, read_array_header_2_0
 from numpy.typing import NDArray
 
 from envlights._common.errors import unreadable
-from envlights._common.files import as_path, write_atomically
+from envlights._common.files import DAMAGE, as_path, write_atomically
 from envlights._native import EnvLightsError
 
-#: Errors that numpy and zipfile raise for damaged files. A damaged byte can also look like a
-#: request for a password or like an unknown compression.
-DAMAGE = (
-    AttributeError,
-    EOFError,
-    KeyError,
-    MemoryError,
-    NotImplementedError,
-    OverflowError,
-    RuntimeError,
-    SyntaxError,
-    TypeError,
-    ValueError,
-    struct.error,
-    tokenize.TokenError,
-    zipfile.BadZipFile,
-    zlib.error,
-)
+#: Errors of damaged archives of arrays.
+_DAMAGE = (*DAMAGE, zipfile.BadZipFile)
 
 #: Largest size of the members for format and version, in bytes.
 _LONGEST_HEAD = 4096
@@ -94,7 +75,7 @@ def load(
     try:
         _check_finite(data)
         return build(data)
-    except DAMAGE as error:
+    except _DAMAGE as error:
         raise EnvLightsError(f"{path} does not hold a {kind.noun}: {_reason(error)}") from None
 
 
@@ -110,7 +91,7 @@ def _read(path: str | os.PathLike[str], kind: Kind) -> dict[str, NDArray[Any]]:
         raise unreadable(path, error) from None
     except EnvLightsError:
         raise
-    except DAMAGE as error:
+    except _DAMAGE as error:
         raise EnvLightsError(f"{path} is not a complete .npz file: {_reason(error)}") from None
 
 
