@@ -281,8 +281,10 @@ def test_a_damaged_array_of_depth_is_refused(content, tmp_path):
         el.place(np.ones((16, 32, 3)), tmp_path / "c.npy")
 
 
-def test_a_point_behind_a_wall_is_noted():
+def test_a_point_behind_a_wall_is_noted(tmp_path):
     placed = placed_in("panel")
+    with pytest.warns(UserWarning, match=r"lies behind a surface at 2\.5 m"):
+        placed.save(tmp_path / "room.usda", at=(0, 0, 2.6))
     hidden = [placed.at((0, 0, 2.6)), placed.map_at((0, 0, 2.6))]
     assert [each.notes[-1].code for each in hidden] == ["depth-doubt"] * 2
     assert all("lies behind a surface at 2.5 m" in each.notes[-1] for each in hidden)

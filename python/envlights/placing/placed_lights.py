@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -229,7 +230,10 @@ class PlacedLights(Result):
         place = triple("at", at)
         where = " ".join(f"{metres:.4g}" for metres in place)
         note = f"positions are in metres from the camera, and the map is that of ({where})"
-        cards = replace(self.cards, notes=(*self._notes_at(place), note))
+        notes = self._notes_at(place)
+        for doubt in notes[len(self.notes) :]:
+            warnings.warn(doubt, stacklevel=2)
+        cards = replace(self.cards, notes=(*notes, note))
         return save_with_map(cards, self._remainder_at(place), paths, **options)
 
     def compare(self, maps: Mapping[tuple[float, float, float], AnyMap]) -> PointErrors:
