@@ -335,7 +335,10 @@ class PlacedLights(Result):
         rows = [
             [
                 *(f"{number}", light.kind, *(f"{value:.2f}" for value in light.position)),
-                *(" x ".join(f"{value:.2f}" for value in light.size), percent(round(light.uncertainty, 6))),
+                *(
+                    " x ".join(f"{value:.2f}" for value in light.size),
+                    percent(round(light.uncertainty, 6)),
+                ),
                 rgb_cell(light.irradiance),
             ]
             for number, light in enumerate(some, 1)
