@@ -237,9 +237,10 @@ def test_settings_reach_the_detection(hall, tmp_path):
 def test_the_curve_of_the_command_line_is_that_of_python(hall, tmp_path):
     names = [tmp_path / f"curve.{suffix}" for suffix in ("csv", "json", "png")]
     outputs = [word for name in names for word in ("-o", name)]
-    printed = run("error-curve", hall, "-n", "0-1,3", "--points", *outputs).stdout
+    done = run("error-curve", hall, "-n", "0-1,3", "--points", *outputs)
     curve = el.error_curve(hall, (0, 1, 3), sizes=False)
-    assert printed.rstrip() == str(curve)
+    assert done.stdout.rstrip() == str(curve)
+    assert done.stderr.splitlines() == [f"wrote {name}" for name in names]
     rows = [line.split(",") for line in names[0].read_text().splitlines()]
     assert [[float(cell) for cell in row] for row in rows[1:]] == [
         list(row)

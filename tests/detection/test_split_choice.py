@@ -20,6 +20,9 @@ def test_lights_are_chosen_by_number_by_share_or_by_name():
         np.testing.assert_array_equal(same.remainder.radiance, one.remainder.radiance)
     assert len(el.split(env, fraction=0.51).lights) == 2
     assert len(el.split(env, fraction=1).lights) == len(el.split(env).lights) == 3
+    together = np.cumsum(found.flux_fraction)
+    for number, part in enumerate(together / together[-1], 1):
+        assert len(el.split(env, fraction=part).lights) == number
     assert len(el.split(env, 2, fraction=1).lights) == 2
     assert len(el.split(env, 0).lights) == len(el.split(env, fraction=0).lights) == 0
     others = el.split(env, found[np.array([False, True, True])])

@@ -236,6 +236,17 @@ def test_smooth_noise_moves_lights_no_more_than_the_depth(kind):
     assert np.sqrt(np.mean(np.square(errors))) < 0.05
 
 
+@pytest.mark.parametrize("kind", ["panel", "downlights", "pendants"])
+def test_the_uncertainty_is_the_median_deviation_of_the_depth(kind):
+    """Half of normal noise of 1 % is below 0.6745 %; the front of a sphere has few pixels."""
+    radiance, depth = seen(kind)
+    noise = np.random.default_rng(0).standard_normal(depth.shape)
+    for light in el.place(radiance, depth * (1 + 0.01 * noise), reading="ray"):
+        allowed = 0.15 if light.kind == "plane" else 0.4
+        assert light.uncertainty == pytest.approx(0.006745, rel=allowed)
+    assert max(light.uncertainty for light in placed_in(kind)) < 2e-4
+
+
 def test_files_of_depth(tmp_path):
     radiance, depth = seen("pendants", 64)
     wanted = el.place(radiance, np.float32(depth)).irradiance(OFFSETS[0], NORMALS)
@@ -429,6 +440,7 @@ def test_two_maps_place_their_lights(kind):
         placed = el.place([(first, (1, 1, 1)), (other, np.add(point, 1))])
         near = [each for each in placed if each.kind != "sun"]
         lost += len(placed) - len(near)
+        assert len(placed.notes) == 1 + (len(near) < len(placed))
         errors += position_errors(near, kind)
         assert all(each.uncertainty < np.radians(0.1) for each in near)
     # One lamp and one window of 64 lights have 1.4 and 1.7 %.
@@ -457,6 +469,8 @@ def test_texts_cards_and_numbers_of_placed_lights():
     placed = placed_in("panel")
     assert placed.in_short() == "2 planes, 2 spheres, and 512 patches"
     assert str(placed).splitlines()[1].split()[1] == "plane"
+    assert "more light" not in str(placed)
+    assert "\n4 more lights\n" in f"{replace(placed, lights=4 * placed.lights)}\n"
     assert placed.cards.is_placed
     assert placed.cards.shape == ("rectangle", "rectangle", "sphere", "sphere")
     positions = [each.position for each in placed]
