@@ -56,6 +56,22 @@ def test_the_map_has_the_flux_and_the_probe_of_the_lights(convert, ambient):
     np.testing.assert_allclose(irradiance, probe(lights.row(0), NORMALS), rtol=0.03)
 
 
+def test_the_rim_of_a_disc_is_a_logistic_function_of_the_chord():
+    """The logit of the radiance relative to the centre is linear, and 0 at the rim."""
+    radius, pixel = 0.8, np.pi / 64
+    lights = Lights(*map(np.array, ([[0.0, 1, 0]], [[1.0, 1, 1]], [radius], [0.0] * 3)))
+    part = to_map(lights, 64)[:, 0, 0]
+    part = part / part.max()
+    assert (np.diff(part) <= 0).all()
+    at_rim = np.abs(part - 0.5) < 0.49
+    polar = (np.flatnonzero(at_rim) + 0.5) * pixel
+    inside = np.sin(radius / 2) ** 2 - np.sin(polar / 2) ** 2
+    logit = np.log(part[at_rim] / (1 - part[at_rim]))
+    width = np.sin(np.hypot(radius, pixel)) * pixel / 4
+    np.testing.assert_allclose(logit, inside / width, rtol=1e-5)
+    assert len(logit) >= 4
+
+
 @in_each_library
 def test_gaussians_are_those_of_a_set_of_lights(convert):
     lights = random_lights(5)
