@@ -134,7 +134,9 @@ def test_notes_and_parts_of_the_sphere_are_kept():
     _, rest = el.limit(env, 2)
     np.testing.assert_array_equal(rest.coverage, seen)
     assert not rest.radiance[16:].any()
-    assert rest.notes == (*env.notes, "limited to 2: 15 % of the flux is in 1 light")
+    assert rest.notes == (*env.notes, "limited to 2: 15.1 % of the flux is in 1 light")
+    _, rest = el.limit(np.where(radiance > 2, 1e6, radiance), 2)
+    assert rest.notes[-1] == "limited to 2: 100 % of the flux is in 1 light"
 
 
 def test_units_are_kept():

@@ -184,6 +184,8 @@ def test_the_table_says_where_each_light_is_and_how_wrong_the_rig_is():
         in report
     )
     assert "direction tolerance (10 % more error): 1.2°  180°" in report
+    wide = replace(a_rig().report, direction_tolerances=tuple(np.radians([99.4, 99.7, 100.6])))
+    assert "(10 % more error): 99°  100°  101°" in wide.verbose()
     measured = replace(a_rig().report, direction_tolerances=()).verbose()
     assert "condition number inf" in measured
     assert "standard error of the directions: 0.57°  0°" in measured

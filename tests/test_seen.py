@@ -46,6 +46,13 @@ def test_what_is_hidden_is_no_light(kind, hidden):
     )
 
 
+def test_a_note_on_a_small_part_has_its_digits():
+    """Four pixels at the horizon are a fraction of sin(pi / 32) / 32 of the sphere."""
+    seen = np.zeros((32, 64))
+    seen[15:17, :2] = 1
+    assert el.EnvMap(SKY, coverage=seen).notes == ("99.7 % of the sphere is not seen",)
+
+
 def test_partly_seen_pixels_are_multiplied_by_alpha_in_linear_light():
     codes = np.full((4, 8, 4), 188, np.uint8)
     codes[..., 3] = 51

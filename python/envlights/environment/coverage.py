@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights._common.blocks import in_blocks
 from envlights._common.check import describe
+from envlights._common.words import percent
 from envlights._native import EnvLightsError
 from envlights.kernels.sphere import pixel_solid_angles
 
@@ -54,4 +55,4 @@ def fraction_of_sphere(fraction: NDArray[np.float32], border_sampled: bool) -> f
 
 def note_of_coverage(fraction_of_sphere: float) -> str:
     """Note on the fraction of the sphere that is not visible in the map."""
-    return f"{100 * (1 - fraction_of_sphere):.2g} % of the sphere is not seen"
+    return f"{percent(1 - fraction_of_sphere)} of the sphere is not seen"

@@ -354,4 +354,4 @@ class FitReport(Result):
 def _each_degree(angles: tuple[float, ...]) -> str:
     """Angles in degrees, rounded, joined to a line of text."""
     rounded = np.degrees(angles)
-    return "  ".join(f"{each:.2g}°" if each < 100 else f"{each:.0f}°" for each in rounded)
+    return "  ".join(f"{each:.2g}°" if each < 99.5 else f"{each:.0f}°" for each in rounded)

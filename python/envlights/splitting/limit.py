@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from envlights._common.check import amount, named_arguments
 from envlights._common.former import former_attributes
+from envlights._common.words import percent
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import EnvMap
 from envlights.environment.peaks import PixelIntegrals, float32_at_most
@@ -79,7 +80,7 @@ def limit(env: AnyMap, maximum: float) -> Limit:
     >>> len(lights), float(rest.radiance.max())
     (1, 65504.0)
     >>> rest.notes[-1]
-    'limited to 65504: 32 % of the flux is in 1 light'
+    'limited to 65504: 32.5 % of the flux is in 1 light'
     """
     env, level = as_envmap(env), amount("maximum", maximum)
     most = float32_at_most(level)
@@ -91,8 +92,8 @@ def limit(env: AnyMap, maximum: float) -> Limit:
     lights = _lights(excess, integrals, regions, level, env.units)
     notes: tuple[str, ...] = env.notes
     if len(lights):
-        percent = 100 * (excess * integrals[:, 3:]).sum() / _flux(env)
-        note = f"limited to {level:g}: {percent:.2g} % of the flux is in {lights.in_short()}"
+        part = (excess * integrals[:, 3:]).sum() / _flux(env)
+        note = f"limited to {level:g}: {percent(part)} of the flux is in {lights.in_short()}"
         notes = (*notes, note)
     return Limit(lights, env.with_radiance(radiance, notes))
 
