@@ -61,6 +61,19 @@ def test_flat_lights_and_windows_are_planes_with_their_size_and_normal(kind):
         np.testing.assert_allclose(plane.radiance, lamp.radiance, rtol=0.06)
 
 
+def test_a_rectangle_in_an_oblique_wall_lies_in_it_with_right_angles():
+    plane, rays = np.array([0.25, 0.2, -0.35]), kernels.pixel_directions(128, 256)
+    height = rays @ plane
+    depth = np.divide(1, height, out=np.zeros_like(height), where=height > 0.02)
+    picture = el.synthetic.Rectangle((0.3, 0.2, -1), 30.0, 20.0, (9, 9, 9))
+    world = el.synthetic.scene(128, background=[0.2] * 3, shapes=[picture])
+    (light,) = el.place(world.radiance, depth, reading="ray")
+    corners = light.matrix @ [[0, 1, 1, 0], [0, 0, 1, 1], [1, 1, 1, 1]]
+    np.testing.assert_allclose(plane @ corners, 1, rtol=1e-9)
+    across, down = light.matrix[:, 0], light.matrix[:, 1]
+    assert abs(across @ down) < 1e-9 * np.prod(light.size)
+
+
 def test_hanging_lamps_are_spheres_of_their_radius():
     placed, lamps = placed_in("pendants"), room("pendants").lamps
     for light in placed:
@@ -234,6 +247,12 @@ def test_smooth_noise_moves_lights_no_more_than_the_depth(kind):
         noisy = el.place(radiance, depth * np.exp(0.05 * wave / wave.std()))
         errors += position_errors(noisy, kind)
     assert np.sqrt(np.mean(np.square(errors))) < 0.05
+
+
+def test_a_depth_of_one_value_is_a_sphere_around_the_camera():
+    placed = placed_in("pendants", depth=np.full((64, 128), 2.0))
+    assert placed.notes == ()
+    assert [light.distance for light in placed] == pytest.approx([2] * 4, rel=0.02)
 
 
 @pytest.mark.parametrize("kind", ["panel", "downlights", "pendants"])

@@ -25,7 +25,7 @@ def patches_of(remainder: EnvMap, distance: Reals) -> Reals:
     known = np.isfinite(distance)[..., None] & np.isfinite(cosine)
     metres = np.where(known, distance[..., None], 0)
     area = pixel_solid_angles(height, width)[..., None] * metres**2
-    area = np.where(known, area / np.clip(cosine, 0.1, 1), 0)
+    area = np.where(known, area / np.maximum(cosine, 0.1), 0)
     towards = np.where(known, -plane / length, 0)
     parts = np.concatenate([ray * metres, towards, np.ones_like(area), same.cells()], axis=-1)
     sums = area_means(parts * area, _ROWS, 2 * _ROWS).reshape(-1, 10)
