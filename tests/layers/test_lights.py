@@ -134,6 +134,12 @@ def test_a_batch_is_matched_row_by_row_and_black_lights_are_far(convert):
         matching_loss(lights, target.row(0))
 
 
+def test_a_change_of_exposure_changes_no_match():
+    pair = random_lights(1), random_lights(2, lights=4)
+    dim = [each._replace(irradiance=1e-3 * each.irradiance) for each in pair]
+    assert float(matching_loss(*dim)) == pytest.approx(float(matching_loss(*pair)), rel=1e-9)
+
+
 def test_lights_are_trees_of_arrays_and_map_over_batches():
     jax = pytest.importorskip("jax")
     lights = in_library(random_lights(1, batch=(3,)), to_jax)

@@ -9,6 +9,7 @@ from scipy.ndimage import gaussian_filter
 
 import envlights as el
 from envlights import kernels
+from envlights.placing.shading import _least
 from tests.helpers import printed_by_threads
 from tests.io.test_door import png, write_file
 from tests.placing.rooms import OFFSETS, room, seen
@@ -366,6 +367,14 @@ def test_the_light_on_even_walls_gives_positions_to_a_percent():
     assert max(errors) < 0.01
     assert all(each.uncertainty < 0.03 for each in placed)
     assert float(re.search(r"fits to (.*) %", placed.notes[0])[1]) < 2
+
+
+@pytest.mark.parametrize("at", [0, 0.4, 20.3, 41, 59])
+def test_the_least_loss_is_found_between_distances_and_at_the_ends(at):
+    """Roots have their least value at an end and no curvature there, parabolas a vertex."""
+    steps = np.abs(np.arange(60) - at)
+    relative, _ = _least(np.sqrt(1 + steps) if at in (0, 59) else 1 + steps**2)
+    assert relative == pytest.approx(0.98 * (0.2 / 0.98) ** (at / 59), rel=1e-9)
 
 
 def test_a_lamp_without_a_clear_trace_on_the_walls_stays_there():
