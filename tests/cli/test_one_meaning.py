@@ -101,6 +101,9 @@ def test_the_sun_becomes_a_card_beside_those_of_the_sky(tmp_path):
     words = ["--clip-level", "3", "--sun-direction", "0.36,0.8,0.48", "--irradiance", "3"]
     out = ["-o", tmp_path / "rest.exr", "--json"]
     cards = json.loads(run("split", tmp_path / "sky.exr", *words, "--shapes", *out))
+    for most in (1, 2):
+        few = run("split", tmp_path / "sky.exr", *words, "--shapes", "--json", "-n", most)
+        assert len(json.loads(few)["shape"]) == most
     rest = el.EnvMap.open(tmp_path / "rest.exr")
     alone = el.with_sun(env, [0.36, 0.8, 0.48], irradiance=3.0)
     assert cards["shape"].count("disc") >= 1

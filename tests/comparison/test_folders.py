@@ -105,6 +105,9 @@ def test_the_command_prints_json_and_reports_failures_by_its_exit_code(folders):
     assert content["protocol"] == "stylelight"
     # Each map is scaled to its own median.
     assert content["mean"]["matte_relative"] < 1e-5
+    # The guess is twice the truth, so its error is that of the truth.
+    exact = json.loads(run(*folders, "--json").stdout)
+    assert exact["mean"]["matte_relative"] == pytest.approx(1)
 
 
 @pytest.mark.parametrize(

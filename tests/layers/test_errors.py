@@ -5,6 +5,7 @@ import pytest
 
 import envlights as el
 from envlights.layers import Lights, gloss_error, lighting_error, map_terms
+from envlights.layers.products import mean_distances
 from tests.conftest import real_maps
 from tests.layers.libraries import (
     in_each_library,
@@ -60,6 +61,23 @@ def test_lights_are_exact_under_the_map_that_they_are(kind):
     assert lighting_error(darker, terms, kind) == pytest.approx(0.1, rel=1e-3)
     black = ours._replace(irradiance=0 * ours.irradiance, ambient=0 * ours.ambient)
     assert lighting_error(black, terms, kind) == pytest.approx(1, rel=1e-12)
+
+
+@pytest.mark.parametrize("spread", [1e-6, 1e-3, 0.02, 0.1, 0.3, 0.5])
+def test_mean_distances_have_their_closed_forms(spread):
+    """The squared sine of half the angle to the centre is uniform up to the spread of a disc."""
+    up, down = np.array([[0.0, 1, 0]]), np.array([[0.0, -1, 0]])
+    disc, point = np.array([spread]), np.array([1e-12])
+    to_centre = mean_distances(np, up, disc, up, point)
+    np.testing.assert_allclose(to_centre, 4 / 3 * np.sqrt(spread), rtol=1e-3)
+    to_back = mean_distances(np, up, disc, down, point)
+    np.testing.assert_allclose(to_back, 4 / 3 * (1 - (1 - spread) ** 1.5) / spread, rtol=1e-5)
+    within = mean_distances(np, up, disc, up, disc)
+    if spread <= 1e-3:  # Two points of a flat disc of radius 1 are 128 / (45 pi) apart.
+        np.testing.assert_allclose(within, 256 / (45 * np.pi) * np.sqrt(spread), rtol=1e-3)
+    if spread == 0.5:  # Points of the sphere are 4 / 3 apart.
+        whole = (within + mean_distances(np, up, disc, down, disc)) / 2
+        np.testing.assert_allclose(whole, 4 / 3, rtol=1e-4)
 
 
 @in_each_library
