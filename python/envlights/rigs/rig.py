@@ -406,8 +406,8 @@ def _row(rig: Rig) -> dict[str, Any]:
     mean = rig.ambient if rig.ambient.ndim == 1 else rig.ambient[0] / np.sqrt(4 * np.pi)
     return {
         "lights": len(rig.lights),
-        "ambient_luminance": float(mean @ LUMINANCE),
-        "lights_luminance": float(rig.lights.luminance.sum()),
+        "ambient_luminance": mean @ LUMINANCE,
+        "lights_luminance": rig.lights.luminance.sum(),
         "error": error_of(rig),
     }
 
