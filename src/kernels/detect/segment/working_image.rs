@@ -303,6 +303,20 @@ mod tests {
         }
     }
 
+    /// Samples -0 are valid: only one of those with a minus sign is an error.
+    #[test]
+    fn a_negative_sample_is_refused() {
+        let mut map = Array3::from_elem((8, 16, 3), -0.0_f32);
+        map[[3, 5, 1]] = -1.0;
+        for columns in [16, 2] {
+            let refused = WorkingImage::of(map.view(), Registration::CellCentred, columns);
+            assert!(
+                matches!(refused, Err(Error::UnusableSamples { row: 3, negative: 1, .. })),
+                "{refused:?}"
+            );
+        }
+    }
+
     #[test]
     fn a_sample_that_is_not_finite_is_refused() {
         let mut map = map(8, 16);
