@@ -306,7 +306,8 @@ fn a_gain_map_of_xmp_is_read() {
 fn a_number_of_a_gain_map_may_be_an_element() {
     let text = b"<a xmlns:g='http://ns.adobe.com/hdr-gain-map/1.0/'><g:GainMapMax>2.5</g:GainMapMax></a>";
     let jpeg = open(with_gain_map(&[(marker::APP1, &[XMP.1[0], text])]), 1 << 20).unwrap();
-    assert_eq!(jpeg.parts()[0].gain_map.as_ref().unwrap().parameters.maximum, [2.5; 3]);
+    let parameters = jpeg.parts()[0].gain_map.as_ref().unwrap().parameters;
+    assert_eq!((parameters.minimum, parameters.maximum), ([0.0; 3], [2.5; 3]));
 }
 
 /// The segment of ISO 21496-1 wins over XMP; with and without a common denominator.
