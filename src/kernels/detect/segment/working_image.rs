@@ -291,6 +291,18 @@ mod tests {
         assert_relative_eq!(working.flux, 0.5 * 4.0 * PI, max_relative = 1e-6);
     }
 
+    /// One more column would be wider, unless half a turn is narrower.
+    #[test]
+    fn columns_across_are_as_wide_as_some_rows_are_high() {
+        let working = WorkingImage::of(map(50, 100).view(), Registration::CellCentred, 100).unwrap();
+        for row in 0..50 {
+            let width = (PI * (row as f64 + 0.5) / 50.0).sin();
+            let columns = working.columns_across(row, 3);
+            assert!(columns as f64 * width <= 3.0, "{row} {columns}");
+            assert!(columns == 50 || (columns + 1) as f64 * width > 3.0, "{row} {columns}");
+        }
+    }
+
     #[test]
     fn a_tile_holds_the_maximum_of_its_pixels() {
         let working = WorkingImage::of(map(50, 100).view(), Registration::CellCentred, 100).unwrap();
