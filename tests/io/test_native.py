@@ -107,6 +107,22 @@ def test_rows_outside_are_refused(tmp_path):
         picture.rows(1, [0], 0, 1)
 
 
+@pytest.mark.parametrize("subsampling", ["4:4:4", "4:2:0"])
+def test_progressive_jpeg_files_are_those_of_openimageio(tmp_path, subsampling):
+    """Later scans of OpenImageIO refine coefficients, the first and the others, by a bit each."""
+    path = tmp_path / "map.jpg"
+    spec = oiio.ImageSpec(45, 21, 3, oiio.UINT8)
+    spec.attribute("Compression", "jpeg:95")
+    spec.attribute("jpeg:subsampling", subsampling)
+    spec.attribute("jpeg:progressive", 1)
+    file = oiio.ImageOutput.create(str(path))
+    assert file.open(str(path), spec)
+    assert file.write_image(np.random.default_rng(3).integers(0, 256, (21, 45, 3), np.uint8))
+    file.close()
+    samples = samples_of(PictureFile(path.read_bytes(), "jpeg", MOST))
+    assert np.array_equal(samples, reference(path, "uint8"))
+
+
 @pytest.mark.parametrize("interlace", [0, 1])
 @pytest.mark.parametrize(("width", "height"), [(1, 1), (5, 9), (33, 17)])
 @pytest.mark.parametrize(

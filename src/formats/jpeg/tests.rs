@@ -116,6 +116,18 @@ fn rows_and_channels_are_those_of_the_whole() {
     assert_eq!(part, whole.slice(ndarray::s![5..18, .., 2..]));
 }
 
+/// The table of first coefficients is number 2; scans of other coefficients say 0, which no table has.
+#[test]
+fn a_scan_needs_the_tables_of_its_own_coefficients_alone() {
+    let mut bytes = file(21, 35, ColorType::Luma, SETTINGS[5]);
+    let expected = read(bytes.clone()).unwrap();
+    let (table, scan) = (place(&bytes, marker::HUFFMAN_TABLES) + 4, place(&bytes, marker::SCAN) + 6);
+    assert_eq!((bytes[table], bytes[scan] >> 4), (0, 0));
+    bytes[table] = 2;
+    bytes[scan] |= 0x20;
+    assert_eq!(read(bytes).unwrap(), expected);
+}
+
 /// All shorter files are refused, whatever their coding is; bytes behind the end are passed over.
 #[test]
 fn a_cut_file_is_refused() {
@@ -188,6 +200,18 @@ fn other_processes_are_refused_by_name() {
     let mut deep = bytes;
     deep[frame + 4] = 12;
     assert!(refusal(deep).contains("12 bits"));
+}
+
+/// Blocks of 3 by 1 and 2 by 1, and of 1 by 3 and 1 by 2, in a unit.
+#[test]
+fn fractions_of_a_sample_along_one_axis_are_refused() {
+    let bytes = rgb_file(|_| {});
+    let factors = place(&bytes, 0xC0) + 11;
+    for (first, second) in [(0x31, 0x21), (0x13, 0x12)] {
+        let mut other = bytes.clone();
+        (other[factors], other[factors + 3]) = (first, second);
+        assert!(refusal(other).contains("a fraction of a sample"));
+    }
 }
 
 /// A small file may not claim many pixels, since each block takes a bit.
@@ -275,6 +299,15 @@ fn a_gain_map_of_xmp_is_read() {
     assert_eq!((map.parameters.maximum, map.parameters.gamma), ([2.5; 3], [1.0, 0.5, 2.0]));
     assert_eq!((map.parameters.minimum, map.parameters.alternate_offset), ([0.0; 3], [1.0 / 64.0; 3]));
     assert!(jpeg.parts()[0].notes.is_empty());
+}
+
+/// Properties of XMP are attributes or elements.
+#[test]
+fn a_number_of_a_gain_map_may_be_an_element() {
+    let text = b"<a xmlns:g='http://ns.adobe.com/hdr-gain-map/1.0/'><g:GainMapMax>2.5</g:GainMapMax></a>";
+    let jpeg = open(with_gain_map(&[(marker::APP1, &[XMP.1[0], text])]), 1 << 20).unwrap();
+    let parameters = jpeg.parts()[0].gain_map.as_ref().unwrap().parameters;
+    assert_eq!((parameters.minimum, parameters.maximum), ([0.0; 3], [2.5; 3]));
 }
 
 /// The segment of ISO 21496-1 wins over XMP; with and without a common denominator.

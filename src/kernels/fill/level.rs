@@ -286,6 +286,20 @@ mod tests {
         }
     }
 
+    /// Columns are a circle, rows are not.
+    #[test]
+    fn a_pixel_is_marked_with_its_neighbours_across_the_seam() {
+        let level = Level::new(Grid::of_pixels(4, 8, Registration::CellCentred), Vec::new());
+        for pixel in 0..32 {
+            let mut is_marked = vec![false; 32];
+            level.mark_around(&[pixel], &mut is_marked);
+            for (other, is_marked) in is_marked.into_iter().enumerate() {
+                let [rows, columns] = [(other / 8).abs_diff(pixel / 8), (other % 8).abs_diff(pixel % 8)];
+                assert_eq!(is_marked, rows <= 1 && matches!(columns, 0 | 1 | 7), "{pixel} {other}");
+            }
+        }
+    }
+
     /// A value linear in the row and in the column, different in each channel.
     fn ramp(row: f32, column: f32) -> Vec3A {
         3.0 * row + 5.0 * column + Vec3A::new(0.0, 100.0, 200.0)

@@ -167,6 +167,18 @@ mod tests {
         assert_relative_eq!(f64::from(deepest), 0.5, epsilon = working.row_height());
     }
 
+    /// Only the rows at the poles are outside of the plateau.
+    #[test]
+    fn the_depth_of_a_band_is_the_angle_to_its_nearer_rim() {
+        let working = image();
+        let width = 2 * HEIGHT;
+        let band: Vec<u32> = (width as u32..((HEIGHT - 1) * width) as u32).collect();
+        for (pixel, depth) in depths_of(&working, &band).into_iter().enumerate() {
+            let rows = (pixel / width).min(HEIGHT - 1 - pixel / width);
+            assert_relative_eq!(f64::from(depth), rows as f64 * working.row_height(), epsilon = 1e-6);
+        }
+    }
+
     #[test]
     fn a_plateau_without_a_rim_is_half_a_turn_deep() {
         let all: Vec<u32> = (0..(2 * HEIGHT * HEIGHT) as u32).collect();

@@ -153,6 +153,22 @@ mod tests {
         }
     }
 
+    /// Columns are a circle, and rows end at the poles.
+    #[test]
+    fn beyond_a_pixel_are_those_of_its_row_and_column() {
+        let adjacency = adjacency();
+        for (row, column) in (0..8).flat_map(|row| (0..16).map(move |column| (row, column))) {
+            let expected = [
+                (row, (column + 11) % 16),
+                (row, (column + 5) % 16),
+                (row.max(3) - 3, column),
+                (row.min(4) + 3, column),
+            ];
+            let beyond = adjacency.beyond(row * 16 + column, 3, 5);
+            assert_eq!(beyond.map(|pixel| (pixel / 16, pixel % 16)), expected);
+        }
+    }
+
     proptest! {
         #[test]
         fn around_each_joins_a_pixel_and_its_neighbours(row in 0_usize..8, start in 0_usize..16, length in 1_usize..=16) {

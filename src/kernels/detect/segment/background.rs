@@ -88,7 +88,10 @@ mod tests {
     use super::super::outline::outline;
     use super::super::test_maps::{map_of, segments, working_image_of};
     use super::*;
+    use crate::kernels::image::LUMINANCE;
+    use crate::kernels::sphere::Registration;
     use approx::assert_relative_eq;
+    use ndarray::Array3;
 
     /// Luminance of the local background of a lamp of 9, 5 x 5 pixels, where column x around it is `pixel(x)`.
     fn background_of(row: usize, column: usize, pixel: impl Fn(usize) -> char) -> f64 {
@@ -122,6 +125,20 @@ mod tests {
             1.0,
             max_relative = 1e-5
         );
+    }
+
+    /// The darkest quarter is red, the brightest blue, and what is between them green.
+    #[test]
+    fn the_colour_is_that_of_the_middle_half() {
+        let channel = |x: usize| [0, 1, 1, 2][x / 4];
+        let sample = |(_, x, c)| if c == channel(x) { ((x + 1) as f64 / LUMINANCE[c]) as f32 } else { 0.0 };
+        let map = Array3::from_shape_fn((8, 16, 3), sample);
+        let working = WorkingImage::of(map.view(), Registration::CellCentred, 16).unwrap();
+        let background = of_pixels(map.view(), &working, (64..80).collect(), f64::INFINITY);
+        let expected = [0.0, 9.0 / LUMINANCE[1], 0.0];
+        for (value, expected) in background.radiance.into_iter().zip(expected) {
+            assert_relative_eq!(value, expected, max_relative = 1e-6);
+        }
     }
 
     #[test]

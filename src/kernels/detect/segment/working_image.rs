@@ -291,6 +291,18 @@ mod tests {
         assert_relative_eq!(working.flux, 0.5 * 4.0 * PI, max_relative = 1e-6);
     }
 
+    /// One more column would be wider, unless half a turn is narrower.
+    #[test]
+    fn columns_across_are_as_wide_as_some_rows_are_high() {
+        let working = WorkingImage::of(map(50, 100).view(), Registration::CellCentred, 100).unwrap();
+        for row in 0..50 {
+            let width = (PI * (row as f64 + 0.5) / 50.0).sin();
+            let columns = working.columns_across(row, 3);
+            assert!(columns as f64 * width <= 3.0, "{row} {columns}");
+            assert!(columns == 50 || (columns + 1) as f64 * width > 3.0, "{row} {columns}");
+        }
+    }
+
     #[test]
     fn a_tile_holds_the_maximum_of_its_pixels() {
         let working = WorkingImage::of(map(50, 100).view(), Registration::CellCentred, 100).unwrap();
@@ -300,6 +312,20 @@ mod tests {
                 rows.flat_map(|y| (column * TILE..((column + 1) * TILE).min(100)).map(move |x| y * 100 + x));
             let expected = pixels.map(|i| working.luminance[i]).fold(0.0, f32::max);
             assert_relative_eq!(maximum, expected);
+        }
+    }
+
+    /// Samples -0 are valid: only one of those with a minus sign is an error.
+    #[test]
+    fn a_negative_sample_is_refused() {
+        let mut map = Array3::from_elem((8, 16, 3), -0.0_f32);
+        map[[3, 5, 1]] = -1.0;
+        for columns in [16, 2] {
+            let refused = WorkingImage::of(map.view(), Registration::CellCentred, columns);
+            assert!(
+                matches!(refused, Err(Error::UnusableSamples { row: 3, negative: 1, .. })),
+                "{refused:?}"
+            );
         }
     }
 
