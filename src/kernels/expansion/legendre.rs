@@ -140,14 +140,20 @@ fn next<const N: usize, T: Number>(before: &[[T; N]], k: usize, x: T) -> [T; N] 
     out
 }
 
-/// `P_k(c)` and its first N - 1 derivatives, of the first `count` degrees.
-pub fn legendre_derivatives<const N: usize>(c: f64, count: usize) -> Vec<[f64; N]> {
-    let mut first = [0.0; N];
-    first[0] = 1.0;
-    let mut out = vec![first];
-    for k in 1..count {
-        out.push(next(&out, k, c));
+/// `P_k(c)` and its first N - 1 derivatives, of as many degrees as `out` has.
+#[inline(always)]
+pub fn set_legendre<const N: usize>(c: f64, out: &mut [[f64; N]]) {
+    out[0] = [0.0; N];
+    out[0][0] = 1.0;
+    for k in 1..out.len() {
+        out[k] = next(out, k, c);
     }
+}
+
+/// `P_k(c)` and its first N - 1 derivatives, of the first `count` degrees.
+fn legendre_derivatives<const N: usize>(c: f64, count: usize) -> Vec<[f64; N]> {
+    let mut out = vec![[0.0; N]; count];
+    set_legendre(c, &mut out);
     out
 }
 

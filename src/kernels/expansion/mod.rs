@@ -30,8 +30,8 @@ pub use addition::Cap;
 pub use bright_parts::{PointLight, bright_cells, sources_of};
 pub use coefficients::{Coefficients, DiscOfFlux, expand_discs, expand_map, nine_harmonics};
 pub use legendre::{
-    AssociatedLegendre, DEGREE, DEGREES, DiscFactors, disc_factors, disc_series, legendre_derivatives,
-    legendre_values, visit_degrees,
+    AssociatedLegendre, DEGREE, DEGREES, DiscFactors, disc_factors, disc_series, legendre_values,
+    set_legendre, visit_degrees,
 };
 pub use spherical_harmonics::{Harmonics, Rgb2};
 pub use synthesis::DiscSum;

@@ -40,6 +40,9 @@ pub struct SearchSettings {
     pub apart: f64,
     /// Cosine of a light's old and new direction above which a descent leads back.
     pub back: f64,
+    /// Cosine up to which lights of two sets differ if discs descend to the same minimum from both: saves a sixth of the
+    /// time of 4 discs, and changes no error by more than 3 %. At 15 degrees, some errors are 37 % larger.
+    pub alike: f64,
     /// Cost of an exchange over the present cost, above which it is abandoned after a rough descent. This saves time.
     pub hopeless: f64,
     /// The longest perturbation, in radians: to the next small minimum, not to the next light.
@@ -68,6 +71,7 @@ pub const SEARCH: SearchSettings = SearchSettings {
     directions_of_light: 2,
     apart: 0.8,
     back: 0.9,
+    alike: 0.985,
     hopeless: 1.2,
     farthest: 0.3,
     worth_a_light: 1e-3,

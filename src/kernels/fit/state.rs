@@ -64,8 +64,9 @@ impl State {
         let mut state = Self { moments, x, supports, dark, cost, steps, stop: None };
         let exact_cost =
             (cost <= SMALL * reference.energy).then(|| objective.exact_cost(&state.rig(reference))).flatten();
-        // Rounding may leave less than nothing.
-        state.cost = exact_cost.unwrap_or(cost).max(0.0);
+        let cost = exact_cost.unwrap_or(cost);
+        // Rounding may leave less than nothing; `max` would turn NaN to 0.
+        state.cost = if cost < 0.0 { 0.0 } else { cost };
         if state.cost <= reference.energy * if exact_cost.is_some() { EXACT } else { RESOLUTION } {
             state.stop = Some(StopReason::Exact);
         }

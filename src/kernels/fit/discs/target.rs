@@ -61,7 +61,7 @@ impl Target {
     /// `k^-3`: it counts a quarter of what it would in the last degree.
     fn energy(&self, picture: &Picture) -> [f64; 3] {
         let Picture { rest, bright, fine, patches, .. } = picture;
-        let Kernel { whole, smooth, cone } = &self.kernel;
+        let Kernel { whole, smooth, cone, .. } = &self.kernel;
         let [rests, mixed, brights] =
             [rest.product(rest, whole), rest.product(bright, whole), bright.product(bright, smooth)];
         let last = 0.5 * (whole[DEGREE] + whole[DEGREE - 1]);

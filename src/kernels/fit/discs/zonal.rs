@@ -15,7 +15,7 @@ use std::array::from_fn;
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
-use crate::kernels::expansion::{DEGREES, DiscFactors, legendre_derivatives, legendre_values};
+use crate::kernels::expansion::{DEGREES, DiscFactors, legendre_values, set_legendre};
 use crate::kernels::fit::comparison::Comparison;
 use crate::kernels::fit::jet::Jet;
 use crate::kernels::fit::settings::DISCS;
@@ -28,6 +28,8 @@ pub struct Kernel {
     pub whole: [f64; DEGREES],
     /// Factor of each degree without the cone.
     pub smooth: [f64; DEGREES],
+    /// Weights of the Legendre polynomials in the smooth part.
+    weights: [f64; DEGREES],
     /// Factor of the chord: the kernel is its smooth part minus this factor times the chord.
     pub cone: f64,
 }
@@ -44,33 +46,44 @@ impl Kernel {
             Comparison::Shadows => (from_fn(|k| shadows[k]), 1.0 / 3.0),
             Comparison::Mixed => (from_fn(mixed), (1.0 - DISCS.probe) / (3.0 * shadows[0])),
         };
-        Self { whole, smooth: from_fn(|k| whole[k] + cone * chord_factor(k)), cone }
+        let smooth: [f64; DEGREES] = from_fn(|k| whole[k] + cone * chord_factor(k));
+        let weights = from_fn(|k| (2 * k + 1) as f64 / (4.0 * PI) * smooth[k]);
+        Self { whole, smooth, weights, cone }
     }
 
     /// The smooth part between two discs, from the cosine between their centres and their factors.
     ///
     /// If N is 3, the result has derivatives by the cosine and by `sin^2(a/2)` of each disc of angular radius a.
     pub fn smooth_product<const N: usize>(&self, cosine: f64, a: &DiscFactors, b: &DiscFactors) -> Jet<N> {
-        let legendre = legendre_derivatives::<3>(cosine, DEGREES);
+        if N == 0 {
+            return Jet::constant(self.smooth_value(cosine, a, b));
+        }
+        let mut legendre = [[0.0; 3]; DEGREES];
+        set_legendre(cosine, &mut legendre);
         let mut out = Jet::constant(0.0);
         for k in 0..DEGREES {
-            let weight = (2 * k + 1) as f64 / (4.0 * PI) * self.smooth[k];
+            let weight = self.weights[k];
             let ([p, pc, pcc], [a, aa, aaa], [b, bb, bbb]) = (legendre[k].map(|p| p * weight), a[k], b[k]);
             out.value += p * a * b;
-            if N == 3 {
-                let first = [pc * a * b, p * aa * b, p * a * bb];
-                let second = [
-                    [pcc * a * b, pc * aa * b, pc * a * bb],
-                    [pc * aa * b, p * aaa * b, p * aa * bb],
-                    [pc * a * bb, p * aa * bb, p * a * bbb],
-                ];
-                for i in 0..N {
-                    out.first[i] += first[i];
-                    (0..N).for_each(|k| out.second[i][k] += second[i][k]);
-                }
+            let first = [pc * a * b, p * aa * b, p * a * bb];
+            let second = [
+                [pcc * a * b, pc * aa * b, pc * a * bb],
+                [pc * aa * b, p * aaa * b, p * aa * bb],
+                [pc * a * bb, p * aa * bb, p * a * bbb],
+            ];
+            for i in 0..N {
+                out.first[i] += first[i];
+                (0..N).for_each(|k| out.second[i][k] += second[i][k]);
             }
         }
         out
+    }
+
+    /// The value of [`Self::smooth_product`] alone.
+    fn smooth_value(&self, cosine: f64, a: &DiscFactors, b: &DiscFactors) -> f64 {
+        let mut legendre = [[0.0]; DEGREES];
+        set_legendre(cosine, &mut legendre);
+        (0..DEGREES).map(|k| legendre[k][0] * self.weights[k] * a[k][0] * b[k][0]).sum()
     }
 }
 
