@@ -18,6 +18,7 @@ import envlights as el
 from envlights._common import html
 from envlights._common.result import Result
 from envlights._common.tables import MOST_ROWS, Table
+from envlights._common.words import percent
 from envlights.kernels import thumbnails
 from tests.helpers import pairs_of_room
 
@@ -347,3 +348,11 @@ def test_every_class_of_results_is_frozen_and_has_the_text_and_the_equality_of_r
         assert each.__eq__ is Result.__eq__, each
         assert each.__hash__ is None, each
         assert each.__dataclass_params__.frozen, each
+
+
+@pytest.mark.parametrize(
+    ("fraction", "digits", "text"),
+    [(0.9949, 2, "99 %"), (0.9951, 2, "100 %"), (12.34, 2, "1234 %"), (0.9951, 3, "99.5 %")],
+)
+def test_numbers_in_percent_have_no_exponent(fraction, digits, text):
+    assert percent(fraction, digits) == text

@@ -5,9 +5,12 @@ from __future__ import annotations
 import re
 
 
-def percent(fraction: float | None) -> str:
-    """Fraction in percent, with three digits."""
-    return "none" if fraction is None else f"{100 * fraction:.3g} %"
+def percent(fraction: float | None, digits: int = 3) -> str:
+    """Fraction in percent, with three digits; numbers of more digits are whole."""
+    if fraction is None:
+        return "none"
+    is_long = abs(100 * fraction) >= 10**digits - 0.5
+    return f"{100 * fraction:.0f} %" if is_long else f"{100 * fraction:.{digits}g} %"
 
 
 def degrees(angle: float | None) -> str:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights._common.check import count, describe
+from envlights._common.words import percent
 from envlights._native import EnvLightsError
 from envlights.comparison.angles import degrees_between, rotation_degrees
 from envlights.comparison.light_set_difference import UNMATCHED_DEG, LightSetDifference, Movement
@@ -128,7 +129,7 @@ def _notes(name: str, lights: Lights, strongest: int, left_out: float) -> list[s
     if len(lights) > strongest:
         notes.append(
             f"of the {name}, the {strongest} strongest of {len(lights)} lights are matched;"
-            f" the others hold {100 * left_out:.2g} % of its flux"
+            f" the others hold {percent(left_out, 2)} of its flux"
         )
     clipped = int(lights.is_clipped.sum()) if isinstance(lights, DetectedLights) else 0
     if clipped:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from envlights import _native
+from envlights._common.words import percent
 from envlights.kernels.angles import place_of
 
 
@@ -88,7 +89,7 @@ def _clipping(detection: _native.TreeDetection) -> list[str]:
     level = f"the map is clipped at {clipped.clip_level:.3g}"
     if clipped.is_below_largest:
         level += ", below its largest possible value"
-    fraction = f"{100 * clipped.clipped_fraction:.2g} % of the sphere is clipped"
+    fraction = f"{percent(clipped.clipped_fraction, 2)} of the sphere is clipped"
     expanded = (
         "the search used expanded luminance (Schlick 1994), in which values near the clip"
         " level are up to 50 times larger"

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from envlights import _native
 from envlights._common.blocks import in_blocks
 from envlights._common.check import amount, check_choice, colour
+from envlights._common.words import percent
 from envlights._native import EnvLightsError
 from envlights.environment.coverage import fraction_of_sphere
 from envlights.kernels.image import LUMINANCE
@@ -68,7 +69,7 @@ def choice_of(fill: Fill, fraction: float) -> str | list[float]:
     if fraction >= ENOUGH_SEEN:
         return "harmonic"
     raise EnvLightsError(
-        f"the map shows {100 * fraction:.2g} % of the sphere, so the brightest light may be"
+        f"the map shows {percent(fraction, 2)} of the sphere, so the brightest light may be"
         " outside; say what is there by fill='black', 'harmonic', 'ground' or a radiance (a"
         " number or RGB). `detect` needs no choice"
     )
@@ -97,7 +98,7 @@ def note_of_fill(choice: str | list[float], fraction: float, albedo: float) -> s
         done = words[choice]
     else:
         done = f"has the radiance {', '.join(f'{value:g}' for value in choice)}"
-    return f"the {100 * (1 - fraction):.2g} % of the sphere that is not seen {done}"
+    return f"the {percent(1 - fraction, 2)} of the sphere that is not seen {done}"
 
 
 def _harmonic(part: PartialMap, most: float) -> NDArray[np.float32]:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights._common.blocks import blocks
+from envlights._common.words import percent
 from envlights._native import EnvLightsError
 from envlights.kernels.image import LUMINANCE
 from envlights.kernels.sphere import pixel_directions, pixel_solid_angles
@@ -82,7 +83,7 @@ def spread_peaks(
         moved, farthest = moved + flux, max(farthest, radius)
     total = float((radiance * sphere.angles[..., None]).sum(dtype=np.float64))
     note = (
-        f"limited to {maximum:g}: {100 * moved / total:.2g} % of the flux was moved by up to"
+        f"limited to {maximum:g}: {percent(moved / total, 2)} of the flux was moved by up to"
         f" {math.degrees(farthest):.2g} degrees"
     )
     return np.minimum(new.astype(np.float32), float32_at_most(maximum)), [note]

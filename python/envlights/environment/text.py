@@ -7,6 +7,7 @@ import numpy as np
 from envlights._common import html
 from envlights._common.blocks import in_blocks
 from envlights._common.units import in_nits
+from envlights._common.words import percent
 from envlights.environment.pixels import PROJECTION, MapPixels
 from envlights.kernels import thumbnails
 from envlights.kernels.image import LUMINANCE
@@ -52,6 +53,6 @@ def _clipped(pixels: MapPixels) -> str:
         return ""
     fraction, of_flux = pixels.clipped_fractions
     return (
-        f", {100 * fraction:.2g} % of the sphere is clipped and holds"
-        f" {100 * of_flux:.2g} % of the flux"
+        f", {percent(fraction, 2)} of the sphere is clipped and holds"
+        f" {percent(of_flux, 2)} of the flux"
     )

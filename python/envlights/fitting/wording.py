@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from envlights._common.words import percent
 from envlights._native import FitAnswer
 from envlights.fitting.request import Request
 from envlights.kernels.probe import WORKING_COLUMNS
@@ -49,7 +50,7 @@ def clipping(fraction: float) -> tuple[str, ...]:
     if not fraction:
         return ()
     return (
-        f"clipped pixels hold {100 * fraction:.2g} % of the map's flux,"
+        f"clipped pixels hold {percent(fraction, 2)} of the map's flux,"
         " so the lights there are a lower bound",
     )
 

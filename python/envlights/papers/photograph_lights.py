@@ -16,6 +16,7 @@ from envlights._common.check import amount, counts, flag, reals
 from envlights._common.files import write_atomically
 from envlights._common.result import Result
 from envlights._common.tables import MOST_ROWS, Table, frame_of
+from envlights._common.words import percent
 from envlights._native import EnvLightsError
 from envlights.detection.lights import DetectionReport
 from envlights.environment.envmap import EnvMap
@@ -262,7 +263,7 @@ class PhotographLights(Result):
         """Table of the first dozen lights, and a summary of the others."""
         hidden = self.fraction[MOST_ROWS:]
         lights = "light" if len(hidden) == 1 else "lights"
-        summary = f"{len(hidden)} more {lights}, {100 * hidden.sum():.2g} % together"
+        summary = f"{len(hidden)} more {lights}, {percent(hidden.sum(), 2)} together"
         colours = thumbnails.hex_of(self.pixel_flux[:MOST_ROWS])
         rows = [self._cells(row) for row in range(min(len(self), MOST_ROWS))]
         last = ["direction", "irradiance (R, G, B)"]

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from envlights._common.check import count
+from envlights._common.words import percent
 from envlights.plot.figure import check_is, hide_frame
 from envlights.plot.page import Placement, Unpack, open_page, placed_picture
 from envlights.transfer import TransferModel
@@ -61,7 +62,7 @@ def basis_picture(
     limit = max(float(np.quantile(np.abs(images), _RANGE)), np.finfo(float).tiny)
     for number, (axes, image) in enumerate(zip(page.panels, images, strict=True)):
         drawn = axes.imshow(image, cmap="RdBu_r", vmin=-limit, vmax=limit)
-        axes.set_title(f"{number + 1}: {100 * fraction[number]:.2g} %", fontsize="small")
+        axes.set_title(f"{number + 1}: {percent(fraction[number], 2)}", fontsize="small")
         hide_frame(axes)
     page.figure.colorbar(drawn, ax=page.panels, label="light of a texel", extend="both", shrink=0.8)
     page.entitle("directions of the basis, and their energy")

@@ -11,6 +11,7 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from envlights import _native
+from envlights._common.words import percent
 from envlights._native import EnvLightsError
 from envlights.detection.lights import DetectedLights
 from envlights.environment.envmap import EnvMap
@@ -97,10 +98,10 @@ def plateau_picture(env: AnyMap, lights: DetectedLights, **where: Unpack[Placeme
     clipped = Patch(color=_CLIPPED, label="clipped")
     circle = Line2D([], [], color=RIM, lw=1.4, label="uncertainty of the direction")
     draw_legend(below, [clipped, circle])
-    sphere, flux = 100 * env.clipped_fraction, 100 * env.clipped_flux_fraction
+    sphere, flux = (percent(part, 2) for part in (env.clipped_fraction, env.clipped_flux_fraction))
     page.entitle(
         f"{lights.in_short()} in clipped regions\n"
-        f"{sphere:.2g} % of the sphere is clipped, with {flux:.2g} % of the light"
+        f"{sphere} of the sphere is clipped, with {flux} of the light"
     )
     return page.figure
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from envlights._common.check import check_choice, count
 from envlights._common.srgb import encode_srgb
+from envlights._common.words import percent
 from envlights.environment.reading import AnyMap, as_envmap
 from envlights.kernels import sphere
 from envlights.kernels.image import LUMINANCE
@@ -127,9 +128,9 @@ def _page_with_differences(where: Placement, rigs: int) -> Page:
 def _draw_stills(page: Page, rigs: tuple[Rig, ...], truth: Still, stills: list[Still]) -> None:
     """Draw all images at a common exposure with their errors, and the differences."""
     white = _white_of(truth.image)
-    titles = [f"the map\nnoise {_percent(truth.noise)}"]
+    titles = [f"the map\nnoise {percent(truth.noise, 2)}"]
     for rig, still in zip(rigs, stills, strict=True):
-        figures = f"error {_percent(still.error(truth))}, noise {_percent(still.noise)}"
+        figures = f"error {percent(still.error(truth), 2)}, noise {percent(still.noise, 2)}"
         titles.append(f"{_parts(rig)}\n{figures}")
     for axis, still, title in zip(page.panels, (truth, *stills), titles, strict=False):
         axis.imshow(encode_srgb(still.image / white))
@@ -158,7 +159,3 @@ def _draw_differences(figure: Figure, axes: list[Axes], truth: Still, stills: li
 def _parts(rig: Rig) -> str:
     sizes = " with sizes" if rig.lights.angular_radius.any() else ""
     return f"{parts_line(rig)}{sizes}"
-
-
-def _percent(fraction: float) -> str:
-    return f"{100 * fraction:.2g} %"

@@ -20,7 +20,7 @@ from envlights._common.notes import Note
 from envlights._common.result import TableResult
 from envlights._common.tables import MOST_ROWS, Table
 from envlights._common.units import OWN_SCALE, checked_units, in_lux
-from envlights._common.words import quantity
+from envlights._common.words import percent, quantity
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import EnvMap
 from envlights.export import saving
@@ -409,7 +409,7 @@ def hidden_lights(fraction: NDArray[np.float64]) -> str:
         return "no directional light"
     hidden = fraction[MOST_ROWS:]
     more = quantity(len(hidden), "more light")
-    return f"{more}, {100 * hidden.sum():.2g} % together" if len(hidden) else ""
+    return f"{more}, {percent(hidden.sum(), 2)} together" if len(hidden) else ""
 
 
 def place_cells(lights: Lights, row: int) -> list[str]:

@@ -202,7 +202,7 @@ class RigSequence(TableResult):
     def in_short(self) -> str:
         """Number of frames and lights, mean error and flicker."""
         lights, error = quantity(len(self.ids), "light"), percent(self.error.mean())
-        frames, flicker = quantity(len(self), "frame"), f"flicker {100 * self.flicker:.2g} %"
+        frames, flicker = quantity(len(self), "frame"), f"flicker {percent(self.flicker, 2)}"
         return f"{frames}, {lights}, mean error {error}, {flicker}"
 
     def table(self) -> Table:
@@ -239,7 +239,7 @@ class RigSequence(TableResult):
             f"relative RMS error {percent(self.error.mean())} on average, at most"
             f" {percent(self.error[worst])} in frame {self.rigs[worst].frame}; of the fits alone"
             f" {percent(self.fit_error.mean())}",
-            f"flicker {100 * self.flicker:.2g} %",
+            f"flicker {percent(self.flicker, 2)}",
             f"searches that changed the lights: {_some(searches)}; steps of the light:"
             f" {_some(steps)}",
         ]

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights._common.check import rotation
+from envlights._common.words import percent
 from envlights.detection.lights import DetectedLights
 from envlights.export.formats.own_json import LIGHTS_HEADER
 from envlights.rigs.lights import Lights
@@ -82,4 +83,4 @@ class RemovedLights(DetectedLights):
         most = self.off_axis[row].max()
         if most <= _PRINTED:
             return remarks
-        return f"{remarks}  uneven colour ({100 * most:.2g} %)".strip()
+        return f"{remarks}  uneven colour ({percent(most, 2)})".strip()

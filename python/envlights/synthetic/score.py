@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights._common.check import reals
 from envlights._common.result import Result
+from envlights._common.words import percent
 from envlights.kernels.image import LUMINANCE
 from envlights.synthetic.scene import SyntheticMap
 
@@ -44,10 +45,10 @@ class Score(Result):
         """The ratios, and the accuracy of the hits."""
         if not len(self.angles_deg):
             return f"no hit of {self.known} lights, {self.found} found"
-        angle, flux = np.median(self.angles_deg), 100 * np.median(np.abs(self.flux_errors))
+        angle, flux = np.median(self.angles_deg), np.median(np.abs(self.flux_errors))
         return (
-            f"precision {100 * self.precision:.3g} %, recall {100 * self.recall:.3g} %;"
-            f" median error {angle:.2g}° and {flux:.2g} % of the flux"
+            f"precision {percent(self.precision)}, recall {percent(self.recall)};"
+            f" median error {angle:.2g}° and {percent(flux, 2)} of the flux"
         )
 
     @property

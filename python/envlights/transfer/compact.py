@@ -19,6 +19,7 @@ from numpy.typing import DTypeLike, NDArray
 
 from envlights import _native
 from envlights._common.result import Result
+from envlights._common.words import percent
 
 #: Texels in a tile, and texels with a common scale, as the kernel defines them.
 TILE, SHARE = _native.BASIS_TILE, _native.BASIS_SHARE
@@ -88,7 +89,7 @@ def compress(
             usual = np.sqrt(np.sum(wrong * energy) / np.trace(energy))
             return compact, (
                 f"the basis is stored as {dtype}: no frame changes by more than"
-                f" {100 * most:.2g} % of its norm, and the pairs change by {100 * usual:.2g} %"
+                f" {percent(most, 2)} of its norm, and the pairs change by {percent(usual, 2)}"
             )
     return basis, f"the basis is not compressed: {' and '.join(LARGEST)} exceed the error {error:g}"
 

@@ -174,8 +174,8 @@ fn is_lower(next: &State, best: &State, worth: f64) -> bool {
 /// The cost in the digits of single precision, so that costs that differ by rounding alone are equal.
 fn rounded_cost(state: &State) -> u64 {
     const SPARE_DIGITS: u32 = f64::MANTISSA_DIGITS - f32::MANTISSA_DIGITS;
-    // The bits of numbers that are not negative are in the order of the numbers.
-    state.cost.max(0.0).to_bits() >> SPARE_DIGITS
+    // The bits of numbers that are not negative are in the order of the numbers; those of NaN come last.
+    state.cost.to_bits() >> SPARE_DIGITS
 }
 
 #[cfg(test)]

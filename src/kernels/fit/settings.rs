@@ -40,8 +40,8 @@ pub struct SearchSettings {
     pub apart: f64,
     /// Cosine of a light's old and new direction above which a descent leads back.
     pub back: f64,
-    /// Cosine up to which lights of two sets differ if discs descend to the same minimum from both: saves a sixth of the
-    /// time of 4 discs, and changes no error by more than 3 %. At 15 degrees, some errors are 37 % larger.
+    /// Cosine of lights of two sets above which discs descend to one minimum from both. It saves a sixth of the time of 4
+    /// discs, and no error grows by more than 3 %; at 15 degrees, some grow by 37 %.
     pub alike: f64,
     /// Cost of an exchange over the present cost, above which it is abandoned after a rough descent. This saves time.
     pub hopeless: f64,

@@ -138,3 +138,18 @@ pub fn cost(reference: &Reference, gram: &DMatrix<f64>, rhs: &DMatrix<f64>, x: &
     };
     reference.energy - (0..x.ncols()).map(|c| reference.copies(c) * explained(c)).sum::<f64>()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::variable_projection::tests::world;
+    use super::*;
+    use crate::kernels::fit::{Ambient, Sphere};
+
+    /// A cost of 0 would end every search.
+    #[test]
+    fn a_light_without_a_direction_has_no_cost() {
+        let sphere = Sphere::new(&world(1.0), Ambient::Constant, false);
+        assert!(State::new(&sphere, &[DVec3::NAN]).cost.is_nan());
+        assert!(State::new(&sphere, &[DVec3::X]).cost > 0.0);
+    }
+}

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from envlights import _native
 from envlights._common.srgb import look_up
+from envlights._common.words import percent
 from envlights.environment.colour.choice import ColourConversion
 from envlights.environment.decoders.raw_image import Header
 
@@ -66,7 +67,7 @@ class Linear:
         """Note on the fraction of pixels so far outside Rec.709; empty if there are none."""
         if not self._outside:
             return ()
-        fraction = f"{100 * self._outside / self._pixels:.2g} %"
+        fraction = percent(self._outside / self._pixels, 2)
         return (f"{fraction} of the pixels lay outside Rec.709; their negative channels became 0",)
 
     def _decode(

@@ -10,6 +10,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from envlights._common.words import percent
 from envlights._native import EnvLightsError
 from envlights.environment.exposures import alignment, checks
 from envlights.environment.exposures.clip_level import whites
@@ -200,6 +201,6 @@ def _note_ghosts(is_moved: NDArray[np.bool_], notes: list[str]) -> None:
     fraction = float(solid_angles[is_moved].sum() / solid_angles.sum())
     if fraction > _LEAST_SHARE:
         notes.append(
-            f"exposures contradict each other on {100 * fraction:.2g} % of the sphere, where"
+            f"exposures contradict each other on {percent(fraction, 2)} of the sphere, where"
             " something may have moved; only the best exposure was used there"
         )

@@ -22,6 +22,7 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from envlights._common.words import percent
 from envlights._native import EnvLightsError
 from envlights.transfer.pairs import Pairs, PairSummary, image_stack, rgb_rows
 from envlights.transfer.prior import TransferPrior
@@ -298,10 +299,10 @@ def _notes(
     """Notes on the rank, and on a prior that does not fit the pairs."""
     notes = []
     if is_chosen:
-        fraction = 100 * _truncation(every, rank)
+        fraction = percent(_truncation(every, rank), 2)
         notes.append(
-            f"rank {rank}: the basis leaves out {fraction:.2g} % of new light, where the median"
-            f" error without a basis is {100 * np.median(rest.errors):.2g} %"
+            f"rank {rank}: the basis leaves out {fraction} of new light, where the median"
+            f" error without a basis is {percent(np.median(rest.errors), 2)}"
         )
     coefficients = _coefficients(own.products)
     plain = regression(pairs.direct, channelwise=True)
