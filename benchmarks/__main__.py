@@ -1,7 +1,7 @@
 """Run time against error, ours and others', in one run: data, pictures and a page.
 
 Usage: python -m benchmarks [lights] [refitted] [probe] [detection] [transfer] [pairs] [scale]
-           [stress] [skipping] [--quick] [--out FOLDER] [--threads N]
+           [stress] [skipping] [--quick] [--out FOLDER] [--threads N] [--processes N]
        python -m benchmarks --against FOLDER [--out FOLDER]
 
 With `ENVLIGHTS_MAPS` set to a folder of maps, on those as well; `ENVLIGHTS_TRANSFER_DB` names a
@@ -54,6 +54,7 @@ def main():
         "--out", type=Path, default=Path("benchmark_results"), help="folder to write"
     )
     parser.add_argument("--threads", type=int, default=1, help="threads of our kernels and of BLAS")
+    parser.add_argument("--processes", type=int, help="new processes (9; 1 with --quick)")
     parser.add_argument("--against", type=Path, help="folder of another run, to compare with")
     options = parser.parse_args()
     if unknown := set(options.parts) - set(_PARTS):
@@ -65,17 +66,17 @@ def main():
     parts = options.parts or _PARTS
     if options.against:
         sys.exit(compare(parts, options.out, options.against))
-    failed = measure(parts, options.quick, options.out, options.threads)
+    failed = measure(parts, options.quick, options.out, options.threads, options.processes)
     if failed:
         sys.exit(f"not measured: {', '.join(failed)}")
 
 
-def measure(names, quick, out, threads):
+def measure(names, quick, out, threads, processes=None):
     """Measure all parts, then all again in further processes; return those that failed.
 
     The results are written after each part of each process.
     """
-    processes, *cost = _QUICK if quick else _FULL
+    usual, *cost = _QUICK if quick else _FULL
     machine = {
         "processor": processor(),
         "cores": os.cpu_count(),
@@ -88,7 +89,7 @@ def measure(names, quick, out, threads):
     folder = out / "benchmarks"
     folder.mkdir(parents=True, exist_ok=True)
     found, failed = {name: [] for name in names}, []
-    for number in range(processes):
+    for number in range(processes or usual):
         for name in names:
             if name in failed or (number and is_table(name)):
                 continue

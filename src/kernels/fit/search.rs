@@ -45,7 +45,7 @@ impl<'a> Search<'a> {
     }
 
     /// The lowest minimum from a `beam` of sets with as many lights. Other sets from which lights with a size may descend
-    /// come after it: distinct minima and the ends of the best even starts, unless they are like a set before.
+    /// come after it: distinct minima, and the ends of the best even starts.
     pub fn best(&self, beam: Vec<State>) -> Result<Vec<State>> {
         let Some(lights) = beam.first().map(State::lights) else { return Ok(beam) };
         let SearchSettings { minima, sized_minima, near: nearest, same, .. } = self.settings;
@@ -65,7 +65,7 @@ impl<'a> Search<'a> {
         best.extend(minima.into_iter().filter(|state| is_lower(&least, state, same)));
         best.truncate(sized_minima);
         best.extend(even);
-        Ok(without_alike(best))
+        Ok(best)
     }
 
     /// Lights at the brightest sources, if there are enough of them. Without this start, the error of three lights in a
@@ -150,20 +150,6 @@ fn distinct(mut states: Vec<State>, count: usize, same: f64) -> Vec<State> {
     states.dedup_by(|next, last| last.cost >= next.cost * (1.0 - same));
     states.truncate(count);
     states
-}
-
-/// The first of each group of sets whose lights are near each other: discs descend to one minimum from all of them.
-fn without_alike(states: Vec<State>) -> Vec<State> {
-    let is_near =
-        |l: &DVec3, other: &State| other.moments.directions.iter().any(|m| l.dot(*m) > SEARCH.alike);
-    let are_near = |one: &State, other: &State| one.moments.directions.iter().all(|l| is_near(l, other));
-    let mut kept: Vec<State> = Vec::new();
-    for state in states {
-        if !kept.iter().any(|other| are_near(&state, other) && are_near(other, &state)) {
-            kept.push(state);
-        }
-    }
-    kept
 }
 
 /// True if the cost of `next` is lower by more than the fraction `worth`.
@@ -267,20 +253,6 @@ mod tests {
         let minima = distinct(states(&[1.5, 1.0, 1.001, 1.01, 1.5]), 4, 2e-3);
         assert_eq!(costs(&minima), [1.0, 1.01, 1.5]);
         assert_eq!(costs(&distinct(minima, 2, 2e-3)), [1.0, 1.01]);
-    }
-
-    #[test]
-    fn sets_whose_lights_are_near_each_other_are_alike() {
-        let sphere = Sphere::new(&lamps(&PLACES), Ambient::Constant, false);
-        let set = |angles: &[f64]| {
-            let directions: Vec<DVec3> = angles.iter().map(|&angle| direction(1.0, angle)).collect();
-            State::new(&sphere, &directions)
-        };
-        let angles = |states: Vec<State>| states.iter().map(State::lights).collect::<Vec<_>>();
-        let alike = [set(&[1.0, 2.0]), set(&[2.05, 0.95]), set(&[1.0, 1.05, 2.0])];
-        assert_eq!(angles(without_alike(alike.to_vec())), [2]);
-        let apart = [set(&[1.0, 2.0]), set(&[1.0, 2.0, 3.0]), set(&[1.0])];
-        assert_eq!(angles(without_alike(apart.to_vec())), [2, 3, 1]);
     }
 
     #[test]

@@ -40,9 +40,6 @@ pub struct SearchSettings {
     pub apart: f64,
     /// Cosine of a light's old and new direction above which a descent leads back.
     pub back: f64,
-    /// Cosine of lights of two sets above which discs descend to one minimum from both. It saves a sixth of the time of 4
-    /// discs, and no error grows by more than 3 %; at 15 degrees, some grow by 37 %.
-    pub alike: f64,
     /// Cost of an exchange over the present cost, above which it is abandoned after a rough descent. This saves time.
     pub hopeless: f64,
     /// The longest perturbation, in radians: to the next small minimum, not to the next light.
@@ -71,7 +68,6 @@ pub const SEARCH: SearchSettings = SearchSettings {
     directions_of_light: 2,
     apart: 0.8,
     back: 0.9,
-    alike: 0.985,
     hopeless: 1.2,
     farthest: 0.3,
     worth_a_light: 1e-3,
