@@ -76,7 +76,8 @@ impl<'a> Search<'a> {
         Some(State::new(objective, &[&start[..*fixed], likely].concat()))
     }
 
-    /// The better half of the minima that rough descents from even starts lead to.
+    /// The better half of the minima that rough descents from even starts lead to, and that of the paper's start: no search
+    /// ends higher than a descent from there.
     fn even(&self, lights: usize) -> Result<Vec<State>> {
         let Problem { objective, options: &FitOptions { ref start, fixed, .. } } = *self.problem;
         let (count, rough) = (self.settings.starts(lights), self.settings.rough);
@@ -85,8 +86,11 @@ impl<'a> Search<'a> {
             let directions: Vec<DVec3> = start[..fixed].iter().copied().chain(placed).collect();
             self.descend(State::new(objective, &directions), rough)
         };
-        let ends = multistart::even(count, lights - fixed)?.par_iter().map(descend).collect();
-        Ok(best_of(ends, count.div_ceil(2)))
+        let ends: Vec<State> = multistart::even(count, lights - fixed)?.par_iter().map(descend).collect();
+        let of_paper = ends[0].clone();
+        let mut best = best_of(ends, count.div_ceil(2));
+        best.push(of_paper);
+        Ok(best)
     }
 
     /// The set after exchanges of single lights while these lower the cost.
