@@ -76,8 +76,8 @@ impl<'a> Search<'a> {
         Some(State::new(objective, &[&start[..*fixed], likely].concat()))
     }
 
-    /// The better half of the minima that rough descents from even starts lead to, and that of the paper's start: no search
-    /// ends higher than a descent from there.
+    /// The better half of the minima that rough descents from even starts lead to. That of the paper's start is always
+    /// with them, so that no search ends higher than a descent from there.
     fn even(&self, lights: usize) -> Result<Vec<State>> {
         let Problem { objective, options: &FitOptions { ref start, fixed, .. } } = *self.problem;
         let (count, rough) = (self.settings.starts(lights), self.settings.rough);
