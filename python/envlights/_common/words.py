@@ -6,7 +6,7 @@ import re
 
 
 def percent(fraction: float | None, digits: int = 3) -> str:
-    """Fraction in percent, with this number of digits; longer numbers are whole, not powers of 10."""
+    """Fraction in percent; numbers with more digits are whole, without an exponent."""
     if fraction is None:
         return "none"
     is_long = abs(100 * fraction) >= 10**digits - 0.5
