@@ -2,12 +2,12 @@
 
 A ratio is our run time over a peer's on one case, in the same rounds. Its interval covers 99.9 % of
 the mean over the processes, by Student's t. Two runs agree on a ratio if their intervals overlap.
-With nine processes, chance alone separates one of 400 000 ratios, which is one in 150 comparisons
-of all parts. Agreement depends on the width of the intervals: if half of one is 50 %, a doubled
-ratio may still agree. Half an interval is the mean of both runs, as a percentage or as a factor. An
-error agrees if it changes by at most 1e-6 of itself; random methods are left out. The peak of
-memory agrees if it changes by at most 2 % of itself and of 50 MB, because pages are counted in
-batches and stacks grow.
+With six or nine processes, chance alone separates one of 400 000 ratios, which is one in 100
+comparisons of all parts. Agreement depends on the width of the intervals: if half of one is 50 %, a
+doubled ratio may still agree. Half an interval is the mean of both runs, as a percentage or as a
+factor. An error agrees if it changes by at most 1e-6 of itself; random methods are left out. The
+peak of memory agrees if it changes by at most 2 % of itself and of 50 MB, because pages are counted
+in batches and stacks grow.
 """
 
 from itertools import product
@@ -15,6 +15,8 @@ from typing import NamedTuple
 
 import numpy as np
 from curves.results import Point, interval, logarithms, setting_text
+
+from envlights._common.words import percent
 
 TITLE = "A second run"
 _SAME_ERROR = 1e-6
@@ -64,9 +66,9 @@ def row(name, ratios, errors):
         "agree": sum(each.agrees for each in ratios),
         "half an interval, median": _share(usual),
         "of 95 % at most": _share(wide),
-        "median change": _percent(middle),
-        "95 % change by at most": _percent(most),
-        "largest change": _percent(largest),
+        "median change": percent(middle, 2),
+        "95 % change by at most": percent(most, 2),
+        "largest change": percent(largest, 2),
         "errors": len(errors),
         "agree on": sum(each.agrees for each in errors),
     }
@@ -76,7 +78,8 @@ def sentences(changes):
     """A line for each that does not agree, the worst first."""
     wrong = sorted((each for each in changes if not each.agrees), reverse=True)
     return [
-        f"{each.name}: {_percent(np.expm1(each.size))}, allowed {_percent(np.expm1(each.allowed))}"
+        f"{each.name}: {percent(np.expm1(each.size), 2)},"
+        f" allowed {percent(np.expm1(each.allowed), 2)}"
         for each in wrong
     ]
 
@@ -112,8 +115,4 @@ def _label(key):
 
 
 def _share(share):
-    return f"x {1 + share:.2g}" if share > 1 else _percent(share)
-
-
-def _percent(share):
-    return f"{100 * share:.2g} %"
+    return f"x {1 + share:.2g}" if share > 1 else percent(share, 2)
