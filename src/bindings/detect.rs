@@ -10,7 +10,6 @@ use crate::kernels::detect::clipped::{ClipLevel, ClippedLights};
 use crate::kernels::detect::segment::bars::BARS;
 use crate::kernels::detect::segment::light_moments::LightMoments;
 use crate::kernels::detect::segment::run::{Run, runs};
-use crate::kernels::detect::segment::threshold::Rule;
 use crate::kernels::detect::segment::working_image::WorkingImage;
 use crate::kernels::detect::{self, Detection, DetectionOptions};
 
@@ -115,17 +114,6 @@ pub fn detect_tree(
     TreeDetection::new(py, detection, options.clip_level)
 }
 
-/// Factor and fraction of the rule that set a threshold, and the bright fraction of the sphere if that is itself light.
-///
-/// `None` for a threshold of the caller.
-fn rule(rule: Rule) -> Option<(f64, f64, Option<f64>)> {
-    match rule {
-        Rule::Background { factor, share } => Some((factor, share, None)),
-        Rule::BelowCut { factor, share, light_share } => Some((factor, share, Some(light_share))),
-        Rule::Fixed => None,
-    }
-}
-
 impl ClippedDetection {
     fn new(py: Python<'_>, lights: ClippedLights) -> PyResult<Py<Self>> {
         let uncertainty: Array1<f64> = lights.positions.iter().map(|position| position.uncertainty).collect();
@@ -150,11 +138,11 @@ impl TreeDetection {
             let rows: Vec<[f64; 3]> = lights.iter().map(of).collect();
             Array2::from(rows).into_pyarray(py).unbind()
         };
-        let indices = |values: Array1<i64>| values.into_pyarray(py).unbind();
         let runs = runs(&detection.pixels, report.working_size.1);
         let pixels_of_run =
             |Run { row, columns }: Run| columns.map(move |column| [row as i64, column as i64]);
         let pixels: Vec<[i64; 2]> = runs.into_iter().flat_map(pixels_of_run).collect();
+        let light_of_pixel: Vec<i64> = detection.light_of_pixel.iter().map(|&light| light.into()).collect();
         let whole = if report.flux > 0.0 { report.flux } else { 1.0 };
         Ok(Self {
             direction: vectors(|light| light.direction().to_array()),
@@ -169,12 +157,12 @@ impl TreeDetection {
             is_clipped: detection.are_clipped(clip_level).collect::<Array1<bool>>().into_pyarray(py).unbind(),
             is_cut: Array1::from(detection.is_cut).into_pyarray(py).unbind(),
             pixel: Array2::from(pixels).into_pyarray(py).unbind(),
-            light_of_pixel: indices(detection.light_of_pixel.iter().map(|&light| i64::from(light)).collect()),
+            light_of_pixel: Array1::from(light_of_pixel).into_pyarray(py).unbind(),
             luminance: detection.luminance.into_pyarray(py).unbind(),
             panes: detection.panes,
             widest_bar: (BARS.widest, BARS.widest_angle),
             threshold: report.threshold.luminance,
-            threshold_rule: rule(report.threshold.rule),
+            threshold_rule: report.threshold.rule.numbers(),
             working_size: report.working_size,
             tiles: report.tiles,
             opened_tiles: report.opened_tiles,

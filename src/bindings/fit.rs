@@ -108,7 +108,7 @@ impl FitAnswer {
         self.result.errors.clone()
     }
 
-    /// Channels that were result: neither black nor the same as another.
+    /// Fitted channels: not black, and not equal to another.
     #[getter]
     fn channels(&self) -> usize {
         self.result.channels

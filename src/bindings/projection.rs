@@ -156,6 +156,5 @@ pub fn projection_places<'py>(
 }
 
 fn rows<const N: usize>(count: usize, row: impl Fn(usize) -> [f64; N]) -> Array2<f64> {
-    let rows: Vec<[f64; N]> = (0..count).map(row).collect();
-    Array2::from_shape_fn((count, N), |(i, j)| rows[i][j])
+    Array2::from((0..count).map(row).collect::<Vec<_>>())
 }

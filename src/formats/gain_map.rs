@@ -47,14 +47,6 @@ impl Parameters {
             && self.gamma.iter().all(|gamma| gamma.is_finite() && *gamma > 0.0)
             && offsets.clone().all(|offset| offset.is_finite())
     }
-
-    /// Largest radiance of each channel: that of the base 1 at the code 255.
-    pub fn largest(&self) -> [f64; 3] {
-        let largest = |channel: usize| {
-            (1.0 + self.base_offset[channel]) * self.maximum[channel].exp2() - self.alternate_offset[channel]
-        };
-        [largest(0), largest(1), largest(2)]
-    }
 }
 
 /// Raise linear radiance by a gain map, in place: some rows from the row `first` on, of a picture of `height` rows.
@@ -178,9 +170,6 @@ mod tests {
                     - PARAMETERS.alternate_offset[channel];
                 for &value in rows.slice(s![.., .., channel]) {
                     assert_relative_eq!(f64::from(value), wanted, max_relative = 1e-5);
-                }
-                if code == 255 {
-                    assert_relative_eq!(PARAMETERS.largest()[channel], wanted, max_relative = 1e-12);
                 }
             }
         }

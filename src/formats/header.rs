@@ -78,9 +78,7 @@ impl Header {
             notes: Vec::new(),
         }
     }
-}
 
-impl Header {
     /// Type into which these channels are read: their own, or floats if their types differ.
     pub fn sample_type(&self, channels: &[usize]) -> SampleType {
         let mut types = channels.iter().map(|&channel| self.channels[channel].sample);

@@ -232,7 +232,7 @@ fn dot(weights: &[f32], line: &[f32]) -> f32 {
 mod tests {
     use super::*;
     use crate::kernels::sampling;
-    use crate::kernels::sphere::{pixel_directions, pixel_solid_angles};
+    use crate::kernels::sphere::{pixel_solid_angles, row_directions};
     use ndarray::{Array3, Axis};
 
     /// The formulas of Walter et al. and Schlick, term by term.
@@ -256,7 +256,7 @@ mod tests {
             if (y, x) == (6, 9) { 1e4 } else { ((7 * y + 3 * x + c) % 11) as f32 }
         });
         let (directions, angles) = (
-            pixel_directions(20, 42, Registration::CellCentred).unwrap(),
+            row_directions(20, 42, Registration::CellCentred, 0..20).unwrap(),
             pixel_solid_angles(20, 42, Registration::CellCentred).unwrap(),
         );
         let normals = sampling::even_sphere(12);

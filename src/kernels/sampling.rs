@@ -5,12 +5,12 @@ use std::f64::consts::{PI, TAU};
 use glam::DVec3;
 use ndarray::{Array1, Array2, ArrayView2};
 
-use super::sphere::{check_memory, check_rows, direction, from_vectors};
+use super::sphere::{check_memory, check_rows, direction, from_vectors, spherical_area};
 use crate::error::{Error, Result};
 use crate::interrupt;
 
-/// Faces of the finest supported icosphere: 8 subdivisions.
-const MOST_FACES: usize = 20 << 16;
+/// Subdivisions of the finest supported icosphere.
+const SUBDIVISIONS: usize = 8;
 
 /// Radical inverse of `index` in `base`: its digits mirrored at the radix point (van der Corput's sequence).
 ///
@@ -104,21 +104,18 @@ pub fn even_sphere(count: usize) -> Array2<f64> {
 ///
 /// [`Error::NoSuchIcosphere`] when `faces` is not 20 * 4^k.
 pub fn icosphere(faces: usize) -> Result<(Array2<f64>, Array1<f64>)> {
-    let mut triangles = icosahedron();
-    if faces > MOST_FACES {
-        return Err(Error::NoSuchIcosphere { faces, limit: MOST_FACES });
-    }
-    // Subdivide each triangle into quarters until there are enough.
-    while triangles.len() < faces {
+    let triangles = (0..subdivisions(faces)?).fold(icosahedron(), |triangles, _| {
         interrupt::check();
-        triangles = triangles.into_iter().flat_map(quarters).collect();
-    }
-    if triangles.len() != faces {
-        return Err(Error::NoSuchIcosphere { faces, limit: MOST_FACES });
-    }
-    // Compute centroids and solid angles.
+        triangles.into_iter().flat_map(quarters).collect()
+    });
     let centroids = from_vectors(triangles.iter().map(|[a, b, c]| (*a + *b + *c).normalize()));
-    Ok((centroids, triangles.iter().map(spherical_area).collect()))
+    Ok((centroids, triangles.iter().map(|&corners| spherical_area(corners)).collect()))
+}
+
+/// Number of subdivisions of an icosahedron that give this number of faces.
+fn subdivisions(faces: usize) -> Result<usize> {
+    let levels = (0..=SUBDIVISIONS).find(|&level| 20 << (2 * level) == faces);
+    levels.ok_or(Error::NoSuchIcosphere { faces, limit: 20 << (2 * SUBDIVISIONS) })
 }
 
 /// Search for the face of an icosphere that contains a direction.
@@ -135,10 +132,7 @@ impl FaceSearch {
     ///
     /// [`Error::NoSuchIcosphere`] when `faces` is not 20 * 4^k.
     pub fn new(faces: usize) -> Result<Self> {
-        let levels = (0..=8)
-            .find(|&level| 20 << (2 * level) == faces)
-            .ok_or(Error::NoSuchIcosphere { faces, limit: MOST_FACES })?;
-        Ok(Self { roots: icosahedron(), levels })
+        Ok(Self { roots: icosahedron(), levels: subdivisions(faces)? })
     }
 
     /// Index of the face that contains `direction`.
@@ -193,14 +187,6 @@ fn icosahedron() -> Vec<[DVec3; 3]> {
 fn quarters([a, b, c]: [DVec3; 3]) -> [[DVec3; 3]; 4] {
     let (ab, bc, ca) = ((a + b).normalize(), (b + c).normalize(), (c + a).normalize());
     [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
-}
-
-/// Solid angle of a triangle on the sphere (van Oosterom and Strackee 1983).
-///
-/// `tan(omega / 2) = a.(b x c) / (1 + a.b + b.c + c.a)`.
-fn spherical_area([a, b, c]: &[DVec3; 3]) -> f64 {
-    let volume = a.dot(b.cross(*c)).abs();
-    2.0 * volume.atan2(1.0 + a.dot(*b) + b.dot(*c) + c.dot(*a))
 }
 
 /// Nodes, from 1 down, and weights of the Gauss-Legendre rule of `count` nodes on -1 .. 1.

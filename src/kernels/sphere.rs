@@ -135,16 +135,7 @@ pub fn direction_to_uv(directions: ArrayView2<'_, f64>) -> Result<Array2<f64>> {
     Ok(out)
 }
 
-/// Direction of every pixel's sample: (height, width, 3).
-///
-/// # Errors
-///
-/// [`Error::TooFewPixels`], [`Error::NoMemory`].
-pub fn pixel_directions(height: usize, width: usize, registration: Registration) -> Result<Array3<f64>> {
-    row_directions(height, width, registration, 0..height)
-}
-
-/// [`pixel_directions`] of some `rows` alone: (number of rows, width, 3).
+/// Direction of every pixel's sample in some `rows`: (number of rows, width, 3).
 ///
 /// # Errors
 ///
@@ -239,6 +230,48 @@ pub fn unit_vectors(what: &'static str, rows: ArrayView2<'_, f64>) -> Result<Vec
     }
 }
 
+/// Row and column.
+pub(crate) type Pixel = [usize; 2];
+
+/// Rows and columns, (n, 2), each inside an image of `(height, width)`.
+///
+/// # Errors
+///
+/// [`Error::WrongColumns`], [`Error::OutsideImage`].
+pub(crate) fn pixels_inside(
+    pixels: ArrayView2<'_, i64>,
+    (height, width): (usize, usize),
+) -> Result<Vec<Pixel>> {
+    if pixels.ncols() != 2 {
+        return Err(Error::WrongColumns { what: "pixels", columns: 2, shape: pixels.shape().to_vec() });
+    }
+    let inside = |(index, row): (usize, ArrayView1<'_, i64>)| {
+        let pixel = [usize::try_from(row[0]), usize::try_from(row[1])];
+        match pixel {
+            [Ok(y), Ok(x)] if y < height && x < width => Ok([y, x]),
+            _ => Err(Error::OutsideImage { index, row: row[0], column: row[1], height, width }),
+        }
+    };
+    pixels.rows().into_iter().enumerate().map(inside).collect()
+}
+
+/// Flat indices of pixels, (n, 2), of an image, each with its light, (n,).
+///
+/// # Errors
+///
+/// [`Error::WrongColumns`], [`Error::OutsideImage`], [`Error::LengthMismatch`], [`Error::Negative`].
+pub(crate) fn pixels_of_lights(
+    pixels: ArrayView2<'_, i64>,
+    light_of_pixel: ArrayView1<'_, i64>,
+    (height, width): (usize, usize),
+) -> Result<Vec<(usize, usize)>> {
+    check_lengths("pixels", pixels.nrows(), [("light_of_pixel", light_of_pixel.len())])?;
+    check_not_negative("light_of_pixel", light_of_pixel.iter().map(|&light| light as f64))?;
+    let pixels =
+        pixels_inside(pixels, (height, width))?.into_iter().map(|[row, column]| row * width + column);
+    Ok(pixels.zip(light_of_pixel.iter().map(|&light| light as usize)).collect())
+}
+
 /// Convert `rows` to vectors.
 ///
 /// # Errors
@@ -297,10 +330,22 @@ pub(crate) fn check_values(
     check_rows(what, values, 3)?;
     check_rows("weights", weights.insert_axis(ndarray::Axis(1)), 1)?;
     check_lengths(other, wanted, [(what, values.nrows()), ("weights", weights.len())])?;
-    match weights.iter().enumerate().find(|(_, weight)| **weight < 0.0) {
-        Some((index, &value)) => Err(Error::Negative { what: "weights", index, value }),
+    check_not_negative("weights", weights.iter().copied())
+}
+
+/// Refuse a negative number.
+pub(crate) fn check_not_negative(what: &'static str, numbers: impl Iterator<Item = f64>) -> Result<()> {
+    match numbers.enumerate().find(|&(_, number)| number < 0.0) {
+        Some((index, value)) => Err(Error::Negative { what, index, value }),
         None => Ok(()),
     }
+}
+
+/// Solid angle of a triangle on the sphere (van Oosterom and Strackee 1983).
+///
+/// `tan(omega / 2) = a.(b x c) / (1 + a.b + b.c + c.a)`.
+pub(crate) fn spherical_area([a, b, c]: [DVec3; 3]) -> f64 {
+    2.0 * a.dot(b.cross(c)).abs().atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a))
 }
 
 pub(crate) fn check_size(height: usize, width: usize) -> Result<()> {
@@ -345,7 +390,7 @@ mod tests {
 
     #[test]
     fn border_samples_lie_on_seam_and_poles() {
-        let directions = pixel_directions(5, 9, Registration::BorderSampled).unwrap();
+        let directions = row_directions(5, 9, Registration::BorderSampled, 0..5).unwrap();
         assert_relative_eq!(directions[[0, 3, 1]], 1.0);
         assert_relative_eq!(directions[[2, 0, 2]], -1.0, epsilon = 1e-15);
         assert_relative_eq!(directions[[2, 8, 2]], -1.0, epsilon = 1e-15);

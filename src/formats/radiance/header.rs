@@ -98,7 +98,6 @@ impl<'a> Reader<'a> {
         };
         self.header.height = height.parse().map_err(|_| wrong())?;
         self.header.width = width.parse().map_err(|_| wrong())?;
-        self.header.block = 1;
         Ok(())
     }
 }

@@ -14,8 +14,8 @@ pub(super) struct Line {
     pub is_planar: bool,
 }
 
-/// Widths that planes of packets may have.
-const PLANAR_WIDTHS: std::ops::Range<usize> = 8..32768;
+/// Widths of lines that may be stored as planes of packets.
+pub(super) const PLANAR_WIDTHS: std::ops::Range<usize> = 8..32768;
 
 /// All lines of a picture of this size, whose first line is at `start`.
 ///

@@ -41,7 +41,7 @@ impl<Bytes: AsRef<[u8]>> Radiance<Bytes> {
     ///
     /// # Errors
     ///
-    /// If the header or a line is damage, or the picture has too many pixels.
+    /// If the header or a line is damaged, or the picture has too many pixels.
     pub fn open(bytes: Bytes, max_pixels: usize) -> Result<Self> {
         let Reader { header, place, .. } = Reader::read(bytes.as_ref())?;
         check_size(header.height, header.width, max_pixels)?;

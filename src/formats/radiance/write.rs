@@ -3,10 +3,9 @@
 use ndarray::{ArrayView1, ArrayView2, ArrayView3, Axis};
 use rayon::prelude::*;
 
+use super::lines::PLANAR_WIDTHS;
 use crate::interrupt;
 
-/// Widths that the format can hold with run-length encoding.
-const ENCODED_WIDTHS: std::ops::Range<usize> = 8..0x8000;
 /// Length from which equal bytes are shorter as a run.
 const LEAST_RUN: usize = 4;
 /// Most bytes in a run, and in bytes that are not a run.
@@ -27,7 +26,7 @@ fn encode_row(row: ArrayView2<'_, f32>, half: f64) -> Vec<u8> {
     interrupt::check();
     let pixels: Vec<[u8; 4]> = row.outer_iter().map(|rgb| rgbe(rgb, half)).collect();
     let width = pixels.len();
-    if !ENCODED_WIDTHS.contains(&width) {
+    if !PLANAR_WIDTHS.contains(&width) {
         return pixels.concat();
     }
     let mut bytes = vec![2, 2, (width >> 8) as u8, (width & 0xff) as u8];

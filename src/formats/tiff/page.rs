@@ -113,7 +113,7 @@ impl Page {
         let samples = number(tags::SAMPLES, 1)?;
         let photometric = photometric(directory, samples)?;
         check_size(height, width, max_pixels)?;
-        check_model(directory, samples)?;
+        check_model(directory, photometric, samples)?;
         let compression = compression(number(tags::COMPRESSION, 1)?)?;
         let bits = bits_of(directory, file, tags::BITS, "bits", 1)?;
         let form = form(directory, file, photometric, bits)?;
@@ -262,13 +262,16 @@ fn photometric(directory: &Directory<'_>, samples: usize) -> Result<u64> {
 }
 
 /// Refuse volumes, too many channels, and bits in reverse order.
-fn check_model(directory: &Directory<'_>, samples: usize) -> Result<()> {
+fn check_model(directory: &Directory<'_>, photometric: u64, samples: usize) -> Result<()> {
     let depth = number(directory, tags::DEPTH, 1)?;
     if depth > 1 {
         return Err(unread(format!("it is a volume of {depth} slices; give a flat image")));
     }
     if !(1..=MOST_SAMPLES).contains(&samples) {
         return Err(unread(format!("it has {samples} channels; give from 1 to {MOST_SAMPLES}")));
+    }
+    if photometric == 3 && samples != 1 {
+        return Err(unread(format!("its palette has {samples} channels; give it without alpha, or as RGB")));
     }
     if number(directory, tags::FILL_ORDER, 1)? == 2 {
         return Err(unread("its bits are stored in reverse order (FillOrder 2); give the usual order"));

@@ -328,12 +328,14 @@ fn palettes_and_inverted_grey_become_colours() {
     let example = Example { samples: 1, bits: 4, ..EXAMPLE };
     let palette: Vec<u64> = (0..48).map(|number| number * 1285).collect();
     let codes = Example { photometric: 1, bits: 8, ..example };
-    let file = Example { photometric: 3, ..example }.file(&[(320, 3, palette)]);
+    let file = Example { photometric: 3, ..example }.file(&[(320, 3, palette.clone())]);
     let expected = Array3::from_shape_fn((7, 9, 3), |(y, x, channel)| {
         ((example.value((y, x, 0)) + 16 * channel as u64) * 1285 / 257) as u8
     });
     assert_eq!(read(file).expect("a palette"), Samples::Bytes(expected));
     assert!(reason(Example { photometric: 3, ..example }.file(&[])).contains("it has no palette"));
+    let with_alpha = Example { photometric: 3, samples: 2, ..example }.file(&[(320, 3, palette)]);
+    assert!(reason(with_alpha).contains("its palette has 2 channels"));
     for bits in [8, 16] {
         let grey = Example { photometric: 0, bits, ..codes };
         match (read(grey.file(&[])).expect("grey"), grey.truth()) {

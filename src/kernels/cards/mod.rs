@@ -64,7 +64,8 @@ pub struct MapLights<'a> {
 ///
 /// # Errors
 ///
-/// [`Error::LengthMismatch`], [`Error::OutsideImage`], [`Error::WrongShape`].
+/// [`Error::LengthMismatch`], [`Error::WrongShape`], [`Error::WrongColumns`], [`Error::NotFinite`],
+/// [`Error::OutsideImage`], [`Error::Negative`].
 pub fn cut_map(
     map: ArrayView3<'_, f32>,
     other: ArrayView3<'_, f32>,
@@ -74,6 +75,7 @@ pub fn cut_map(
 ) -> Result<Vec<CardCut>> {
     let (height, width, _) = map.dim();
     sphere::check_lengths("rest", height, [("radiance", other.dim().0)])?;
+    sphere::check_lengths("directions", lights.directions.nrows(), [("radius", lights.radii.len())])?;
     let not_rows =
         || Error::WrongShape { what: "radiance", wanted: "(height, width, 3)", shape: map.shape().to_vec() };
     let (map_rows, other_rows) =
@@ -87,15 +89,9 @@ pub fn cut_map(
         block: lights.block.max(1),
         blocks,
     };
-    let light = |i: usize| CardLight {
-        direction: DVec3::new(
-            lights.directions[[i, 0]],
-            lights.directions[[i, 1]],
-            lights.directions[[i, 2]],
-        ),
-        radius: lights.radii[i],
-    };
-    let all: Vec<CardLight> = (0..lights.directions.nrows()).map(light).collect();
+    let directions = sphere::vectors("direction", lights.directions)?.into_iter();
+    let all: Vec<CardLight> =
+        directions.zip(lights.radii).map(|(direction, &radius)| CardLight { direction, radius }).collect();
     let samples = rest.as_slice_mut().ok_or_else(not_rows)?;
     Ok(cut(removed, &all, samples.as_chunks_mut().0))
 }
@@ -103,12 +99,8 @@ pub fn cut_map(
 /// Number of the light of each block from 1, or 0.
 fn labels(lights: &MapLights<'_>, rows: usize, columns: usize) -> Result<Vec<u32>> {
     let mut labels = vec![0; rows * columns];
-    for (pixel, &light) in lights.pixels.rows().into_iter().zip(lights.light_of_pixel) {
-        let (row, column) = (pixel[0] as usize, pixel[1] as usize);
-        if row >= rows || column >= columns {
-            return Err(Error::LengthMismatch { what: "pixels", other: "rows", wanted: rows, seen: row });
-        }
-        labels[row * columns + column] = light as u32 + 1;
+    for (pixel, light) in sphere::pixels_of_lights(lights.pixels, lights.light_of_pixel, (rows, columns))? {
+        labels[pixel] = light as u32 + 1;
     }
     Ok(labels)
 }

@@ -7,7 +7,7 @@ use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
-use super::card_matrix::{centre, corners, point, sizes};
+use super::card_matrix::{centre, corners, point, reach, sizes};
 use super::footprint::{Footprint, MOST_SAMPLES, RemovedRadiance};
 use super::shape_fit::{FittedShape, Shape, fit};
 
@@ -69,8 +69,6 @@ fn are_near(first: Option<&FittedShape>, second: Option<&FittedShape>) -> bool {
 /// Least angle between points on the edges of two cards.
 fn gap(first: &DMat3, second: &DMat3) -> f64 {
     let apart = centre(first).angle_between(centre(second));
-    let reach =
-        |matrix: &DMat3| corners(matrix).iter().map(|c| c.angle_between(centre(matrix))).fold(0.0, f64::max);
     if apart > reach(first) + reach(second) + LARGEST_GAP {
         return f64::INFINITY;
     }

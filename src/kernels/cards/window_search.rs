@@ -40,6 +40,7 @@ const LEAST_SIZE: f64 = 0.087;
 const LEAST_FLUX: f64 = 0.01;
 /// Directions of a light at most.
 const MOST_SAMPLES: usize = 2000;
+
 /// Cards of lights: those of unsure shapes become windows if edges show them more surely. Others inside of a window join it.
 pub fn find(
     removed: &RemovedRadiance<'_>,

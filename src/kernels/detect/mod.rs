@@ -157,7 +157,7 @@ impl Scene {
         // Find the segments of lights.
         let bright = bright_pixels::bright_pixels(searched, self.threshold.luminance);
         let rule = options.tree_rule();
-        let segments = components::segments(searched, &adjacency, &bright, &self.threshold, &rule);
+        let segments = components::segments(searched, &adjacency, &bright.indices, &self.threshold, &rule);
         let segments = bridging::bridge(searched, &adjacency, segments, options.prominence, options.gap);
         let (segments, positions) = match &self.clipped {
             Some(map) => {

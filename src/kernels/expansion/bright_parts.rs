@@ -1,7 +1,6 @@
-//! Sources and bright cells of a map as point lights.
+//! Bright cells of a map as point lights.
 
 use glam::DVec3;
-use ndarray::{ArrayView2, Axis};
 
 use crate::kernels::image::WorkingMap;
 use crate::kernels::sphere::{band_heights, direction};
@@ -18,14 +17,6 @@ impl PointLight {
     pub fn disc(&self) -> (DVec3, f64, [f64; 3]) {
         (self.direction, 0.0, self.irradiance)
     }
-}
-
-/// The vector irradiance of each source of a map, by channel.
-pub fn sources_of(map: &WorkingMap) -> Vec<[DVec3; 3]> {
-    let by_channel = |source: ArrayView2<'_, f64>| {
-        [0, 1, 2].map(|channel| DVec3::new(source[[0, channel]], source[[1, channel]], source[[2, channel]]))
-    };
-    map.sources.axis_iter(Axis(0)).map(by_channel).collect()
 }
 
 /// Bright cells that do not belong to sources, as points in their middles.

@@ -9,7 +9,7 @@
 //! | discs added to the coefficients                | `addition.rs`            |
 //! | the harmonics under discs, with derivatives    | `synthesis.rs`           |
 //! | harmonics up to any degree, of maps and discs  | `coefficients.rs`        |
-//! | sources and bright cells of a map              | `bright_parts.rs`        |
+//! | bright cells of a map                          | `bright_parts.rs`        |
 //!
 //! Real harmonics around +y, orthonormal on the sphere, in the angles of [`crate::kernels::sphere`]:
 //!
@@ -27,7 +27,7 @@ mod spherical_harmonics;
 mod synthesis;
 
 pub use addition::Cap;
-pub use bright_parts::{PointLight, bright_cells, sources_of};
+pub use bright_parts::{PointLight, bright_cells};
 pub use coefficients::{Coefficients, DiscOfFlux, expand_discs, expand_map, nine_harmonics};
 pub use legendre::{
     AssociatedLegendre, DEGREE, DEGREES, DiscFactors, disc_factors, disc_series, legendre_values,

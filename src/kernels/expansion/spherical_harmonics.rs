@@ -32,6 +32,12 @@ impl Harmonics {
         &self.values[m * DEGREES - m * m.saturating_sub(1) / 2 + l - m]
     }
 
+    /// True if two channels have the same bits.
+    pub fn has_equal_channels(&self, a: usize, b: usize) -> bool {
+        let are_equal = |one: &Rgb2, i: usize| one[i + a].to_bits() == one[i + b].to_bits();
+        self.values.iter().all(|one| are_equal(one, 0) && are_equal(one, 4))
+    }
+
     /// The coefficients of each order, all degrees from the order on.
     pub fn orders(&self) -> impl Iterator<Item = &[Rgb2]> {
         let mut rest = &self.values[..];

@@ -8,6 +8,18 @@ use crate::interrupt;
 use crate::kernels::image::Grid;
 use crate::kernels::sphere::band_heights;
 
+/// Conductances of the upper and of the right side of each row, for columns of a width and a distance of 1.
+///
+/// There is one more upper side: the lower one of the last row, a pole, whose conductance is 0.
+pub(super) fn conductances(theta_edges: &[f64]) -> [Vec<f64>; 2] {
+    let middles: Vec<f64> = theta_edges.windows(2).map(|edge| 0.5 * (edge[0] + edge[1])).collect();
+    let inner = middles.windows(2).zip(&theta_edges[1..]);
+    let inner = inner.map(|(middle, edge)| edge.sin() / (middle[1] - middle[0]));
+    let up = std::iter::once(0.0).chain(inner).chain(std::iter::once(0.0)).collect();
+    let side = theta_edges.windows(2).zip(&middles).map(|(edge, middle)| (edge[1] - edge[0]) / middle.sin());
+    [up, side.collect()]
+}
+
 /// One image of the sphere: known pixels, and holes to fill.
 pub struct Level {
     /// Rows and columns.
@@ -145,19 +157,8 @@ impl Level {
     }
 
     fn stencils(&self, holes: &[usize]) -> Vec<Stencil> {
-        let (height, width) = self.size;
-        let theta = &self.grid.theta_edges;
-        let middles: Vec<f64> = theta.windows(2).map(|edge| 0.5 * (edge[0] + edge[1])).collect();
-        let widths = self.grid.widths();
-        // Compute the conductance of the upper side of each row for a width of 1, and of its left and right sides.
-        let up: Vec<f64> = (0..=height)
-            .map(|row| match row {
-                row if row == 0 || row == height => 0.0,
-                row => theta[row].sin() / (middles[row] - middles[row - 1]),
-            })
-            .collect();
-        let side: Vec<f64> =
-            (0..height).map(|row| (theta[row + 1] - theta[row]) / middles[row].sin()).collect();
+        let (width, widths) = (self.size.1, self.grid.widths());
+        let [up, side] = conductances(&self.grid.theta_edges);
         let stencil = |&at: &usize| {
             let (row, column) = (at / width, at % width);
             let [left, right, above, below] = self.around(at);

@@ -4,6 +4,7 @@
 //! minus a source. A flow is a difference of values times a conductance: the length of the common side over the distance
 //! of the centres. It is 0 at the poles. Differences keep a constant image exact.
 
+use super::level::conductances;
 use crate::interrupt;
 use crate::kernels::image::Grid;
 
@@ -37,16 +38,11 @@ pub struct RowRelaxation {
 impl RowRelaxation {
     /// The equations of an image with these holes.
     pub fn new(grid: Grid, is_hole: Vec<bool>) -> Self {
-        let theta = &grid.theta_edges;
-        let middles: Vec<f64> = theta.windows(2).map(|edge| 0.5 * (edge[0] + edge[1])).collect();
-        let inner = middles.windows(2).zip(&theta[1..]);
-        let inner = inner.map(|(middle, edge)| edge.sin() / (middle[1] - middle[0]));
-        let up = std::iter::once(0.0).chain(inner).chain(std::iter::once(0.0)).collect();
-        let side = theta.windows(2).zip(&middles).map(|(edge, middle)| (edge[1] - edge[0]) / middle.sin());
-        let (side, widths) = (side.collect(), grid.widths());
+        let [up, side] = conductances(&grid.theta_edges);
+        let widths = grid.widths();
         let next = widths.iter().skip(1).chain(widths.first());
         let per_distance = widths.iter().zip(next).map(|(own, next)| 2.0 / (own + next)).collect();
-        let size = (middles.len(), widths.len());
+        let size = (side.len(), widths.len());
         let mut image = Self { size, runs: Vec::new(), grid, is_hole, up, side, per_distance, widths };
         image.runs = (0..size.0).flat_map(|row| image.runs_of(row)).collect();
         image

@@ -38,6 +38,7 @@ pub struct FitOptions {
     pub is_plain: bool,
 }
 
+#[cfg(test)]
 impl Default for FitOptions {
     /// Any points beside a constant ambient term.
     fn default() -> Self {

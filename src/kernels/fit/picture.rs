@@ -46,10 +46,7 @@ impl Picture {
     pub fn reference(&self, ambient: Ambient, has_floor: bool) -> Reference {
         let parts = [&self.rest, &self.bright];
         let is_black = |channel: usize| parts.iter().all(|part| part.moments(channel).0 == 0.0);
-        let are_same = |a: usize, b: usize| {
-            let same = |one: &[f64; 8], i: usize| one[i + a].to_bits() == one[i + b].to_bits();
-            parts.iter().all(|part| part.values.iter().all(|one| same(one, 0) && same(one, 4)))
-        };
+        let are_same = |a: usize, b: usize| parts.iter().all(|part| part.has_equal_channels(a, b));
         let (channels, like) = distinct_channels(is_black, are_same);
         Reference { channels, like, ..Reference::nothing(ambient, has_floor) }
     }

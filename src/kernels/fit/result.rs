@@ -54,7 +54,7 @@ pub struct FitResult {
     pub fitted_points_error: f64,
     /// Relative RMS error by number of lights: of points, unless an error ended the search.
     pub errors: Vec<(usize, f64)>,
-    /// Number of fitted channels: neither black nor the same as another.
+    /// Number of fitted channels: not black, and not equal to another.
     pub channels: usize,
     /// Steps of the descents that led to the result.
     pub steps: usize,
@@ -114,14 +114,14 @@ impl Evaluator<'_> {
         let (reference, options) = (problem.objective.reference(), problem.options);
         let rig = state.rig(reference);
         let sized = match (self.sizes(), options.sizes) {
-            (Some(sizes), Some(_)) => {
+            (Some(sizes), Some(comparison)) => {
                 let rigs: Vec<Rig> =
                     once(rig).chain(others.iter().map(|other| other.rig(reference))).collect();
                 // With the other objectives a selection takes as long again at 8 lights, and lowers the error of none of
                 // nine real maps.
-                let is_for_shadows = options.sizes == Some(Comparison::Shadows);
+                let is_for_shadows = comparison == Comparison::Shadows;
                 let can_select = is_for_shadows && !problem.has_start() && !options.is_plain;
-                sizes.fit(reference, &rigs, options.fixed, options.max_steps, can_select)
+                sizes.fit(comparison, reference, &rigs, options.fixed, options.max_steps, can_select)
             }
             _ => Sized::points(rig),
         };

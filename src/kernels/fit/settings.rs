@@ -129,7 +129,7 @@ pub struct DiscSettings {
     pub start: f64,
     /// Radii of small discs that are tried beside harmonics, in radians: without them, the error is up to 12 % larger.
     pub small: [f64; 2],
-    /// Radius of a new disc, in radians: between a sun's and a window's, from where a few steps lead to both.
+    /// Initial radius of a new disc, between that of a sun and that of a window, in radians.
     pub new: f64,
     /// Directions for a new disc: 80 are some 22 degrees apart.
     pub directions: usize,

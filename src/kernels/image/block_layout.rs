@@ -2,13 +2,17 @@
 
 use std::ops::Range;
 
+use ndarray::ArrayView3;
+
 use super::grid::Grid;
 use super::parts::PixelBlock;
+use super::samples::check_rgb;
+use crate::error::Result;
 use crate::kernels::sphere::Registration;
 
 /// Pixels of a map, and the blocks that are the cells of its working map.
 #[derive(Clone, Debug)]
-pub(super) struct BlockLayout {
+pub(crate) struct BlockLayout {
     /// Grid of the pixels.
     pub pixels: Grid,
     /// Grid of the blocks.
@@ -18,6 +22,17 @@ pub(super) struct BlockLayout {
 }
 
 impl BlockLayout {
+    /// Blocks of the pixels of a map.
+    ///
+    /// # Errors
+    ///
+    /// [`crate::error::Error::NotAMap`].
+    pub fn of_map(radiance: ArrayView3<'_, f32>, registration: Registration, columns: usize) -> Result<Self> {
+        check_rgb(radiance)?;
+        let (height, width, _) = radiance.dim();
+        Ok(Self::new(height, width, registration, columns))
+    }
+
     /// Blocks in at most `columns` columns.
     pub fn new(height: usize, width: usize, registration: Registration, columns: usize) -> Self {
         let pixels = Grid::of_pixels(height, width, registration);

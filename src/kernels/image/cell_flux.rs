@@ -8,9 +8,8 @@ use rayon::prelude::*;
 
 use super::block_layout::BlockLayout;
 use super::block_rows::BlockRow;
-use super::buffers::Buffers;
 use super::grid::Grid;
-use super::samples::{check_samples, rows_of_map};
+use super::samples::check_samples;
 use crate::error::Result;
 use crate::kernels::sphere::band_heights;
 
@@ -33,14 +32,9 @@ impl CellFlux {
         let widths = layout.pixels.widths();
         let (rows, columns) = layout.blocks();
         let mut cells = Array3::zeros((rows, columns, 3));
-        let buffers = Buffers::default();
         let rows = rows_mut(&mut cells).enumerate().map(|(row, cells)| {
-            let rows = layout.pixel_rows(row);
-            let edges = &layout.pixels.theta_edges[rows.start..=rows.end];
-            buffers.lend(|buffer| {
-                let pixels = BlockRow::of_samples(rows_of_map(map, rows, buffer), edges, layout.block);
-                add_across(cells, &pixels, &widths, layout.block)
-            })
+            let pixels = BlockRow::new(map, &layout.pixels.theta_edges, layout.block, row);
+            add_across(cells, &pixels, &widths, layout.block)
         });
         let (is_unusable, rows): (Vec<bool>, Vec<[f64; 3]>) = rows.unzip();
         if is_unusable.contains(&true) {

@@ -1,10 +1,7 @@
 //! The lines that cut the sphere into the cells of an image.
 
 use glam::DVec3;
-use ndarray::ArrayView3;
 
-use super::samples::check_rgb;
-use crate::error::Result;
 use crate::kernels::sphere::{Registration, direction_of};
 
 /// The lines that cut the sphere into the cells of an image.
@@ -38,20 +35,6 @@ impl Grid {
     /// Width of each column in radians.
     pub fn widths(&self) -> Vec<f64> {
         self.phi_edges.windows(2).map(|edge| edge[1] - edge[0]).collect()
-    }
-
-    /// The grid of a map's pixels, the grid of blocks in at most `columns` columns, and the pixels along a block.
-    pub(crate) fn of_map(
-        radiance: ArrayView3<'_, f32>,
-        registration: Registration,
-        columns: usize,
-    ) -> Result<(Self, Self, usize)> {
-        check_rgb(radiance)?;
-        let (height, width, _) = radiance.dim();
-        let pixels = Self::of_pixels(height, width, registration);
-        let block = width.div_ceil(columns.max(1));
-        let cells = pixels.in_blocks(block);
-        Ok((pixels, cells, block))
     }
 
     /// The grid of blocks of `block` x `block` cells; those at the far edges may be smaller.

@@ -46,6 +46,7 @@ mod top_codes;
 mod white;
 
 pub use area_means::area_means;
+pub(crate) use block_layout::BlockLayout;
 pub(crate) use block_rows::{BlockRow, block_fractions, samples_of};
 pub use clean::Cleaning;
 pub use codes::{decode, widen};

@@ -4,7 +4,6 @@ use ndarray::{Array3, ArrayView3};
 
 use super::block_layout::BlockLayout;
 use super::cell_flux::CellFlux;
-use super::samples::check_rgb;
 use crate::error::Result;
 use crate::kernels::sphere::Registration;
 
@@ -18,9 +17,7 @@ pub fn overview(
     registration: Registration,
     columns: usize,
 ) -> Result<Array3<f32>> {
-    check_rgb(radiance)?;
-    let (height, width, _) = radiance.dim();
-    let layout = BlockLayout::new(height, width, registration, columns);
+    let layout = BlockLayout::of_map(radiance, registration, columns)?;
     Ok(CellFlux::of_map(radiance, &layout)?.means(&layout.grid).0)
 }
 

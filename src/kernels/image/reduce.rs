@@ -1,14 +1,14 @@
 //! Reduction of a map to fewer cells, for approximate probes.
 
 use glam::DVec3;
-use ndarray::{Array3, ArrayView3};
+use ndarray::{Array3, ArrayView2, ArrayView3};
 use rayon::prelude::*;
 
 use super::block_layout::BlockLayout;
+use super::block_rows::samples_of;
 use super::cell_flux::CellFlux;
 use super::grid::Grid;
 use super::parts::{BrightCell, PART_SHARE, Part, Pixel, parts};
-use super::samples::{check_rgb, rows_of_map};
 use crate::error::Result;
 use crate::kernels::sphere::{Registration, angles};
 
@@ -41,6 +41,14 @@ impl WorkingMap {
         self.grid.theta_edges.windows(2).zip(cells.chunks_exact(radiance.dim().1))
     }
 
+    /// Vector irradiance of each source, by channel.
+    pub fn source_vectors(&self) -> Vec<[DVec3; 3]> {
+        let by_channel = |source: ArrayView2<'_, f64>| {
+            [0, 1, 2].map(|channel| DVec3::from_array([0, 1, 2].map(|axis| source[[axis, channel]])))
+        };
+        self.sources.outer_iter().map(by_channel).collect()
+    }
+
     /// Spread of the light of one pixel of the map in a direction: the mean of 1 - cos.
     pub fn pixel_spread(&self, direction: DVec3) -> f64 {
         self.pixel.spread(angles(direction).0)
@@ -67,9 +75,7 @@ pub fn reduce(
     source_fraction: f64,
     has_floor: bool,
 ) -> Result<WorkingMap> {
-    check_rgb(radiance)?;
-    let (height, width, _) = radiance.dim();
-    let layout = BlockLayout::new(height, width, registration, columns);
+    let layout = BlockLayout::of_map(radiance, registration, columns)?;
     let flux = CellFlux::of_map(radiance, &layout)?;
     let reduced = ReducedFlux::new(flux, &layout, source_fraction, has_floor);
     let pixels = pixels_of_cells(radiance, &layout, &reduced.cells());
@@ -85,12 +91,11 @@ fn pixels_of_cells(
     let mut in_order: Vec<usize> = (0..cells.len()).collect();
     in_order.sort_by_key(|&i| cells[i]);
     let rows: Vec<&[usize]> = in_order.chunk_by(|&a, &b| cells[a].0 == cells[b].0).collect();
-    let of_row = |buffer: &mut Vec<f32>, row: &&[usize]| {
-        let rows = layout.pixel_rows(cells[row[0]].0);
-        let samples = rows_of_map(map, rows, buffer);
-        row.iter().map(|&i| (i, layout.copy(samples, cells[i]))).collect::<Vec<_>>()
+    let of_row = |row: &&[usize]| {
+        let samples = samples_of(map, layout.pixel_rows(cells[row[0]].0));
+        row.iter().map(|&i| (i, layout.copy(&samples, cells[i]))).collect::<Vec<_>>()
     };
-    let copies: Vec<_> = rows.par_iter().map_init(Vec::new, of_row).collect();
+    let copies: Vec<_> = rows.par_iter().map(of_row).collect();
     let mut pixels = vec![Vec::new(); cells.len()];
     copies.into_iter().flatten().for_each(|(i, samples)| pixels[i] = samples);
     pixels

@@ -1,8 +1,6 @@
 //! Unusable samples of a map: values that no light can have.
 
-use std::ops::Range;
-
-use ndarray::{ArrayView3, s};
+use ndarray::ArrayView3;
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
@@ -96,21 +94,6 @@ pub(crate) fn check_samples(radiance: ArrayView3<'_, f32>) -> Result<()> {
         Some((row, value)) => Err(Error::UnusableSamples { row, value, nan, infinite, negative }),
         None => Ok(()),
     }
-}
-
-/// Samples of some rows of a map, row after row, in `buffer` unless they lie so in memory.
-pub(super) fn rows_of_map<'a>(
-    map: ArrayView3<'a, f32>,
-    rows: Range<usize>,
-    buffer: &'a mut Vec<f32>,
-) -> &'a [f32] {
-    let part = map.slice_move(s![rows, .., ..]);
-    if let Some(samples) = part.to_slice() {
-        return samples;
-    }
-    buffer.clear();
-    buffer.extend(part.iter());
-    buffer
 }
 
 pub(crate) fn check_rgb(radiance: ArrayView3<'_, f32>) -> Result<()> {

@@ -12,7 +12,7 @@ use glam::DVec3;
 use ndarray::{Array1, Array2, ArrayView1, ArrayView2, Axis};
 
 use crate::error::{Error, Result};
-use crate::kernels::sphere::{angles, check_rows, direction, from_vectors, unit_vectors};
+use crate::kernels::sphere::{angles, check_lengths, check_rows, direction, from_vectors, unit_vectors};
 
 /// Unknowns of the ambient term: its radiance.
 pub(super) const OF_AMBIENT: usize = 3;
@@ -88,10 +88,7 @@ pub fn pack(
     check_rows("ambient", ambient.insert_axis(Axis(1)), 1)?;
     let directions = unit_vectors("direction", directions)?;
     check_rows("irradiance", irradiance, 3)?;
-    let (wanted, seen) = (directions.len(), irradiance.nrows());
-    if seen != wanted {
-        return Err(Error::LengthMismatch { what: "irradiance", other: "directions", wanted, seen });
-    }
+    check_lengths("directions", directions.len(), [("irradiance", irradiance.nrows())])?;
     let lights = directions.iter().zip(irradiance.rows()).flat_map(|(&direction, light)| {
         let (theta, phi) = angles(direction);
         [light[0], light[1], light[2], theta, phi]

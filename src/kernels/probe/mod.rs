@@ -98,7 +98,7 @@ pub fn working_irradiance(map: &WorkingMap, normals: ArrayView2<'_, f64>) -> Res
     let evaluated = [pairs.distinct.as_slice(), &opposite::AXES].concat();
     // Add up cells and sources.
     let cells = table::under_cells(map, &evaluated)?;
-    let sources = under_sources(&map.sources, &evaluated);
+    let sources = under_sources(&map.source_vectors(), &evaluated);
     let irradiance: Vec<DVec3> = cells.iter().zip(sources).map(|(cells, sources)| cells + sources).collect();
     // Restore the opposites.
     let (distinct, axes) = irradiance.split_at(pairs.distinct.len());

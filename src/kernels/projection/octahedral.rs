@@ -8,6 +8,7 @@ use glam::{DVec2, DVec3};
 use super::interface::{PictureNumbers, SphereProjection, check};
 use super::places::pixel_by_pixel;
 use crate::error::Result;
+use crate::kernels::sphere::spherical_area;
 
 /// Square of an even number of pixels.
 pub struct Octahedral {
@@ -51,12 +52,8 @@ fn unfold(side: usize, x: f64, y: f64) -> DVec3 {
 
 /// Solid angle of a pixel between its corners in turn; it is divided along the fold.
 fn quadrilateral([a, b, c, d]: [DVec3; 4], is_rising: bool) -> f64 {
-    if is_rising { triangle(a, b, d) + triangle(b, c, d) } else { triangle(a, b, c) + triangle(a, c, d) }
-}
-
-/// Solid angle of a spherical triangle (van Oosterom and Strackee 1983).
-fn triangle(a: DVec3, b: DVec3, c: DVec3) -> f64 {
-    2.0 * a.dot(b.cross(c)).abs().atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a))
+    let halves = if is_rising { [[a, b, d], [b, c, d]] } else { [[a, b, c], [a, c, d]] };
+    halves.map(spherical_area).iter().sum()
 }
 
 /// Pixel of a square whose edges are folded onto themselves, as far as one row outside of it.

@@ -34,19 +34,30 @@ pub fn clipped_fraction(
 ) -> Result<ClippedShare> {
     check_rgb(radiance)?;
     let none = ClippedShare { sphere: 0.0, flux: 0.0 };
+    let Some(least) = least_clipped(radiance, white) else { return Ok(none) };
+    let [clipped, clipped_flux, flux] = clipped_and_all(radiance, registration, least);
+    let sphere = clipped / (4.0 * std::f64::consts::PI);
+    // A map that is even on most of the sphere has no top.
+    if white.is_none() && sphere > MOSTLY_EVEN {
+        return Ok(none);
+    }
+    Ok(ClippedShare { sphere, flux: if flux > 0.0 { clipped_flux / flux } else { 0.0 } })
+}
+
+/// Least sample that is clipped; `None` if the map has no flat top.
+fn least_clipped(radiance: ArrayView3<'_, f32>, white: Option<f32>) -> Option<f32> {
+    if let Some(white) = white {
+        return Some((LEAST_WHITE * f64::from(white)) as f32);
+    }
+    let top_of_row = |row| Top::of(samples_of(radiance, row..row + 1).as_chunks::<3>().0);
+    let rows = (0..radiance.dim().0).into_par_iter();
+    let top = rows.map(top_of_row).reduce(Top::default, Top::and);
+    (top.is_clipped(Ceiling::Maximum(top.sample)) && top.sample > 0.0).then_some(top.sample)
+}
+
+/// Solid angle and flux of the pixels with a sample of at least `least`, and the flux of all pixels.
+fn clipped_and_all(radiance: ArrayView3<'_, f32>, registration: Registration, least: f32) -> [f64; 3] {
     let (height, width, _) = radiance.dim();
-    // Find the least sample that is clipped.
-    let least = if let Some(white) = white {
-        (LEAST_WHITE * f64::from(white)) as f32
-    } else {
-        let top_of_row = |row| Top::of(samples_of(radiance, row..row + 1).as_chunks::<3>().0);
-        let top = (0..height).into_par_iter().map(top_of_row).reduce(Top::default, Top::and);
-        if !top.is_clipped(Ceiling::Maximum(top.sample)) || top.sample <= 0.0 {
-            return Ok(none);
-        }
-        top.sample
-    };
-    // Sum row by row: clipped solid angle, clipped flux, flux.
     let grid = Grid::of_pixels(height, width, registration);
     let (bands, widths) = (band_heights(&grid.theta_edges), grid.widths());
     let sums_of_row = |row: usize| {
@@ -63,14 +74,7 @@ pub fn clipped_fraction(
         sums.map(|sum| sum * bands[row])
     };
     let rows: Vec<[f64; 3]> = (0..height).into_par_iter().map(sums_of_row).collect();
-    let [clipped, clipped_flux, flux] =
-        [0, 1, 2].map(|sum: usize| rows.iter().map(|row| row[sum]).sum::<f64>());
-    let sphere = clipped / (4.0 * std::f64::consts::PI);
-    // A map that is even on most of the sphere has no top.
-    if white.is_none() && sphere > MOSTLY_EVEN {
-        return Ok(none);
-    }
-    Ok(ClippedShare { sphere, flux: if flux > 0.0 { clipped_flux / flux } else { 0.0 } })
+    [0, 1, 2].map(|sum: usize| rows.iter().map(|row| row[sum]).sum())
 }
 
 #[cfg(test)]

@@ -178,12 +178,11 @@ mod tests {
     use ndarray::Array3;
 
     use super::*;
-    use crate::kernels::sphere::pixel_solid_angles;
+    use crate::kernels::sphere::{pixel_solid_angles, row_directions};
 
     /// A dark map with caps at white: a direction and a radius in radians each.
     fn caps(height: usize, caps: &[(DVec3, f64)]) -> Array3<f32> {
-        let directions =
-            crate::kernels::sphere::pixel_directions(height, 2 * height, Registration::CellCentred).unwrap();
+        let directions = row_directions(height, 2 * height, Registration::CellCentred, 0..height).unwrap();
         Array3::from_shape_fn((height, 2 * height, 3), |(row, column, _)| {
             let at = DVec3::from_array([0, 1, 2].map(|axis| directions[[row, column, axis]]));
             let is_white = caps.iter().any(|(centre, radius)| at.angle_between(centre.normalize()) < *radius);

@@ -2,9 +2,6 @@
 
 use ndarray::{ArrayView1, ArrayView2};
 
-use crate::error::{Error, Result};
-use crate::kernels::sphere;
-
 /// Number of no light: lights are counted from 1.
 pub const NO_LIGHT: u32 = 0;
 
@@ -22,25 +19,4 @@ pub struct LightPixels<'a> {
     pub threshold: f64,
     /// Mean luminance of each block, row after row.
     pub luminance: &'a [f32],
-}
-
-impl LightPixels<'_> {
-    /// Flat indices of the pixels in an image of this size, each with its light.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::OutsideImage`], [`Error::LengthMismatch`].
-    pub fn members(&self, (height, width): (usize, usize)) -> Result<Vec<(usize, usize)>> {
-        let lengths = [("light_of_pixel", self.light_of_pixel.len())];
-        sphere::check_lengths("pixels", self.pixels.nrows(), lengths)?;
-        let mut members = Vec::with_capacity(self.pixels.nrows());
-        for (index, (pixel, &light)) in self.pixels.rows().into_iter().zip(self.light_of_pixel).enumerate() {
-            let (row, column) = (pixel[0], pixel[1]);
-            if !(0..height as i64).contains(&row) || !(0..width as i64).contains(&column) || light < 0 {
-                return Err(Error::OutsideImage { index, row, column, height, width });
-            }
-            members.push((row as usize * width + column as usize, light as usize));
-        }
-        Ok(members)
-    }
 }

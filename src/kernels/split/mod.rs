@@ -76,7 +76,7 @@ pub fn split(
     let samples = image::samples_of(radiance, 0..height);
     let pixels = samples.as_chunks::<3>().0;
     let map = CoarseMap::new(pixels, (height, width), registration, lights, seen)?;
-    let members = lights.members(map.size)?;
+    let members = sphere::pixels_of_lights(lights.pixels, lights.light_of_pixel, map.size)?;
     let rest_pixels = rest.as_slice_mut().unwrap_or_default().as_chunks_mut::<3>().0;
     // Copy the map on one thread while another one fills the region: both last equally long.
     let fill = || {

@@ -5,8 +5,9 @@ use ndarray::{Array2, ArrayView2, ArrayView3, Axis, s};
 use rayon::prelude::*;
 
 use super::texels;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::interrupt;
+use crate::kernels::sphere::check_lengths;
 
 /// Texels in one task: for a few hundred images their rows fit in the second-level cache.
 const SPAN: usize = 512;
@@ -30,7 +31,7 @@ const SPAN: usize = 512;
 ///
 /// # Errors
 ///
-/// [`Error::WrongShape`], [`Error::LengthMismatch`].
+/// [`crate::error::Error::WrongShape`], [`crate::error::Error::LengthMismatch`].
 pub fn columns(
     images: ArrayView3<'_, f32>,
     scale: &[f32],
@@ -39,8 +40,8 @@ pub fn columns(
 ) -> Result<Array2<f32>> {
     texels::check(images, scale)?;
     let (width, rank) = weights.dim();
-    check_length("non_black", non_black.len(), "images have texels", images.dim().1)?;
-    check_length("weights", width, "images have channels in all", 3 * scale.len())?;
+    check_lengths("images have texels", images.dim().1, [("non_black", non_black.len())])?;
+    check_lengths("images have channels in all", 3 * scale.len(), [("weights", width)])?;
     // Assign to each task the rows of the basis that its texels fill.
     let counts =
         non_black.chunks(SPAN).map(|non_black| non_black.iter().filter(|&&non_black| non_black).count());
@@ -64,10 +65,6 @@ pub fn columns(
         },
     );
     Ok(out)
-}
-
-fn check_length(what: &'static str, seen: usize, other: &'static str, wanted: usize) -> Result<()> {
-    if seen == wanted { Ok(()) } else { Err(Error::LengthMismatch { what, other, wanted, seen }) }
 }
 
 /// Move the rows that are not black to the front.

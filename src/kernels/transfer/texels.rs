@@ -5,6 +5,7 @@ use std::array::from_fn;
 use ndarray::{ArrayView3, s};
 
 use crate::error::{Error, Result};
+use crate::kernels::sphere::check_lengths;
 
 /// Images that are copied together, twelve floats at a time: the fastest of 1, 2, 4 and 8.
 const IMAGES: usize = 4;
@@ -16,10 +17,7 @@ pub fn check(images: ArrayView3<'_, f32>, scale: &[f32]) -> Result<()> {
         let shape = images.shape().to_vec();
         return Err(Error::WrongShape { what: "images", wanted: "(k, texels, 3)", shape });
     }
-    if scale.len() != wanted {
-        return Err(Error::LengthMismatch { what: "scale", other: "images", wanted, seen: scale.len() });
-    }
-    Ok(())
+    check_lengths("images", wanted, [("scale", scale.len())])
 }
 
 /// Fill `rows`, (texels, 3 k), with scaled values of `images`, (k, texels, 3), starting at texel `first`.

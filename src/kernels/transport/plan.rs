@@ -6,7 +6,7 @@ use ndarray::{Array2, ArrayView1, ArrayView2, Axis};
 use super::spanning_tree::cheapest_flows;
 use crate::error::{Error, Result};
 use crate::interrupt;
-use crate::kernels::sphere::{check_lengths, check_memory, check_rows, unit_vectors};
+use crate::kernels::sphere::{check_lengths, check_memory, check_not_negative, check_rows, unit_vectors};
 
 /// Units of mass of a whole set: its weights are rounded to 1e-18 of their sum.
 const WHOLE: i64 = 1 << 60;
@@ -86,9 +86,7 @@ impl MassSet {
         let directions = unit_vectors(name, directions)?;
         check_rows(name_of_weights, weights.insert_axis(Axis(1)), 1)?;
         check_lengths(name, directions.len(), [(name_of_weights, weights.len())])?;
-        if let Some((index, &value)) = weights.iter().enumerate().find(|(_, weight)| **weight < 0.0) {
-            return Err(Error::Negative { what: name_of_weights, index, value });
-        }
+        check_not_negative(name_of_weights, weights.iter().copied())?;
         let units = whole_units(weights).ok_or(Error::NoWeight { what: name_of_weights })?;
         let rows: Vec<usize> = (0..units.len()).filter(|&row| units[row] > 0).collect();
         Ok(Self {

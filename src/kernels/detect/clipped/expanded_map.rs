@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::super::segment::working_image::WorkingImage;
 use super::expansion::expand;
 use crate::error::Result;
-use crate::kernels::image::{BlockRow, Grid, block_fractions, luminance_f32};
+use crate::kernels::image::{BlockLayout, BlockRow, block_fractions, luminance_f32};
 use crate::kernels::sphere::Registration;
 
 /// Map reduced to fewer pixels, each the mean of a block.
@@ -37,7 +37,7 @@ impl ExpandedMap {
         clip_level: f64,
     ) -> Result<Self> {
         // Cut the map into blocks, one for each working pixel.
-        let (pixels, grid, block) = Grid::of_map(radiance, registration, columns)?;
+        let BlockLayout { pixels, grid, block } = BlockLayout::of_map(radiance, registration, columns)?;
         let [_, fractions] = block_fractions(&pixels, block);
         // Average each block.
         let columns = grid.phi_edges.len() - 1;

@@ -11,7 +11,6 @@
 use std::collections::VecDeque;
 
 use super::super::segment::adjacency::Adjacency;
-use super::super::segment::bright_pixels::BrightPixels;
 use super::super::segment::components::{self, Segments, TreeRule};
 use super::super::segment::run::{Run, runs};
 use super::super::segment::threshold::Threshold;
@@ -33,10 +32,9 @@ pub fn parts(working: &WorkingImage, plateau: &[Run], depth: &[f32]) -> Vec<u32>
         level[pixels].iter_mut().for_each(|level| *level += MORE_DEPTH);
     }
     let level = working.with_luminance(level);
-    let pixels = BrightPixels { indices, opened_tiles: 0 };
     let none = Threshold::fixed(0.0);
     let rule = TreeRule { rise: 1.0, prominence: PROMINENCE, extent: 0.0 };
-    components::segments(&level, &Adjacency::of(&level), &pixels, &none, &rule).label
+    components::segments(&level, &Adjacency::of(&level), &indices, &none, &rule).label
 }
 
 /// Divide each segment among the parts of the plateau that it holds.

@@ -1,8 +1,8 @@
 //! Step 8 of Loghin (2021): the line between two samples, and the test that it is bright.
 
-use super::image::{Image, Pixel};
+use super::image::Image;
 use crate::error::{Error, Result};
-use crate::kernels::sphere::check_memory;
+use crate::kernels::sphere::{Pixel, check_memory};
 
 /// Pixels of the shortest line that is refused: no image that fits into memory is that wide.
 const LONGEST: u64 = 1 << 24;

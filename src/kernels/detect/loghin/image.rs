@@ -1,14 +1,11 @@
 //! The images, pixels and points that the steps of Loghin (2021) work on.
 
 use glam::DVec3;
-use ndarray::{ArrayView1, ArrayView2, Axis};
+use ndarray::{ArrayView1, ArrayView2};
 
 use crate::error::{Error, Result};
 use crate::interrupt;
-use crate::kernels::sphere::check_rows;
-
-/// Row and column.
-pub type Pixel = [usize; 2];
+use crate::kernels::sphere::{Pixel, check_rows};
 
 /// A gray image whose pixels are finite, row after row.
 pub struct Image<'a> {
@@ -43,22 +40,6 @@ impl<'a> Image<'a> {
     pub fn at(&self, [row, column]: Pixel) -> f32 {
         self.samples[row * self.width + column]
     }
-}
-
-/// `pixels`, (n, 2), rows and columns, each inside an image of `size`.
-pub fn pixels_inside(pixels: ArrayView2<'_, i64>, size: (usize, usize)) -> Result<Vec<Pixel>> {
-    if pixels.ncols() != 2 {
-        return Err(Error::WrongColumns { what: "pixels", columns: 2, shape: pixels.shape().to_vec() });
-    }
-    let (height, width) = size;
-    let inside = |(index, row): (usize, ArrayView1<'_, i64>)| {
-        let pixel = [usize::try_from(row[0]), usize::try_from(row[1])];
-        match pixel {
-            [Ok(y), Ok(x)] if y < height && x < width => Ok([y, x]),
-            _ => Err(Error::OutsideImage { index, row: row[0], column: row[1], height, width }),
-        }
-    };
-    pixels.axis_iter(Axis(0)).enumerate().map(inside).collect()
 }
 
 /// `points`, (n, 2) or (n, 3), in space; those of a plane at height 0.

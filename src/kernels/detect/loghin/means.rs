@@ -2,8 +2,8 @@
 
 use ndarray::{Array2, ArrayView1, ArrayView2, Axis};
 
-use crate::error::{Error, Result};
-use crate::kernels::sphere::{check_lengths, check_rows};
+use crate::error::Result;
+use crate::kernels::sphere::{check_lengths, check_not_negative, check_rows};
 
 /// Weighted mean `sum(w p) / sum(w)` of the `points` of each light.
 ///
@@ -13,7 +13,8 @@ use crate::kernels::sphere::{check_lengths, check_rows};
 ///
 /// # Errors
 ///
-/// [`Error::WrongColumns`], [`Error::NotFinite`], [`Error::LengthMismatch`]; [`Error::Negative`] for a weight.
+/// [`crate::error::Error::WrongColumns`], [`crate::error::Error::NotFinite`],
+/// [`crate::error::Error::LengthMismatch`]; [`crate::error::Error::Negative`] for a weight.
 pub fn weighted_means(
     points: ArrayView2<'_, f64>,
     weights: ArrayView1<'_, f64>,
@@ -22,9 +23,7 @@ pub fn weighted_means(
     check_rows("points", points, points.ncols())?;
     check_rows("weights", weights.insert_axis(Axis(1)), 1)?;
     check_lengths("points", points.nrows(), [("weights", weights.len()), ("light", light.len())])?;
-    if let Some((index, &value)) = weights.iter().enumerate().find(|(_, weight)| **weight < 0.0) {
-        return Err(Error::Negative { what: "weights", index, value });
-    }
+    check_not_negative("weights", weights.iter().copied())?;
     // Number the lights in rising order.
     let mut lights = light.to_vec();
     lights.sort_unstable();

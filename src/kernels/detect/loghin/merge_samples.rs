@@ -3,9 +3,10 @@
 use ndarray::ArrayView2;
 
 use super::bresenham::{LineRule, is_bright};
-use super::image::{Image, pixels_inside, points_in_space};
-use crate::error::{Error, Result};
+use super::image::{Image, points_in_space};
+use crate::error::Result;
 use crate::interrupt;
+use crate::kernels::sphere::{check_lengths, pixels_inside};
 
 /// For each of `pixels`, (n, 2), brightest first, the one that it is merged into.
 ///
@@ -17,8 +18,9 @@ use crate::interrupt;
 ///
 /// # Errors
 ///
-/// [`Error::EmptyImage`], [`Error::BadPixel`], [`Error::WrongColumns`], [`Error::OutsideImage`],
-/// [`Error::LengthMismatch`], [`Error::NotFinite`].
+/// [`crate::error::Error::EmptyImage`], [`crate::error::Error::BadPixel`], [`crate::error::Error::WrongColumns`],
+/// [`crate::error::Error::OutsideImage`], [`crate::error::Error::LengthMismatch`],
+/// [`crate::error::Error::NotFinite`].
 pub fn merge(
     luminance: ArrayView2<'_, f32>,
     pixels: ArrayView2<'_, i64>,
@@ -29,10 +31,7 @@ pub fn merge(
     let image = Image::new("luminance", samples.view())?;
     let pixels = pixels_inside(pixels, luminance.dim())?;
     let points = points_in_space(points)?;
-    if points.len() != pixels.len() {
-        let (wanted, seen) = (pixels.len(), points.len());
-        return Err(Error::LengthMismatch { what: "points", other: "pixels", wanted, seen });
-    }
+    check_lengths("pixels", pixels.len(), [("points", points.len())])?;
     // Take the brightest sample that is still open, and merge all that a bright line joins to it.
     let mut light: Vec<usize> = (0..pixels.len()).collect();
     let mut open = light.clone();

@@ -3,12 +3,12 @@
 use ndarray::ArrayView2;
 use rayon::prelude::*;
 
-use super::image::{Image, Pixel, pixels_inside};
+use super::image::Image;
 use super::running::first_maxima;
 use super::windows::Windows;
 use crate::error::Result;
 use crate::interrupt;
-use crate::kernels::sphere::check_memory;
+use crate::kernels::sphere::{Pixel, check_memory, pixels_inside};
 
 /// The brightest pixel within `reach` rows and columns of each of `pixels`, (n, 2), and its value.
 ///

@@ -3,12 +3,12 @@
 use ndarray::{ArrayView2, ArrayView3};
 use rayon::prelude::*;
 
-use super::image::{Pixel, pixels_inside};
 use super::windows::Windows;
 use crate::error::Result;
 use crate::interrupt;
 use crate::kernels::detect::clipping::{Ceiling, Top, largest};
 use crate::kernels::image::check_rgb;
+use crate::kernels::sphere::{Pixel, pixels_inside};
 
 /// For each light, true if it is clipped: at `clip_level` if that is known, else at the map's largest sample.
 ///

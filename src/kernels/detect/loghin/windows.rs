@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::image::Pixel;
+use crate::kernels::sphere::Pixel;
 
 /// The windows around the pixels of an image.
 pub struct Windows {

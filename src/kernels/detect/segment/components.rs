@@ -16,7 +16,6 @@
 use rayon::prelude::*;
 
 use super::adjacency::Adjacency;
-use super::bright_pixels::BrightPixels;
 use super::forest::{root, singletons};
 use super::run::{RUNS_OF_A_TASK, Run, runs};
 use super::threshold::Threshold;
@@ -82,15 +81,15 @@ pub struct TreeRule {
 pub fn segments(
     working: &WorkingImage,
     adjacency: &Adjacency,
-    bright: &BrightPixels,
+    bright: &[u32],
     threshold: &Threshold,
     rule: &TreeRule,
 ) -> Segments {
     let &TreeRule { rise, prominence, extent } = rule;
     // Divide the bright pixels into basins, one for each peak.
     let luminance = &working.luminance;
-    let level: Vec<f32> = bright.indices.iter().map(|&index| luminance[index as usize]).collect();
-    let runs = runs(&bright.indices, working.size.1);
+    let level: Vec<f32> = bright.iter().map(|&index| luminance[index as usize]).collect();
+    let runs = runs(bright, working.size.1);
     let (basin, image) = basins(adjacency, luminance, bright, &runs);
     // Join basins over their saddles, and number the lights.
     let border = border(adjacency, luminance, &runs, &image);
@@ -106,11 +105,11 @@ pub fn segments(
         end = own.end;
         let label = label_of_basin[basin[0] as usize];
         let edge = if label == 0 { f32::INFINITY } else { edges[label as usize - 1] };
-        for (&index, &level) in bright.indices[own.clone()].iter().zip(&level[own.clone()]) {
+        for (&index, &level) in bright[own.clone()].iter().zip(&level[own.clone()]) {
             segments.label[index as usize] = if level >= edge { label } else { 0 };
         }
         if label > 0 {
-            segments.pixels[label as usize - 1].extend_from_slice(&bright.indices[own]);
+            segments.pixels[label as usize - 1].extend_from_slice(&bright[own]);
         }
     }
     segments
@@ -145,15 +144,10 @@ fn lowest_peak(level: &[f32], threshold: &Threshold, rise: f32) -> f32 {
 /// The peak that each bright pixel flows to, as an index into the bright pixels and as an image.
 ///
 /// The image holds the index plus 1, and 0 for dark pixels.
-fn basins(
-    adjacency: &Adjacency,
-    luminance: &[f32],
-    bright: &BrightPixels,
-    runs: &[Run],
-) -> (Vec<u32>, Vec<u32>) {
+fn basins(adjacency: &Adjacency, luminance: &[f32], bright: &[u32], runs: &[Run]) -> (Vec<u32>, Vec<u32>) {
     // Write the index of each bright pixel into an image.
     let mut image = vec![0; luminance.len()];
-    for (number, &pixel) in (0..).zip(&bright.indices) {
+    for (number, &pixel) in (0..).zip(bright) {
         image[pixel as usize] = number;
     }
     // Point each pixel to the highest pixel around it, itself included.
@@ -168,7 +162,7 @@ fn basins(
     };
     let mut basin: Vec<u32> = runs.par_chunks(RUNS_OF_A_TASK).map(uphill).collect::<Vec<_>>().concat();
     // Follow the pointers up to the peaks.
-    for (number, &pixel) in (0..).zip(&bright.indices) {
+    for (number, &pixel) in (0..).zip(bright) {
         basin[number as usize] = root(&mut basin, number);
         image[pixel as usize] = basin[number as usize] + 1;
     }
@@ -331,7 +325,7 @@ mod tests {
             let bright = bright_pixels(&working, 0.5);
             let none = Threshold { luminance: 0.0, ..super::super::test_maps::THRESHOLD };
             let adjacency = Adjacency::of(&working);
-            let result = super::segments(&working, &adjacency, &bright, &none, &TreeRule { rise: 1.0, prominence, extent: 0.0 });
+            let result = super::segments(&working, &adjacency, &bright.indices, &none, &TreeRule { rise: 1.0, prominence, extent: 0.0 });
             let mut first = vec![0; 8 * 16];
             for pixels in &result.pixels {
                 for &pixel in pixels {

@@ -10,8 +10,7 @@ use super::working_image::WorkingImage;
 use crate::kernels::sphere::Registration;
 
 /// Pixels of a test map are bright above 0.5, and a light reaches 1.25.
-pub const THRESHOLD: Threshold =
-    Threshold { luminance: 0.5, rule: Rule::Background { factor: 2.0, share: 0.9 } };
+pub const THRESHOLD: Threshold = Threshold { luminance: 0.5, rule: Rule::Background };
 
 /// A map from its drawing: a digit is its luminance, a dot 0.1.
 pub fn map_of(rows: &[&str]) -> Array3<f32> {
@@ -38,7 +37,7 @@ pub fn rows_from(top: usize, rows: &[&str]) -> WorkingImage {
 pub fn segments(working: &WorkingImage, extent: f64) -> Segments {
     let bright = bright_pixels(working, THRESHOLD.luminance);
     let rule = TreeRule { rise: 2.5, prominence: 4.0, extent };
-    components::segments(working, &Adjacency::of(working), &bright, &THRESHOLD, &rule)
+    components::segments(working, &Adjacency::of(working), &bright.indices, &THRESHOLD, &rule)
 }
 
 /// Number of pixels of each light, the smallest first.

@@ -43,28 +43,28 @@ const MOST_OVER_MEDIAN: f64 = 12.0;
 /// For the cut, luminance counts as at most this many times the background.
 const MOST_OVER_BACKGROUND: f64 = 8.0;
 
-/// Rule that set a threshold, with its numbers.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Rule that set a threshold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rule {
-    /// `factor` times the luminance that `share` of the sphere does not exceed.
-    Background {
-        /// Threshold over background.
-        factor: f64,
-        /// Background fraction of the sphere.
-        share: f64,
-    },
-    /// `factor` times the luminance that `share` of the sphere below the cut does not exceed: the brightest
-    /// `light_share` of the sphere is itself light.
-    BelowCut {
-        /// Threshold over background.
-        factor: f64,
-        /// Background fraction of the sphere below the cut.
-        share: f64,
-        /// Fraction of the sphere above the background of the other rule.
-        light_share: f64,
-    },
+    /// Twice the luminance that most of the sphere does not exceed.
+    Background,
+    /// Twice the luminance that most of the sphere below the cut does not exceed: the brightest part is itself light.
+    BelowCut,
     /// Threshold that the caller has set.
     Fixed,
+}
+
+impl Rule {
+    /// Threshold over background, background fraction of the sphere, and the fraction that is itself light.
+    ///
+    /// `None` for a threshold of the caller.
+    pub fn numbers(self) -> Option<(f64, f64, Option<f64>)> {
+        match self {
+            Self::Background => Some((FACTOR, BACKGROUND, None)),
+            Self::BelowCut => Some((FACTOR, BACKGROUND_BELOW_CUT, Some(1.0 - BACKGROUND))),
+            Self::Fixed => None,
+        }
+    }
 }
 
 /// Luminance above which a pixel is bright, and the rule that set it.
@@ -106,15 +106,12 @@ pub fn from_histogram(working: &WorkingImage) -> Threshold {
     // Take twice the background, unless that is itself light.
     let (median, background) = (histogram.quantile(0.5), histogram.quantile(BACKGROUND));
     if background <= MOST_OVER_MEDIAN * median {
-        let rule = Rule::Background { factor: FACTOR, share: BACKGROUND };
-        return Threshold { luminance: FACTOR * background * mean, rule };
+        return Threshold { luminance: FACTOR * background * mean, rule: Rule::Background };
     }
     // Else divide light from background and take twice the background below the cut.
     let cut = histogram.clamp(MOST_OVER_BACKGROUND * background).flux_weighted_cut();
     let below = histogram.up_to(cut).quantile(BACKGROUND_BELOW_CUT);
-    let light_share = 1.0 - BACKGROUND;
-    let rule = Rule::BelowCut { factor: FACTOR, share: BACKGROUND_BELOW_CUT, light_share };
-    Threshold { luminance: FACTOR * below * mean, rule }
+    Threshold { luminance: FACTOR * below * mean, rule: Rule::BelowCut }
 }
 
 /// Solid angle by luminance over mean luminance.
@@ -269,9 +266,6 @@ mod tests {
     use ndarray::{Array2, Array3};
     use std::f64::consts::PI;
 
-    const BACKGROUND_RULE: Rule = Rule::Background { factor: 2.0, share: 0.9 };
-    const BELOW_CUT: Rule = Rule::BelowCut { factor: 2.0, share: 0.95, light_share: 1.0 - 0.9 };
-
     /// Threshold of a map with a cap of a luminance `above`, which covers a `share` of the sphere: (1 - cos theta) / 2.
     fn bright_cap(share: f64, above: f32) -> Threshold {
         let map = Array3::from_shape_fn((1000, 2000, 3), |(y, _, _)| {
@@ -285,7 +279,7 @@ mod tests {
     fn the_threshold_is_twice_the_background_up_to_a_tenth_of_light() {
         for share in [0.0, 0.05, 0.095] {
             let threshold = bright_cap(share, 100.0);
-            assert_eq!(threshold.rule, BACKGROUND_RULE);
+            assert_eq!(threshold.rule, Rule::Background);
             assert_relative_eq!(threshold.luminance, 2.0, max_relative = 0.04); // a bin's width
         }
     }
@@ -294,7 +288,7 @@ mod tests {
     fn beyond_a_tenth_of_light_it_is_twice_the_background_below_the_cut() {
         for share in [0.11, 0.3, 0.45] {
             let threshold = bright_cap(share, 100.0);
-            assert_eq!(threshold.rule, BELOW_CUT);
+            assert_eq!(threshold.rule, Rule::BelowCut);
             assert_relative_eq!(threshold.luminance, 2.0, max_relative = 0.04);
         }
     }
@@ -302,7 +296,7 @@ mod tests {
     #[test]
     fn a_bright_half_below_twelve_medians_is_background() {
         let threshold = bright_cap(0.4, 8.0);
-        assert_eq!(threshold.rule, BACKGROUND_RULE);
+        assert_eq!(threshold.rule, Rule::Background);
         assert_relative_eq!(threshold.luminance, 16.0, max_relative = 0.04);
     }
 
@@ -347,7 +341,7 @@ mod tests {
         });
         let threshold =
             from_histogram(&WorkingImage::of(map.view(), Registration::CellCentred, 400).unwrap());
-        assert_eq!(threshold.rule, BELOW_CUT);
+        assert_eq!(threshold.rule, Rule::BelowCut);
         assert_relative_eq!(threshold.luminance, 2.0, max_relative = 0.04);
     }
 

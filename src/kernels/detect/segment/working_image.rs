@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 use super::dot_product::dot;
 use crate::error::{Error, Result};
 use crate::kernels::image::{
-    BlockRow, Grid, LUMINANCE_F32, SeenPart, check_samples, luminance_f32, samples_of,
+    BlockLayout, BlockRow, Grid, LUMINANCE_F32, SeenPart, check_samples, luminance_f32, samples_of,
 };
 use crate::kernels::sphere::{Registration, band_heights};
 
@@ -46,7 +46,7 @@ impl WorkingImage {
     /// [`Error::TooBright`].
     pub fn of(radiance: ArrayView3<'_, f32>, registration: Registration, columns: usize) -> Result<Self> {
         // Cut the map into blocks, one for each working pixel.
-        let (pixels, grid, block) = Grid::of_map(radiance, registration, columns)?;
+        let BlockLayout { pixels, grid, block } = BlockLayout::of_map(radiance, registration, columns)?;
         let reduction = Reduction::new(radiance, &pixels, &grid, block);
         let (height, width) = (grid.theta_edges.len() - 1, grid.phi_edges.len() - 1);
         let mut luminance = vec![0.0; height * width];

@@ -83,8 +83,6 @@ pub struct Sizes<'a> {
     map: &'a WorkingMap,
     /// The map under each kernel.
     targets: [Target; 3],
-    /// The kernel of the fit.
-    comparison: Comparison,
     /// Energies of the map, if a fit to an error of shiny objects needs them.
     bands: Option<MapBands>,
     /// The greatest radius of a light, in radians.
@@ -98,7 +96,6 @@ impl<'a> Sizes<'a> {
         Self {
             map,
             targets: [Comparison::Probe, Comparison::Shadows, Comparison::Mixed].map(target),
-            comparison: options.sizes.unwrap_or(Comparison::Probe),
             bands: options.gloss_error.map(|_| MapBands::new(picture)),
             greatest_radius: options.max_radius.unwrap_or(DISCS.greatest),
         }
@@ -121,18 +118,19 @@ impl<'a> Sizes<'a> {
         self.bands.as_ref().map_or(0.0, compare)
     }
 
-    /// The best rig near those without sizes in `rigs`, whose first `fixed` lights keep their directions.
+    /// The best rig under a kernel near those without sizes in `rigs`, whose first `fixed` lights keep their directions.
     ///
     /// If `can_select`, the lights may also come from a forward selection of discs.
     pub fn fit(
         &self,
+        comparison: Comparison,
         reference: &Reference,
         rigs: &[Rig],
         fixed: usize,
         max_steps: usize,
         can_select: bool,
     ) -> Sized {
-        let target = &self.targets[self.comparison as usize];
+        let target = &self.targets[comparison as usize];
         let shadows = Shadows::new(target, reference).up_to(self.greatest_radius);
         let descent = Descent { objective: &shadows, fixed, max_steps };
         let selected = || {

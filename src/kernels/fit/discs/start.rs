@@ -53,20 +53,7 @@ fn on_better_sides(shadows: &Shadows<'_>, mut state: State, fixed: usize) -> Sta
 /// Radius of the disc that is spread like the light around each light.
 fn spread(map: &WorkingMap, rig: &Rig) -> Vec<f64> {
     let ambient = if rig.ambient.len() == 1 { rig.ambient[0].element_sum() } else { 0.0 };
-    let mut sums = vec![[0.0; 2]; rig.directions.len()];
-    let mut add = |towards: DVec3, flux: f64| {
-        let mut nearest = (f64::NEG_INFINITY, 0);
-        for (light, direction) in rig.directions.iter().enumerate() {
-            let cosine = direction.dot(towards);
-            if cosine > nearest.0 {
-                nearest = (cosine, light);
-            }
-        }
-        if let Some(sum) = sums.get_mut(nearest.1) {
-            sum[0] += flux;
-            sum[1] += flux * (1.0 - nearest.0);
-        }
-    };
+    let mut spread = Spread { directions: &rig.directions, sums: vec![[0.0; 2]; rig.directions.len()] };
     let columns: Vec<(f64, [f64; 2])> = map
         .grid
         .phi_edges
@@ -79,20 +66,48 @@ fn spread(map: &WorkingMap, rig: &Rig) -> Vec<f64> {
         for (cell, (width, [sin, cos])) in row.iter().zip(&columns) {
             let above = f64::from(cell[0] + cell[1] + cell[2]) - ambient;
             if above > 0.0 {
-                add(DVec3::new(sin * sine, cosine, -cos * sine), above * band * width);
+                spread.add(DVec3::new(sin * sine, cosine, -cos * sine), above * band * width);
             }
         }
     }
-    for source in map.sources.outer_iter() {
-        let vector = DVec3::new(source.row(0).sum(), source.row(1).sum(), source.row(2).sum());
+    for source in map.source_vectors() {
+        let vector: DVec3 = source.iter().sum();
         let flux = vector.length();
         if flux > 0.0 {
-            add(vector / flux, flux);
+            spread.add(vector / flux, flux);
         }
     }
-    let radius = |[flux, spread]: &[f64; 2]| {
-        let mean = if *flux > 0.0 { spread / flux } else { 0.0 };
-        (1.0 - 2.0 * mean).clamp(-1.0, 1.0).acos()
-    };
-    sums.iter().map(radius).collect()
+    spread.radii()
+}
+
+/// Flux that is nearest to each light, and its integral of 1 - cos of the angle to the light.
+struct Spread<'a> {
+    directions: &'a [DVec3],
+    sums: Vec<[f64; 2]>,
+}
+
+impl Spread<'_> {
+    /// Add flux from a direction.
+    fn add(&mut self, towards: DVec3, flux: f64) {
+        let mut nearest = (f64::NEG_INFINITY, 0);
+        for (light, direction) in self.directions.iter().enumerate() {
+            let cosine = direction.dot(towards);
+            if cosine > nearest.0 {
+                nearest = (cosine, light);
+            }
+        }
+        if let Some(sum) = self.sums.get_mut(nearest.1) {
+            sum[0] += flux;
+            sum[1] += flux * (1.0 - nearest.0);
+        }
+    }
+
+    /// Radius of the disc of the same mean of 1 - cos, for each light.
+    fn radii(&self) -> Vec<f64> {
+        let radius = |[flux, spread]: &[f64; 2]| {
+            let mean = if *flux > 0.0 { spread / flux } else { 0.0 };
+            (1.0 - 2.0 * mean).clamp(-1.0, 1.0).acos()
+        };
+        self.sums.iter().map(radius).collect()
+    }
 }

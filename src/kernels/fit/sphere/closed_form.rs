@@ -69,11 +69,8 @@ impl Sphere {
         let smooth = rest.product(rest, &even_factors());
         let energy = [0, 1, 2].map(|channel| self.energy(smooth[channel], points, channel));
         let are_same = |a: usize, b: usize| {
-            let bits = |values: &[f64], i: usize| values[i].to_bits();
-            let are_same_waves =
-                |one: &[f64; 8]| bits(one, a) == bits(one, b) && bits(one, 4 + a) == bits(one, 4 + b);
-            rest.values.iter().all(are_same_waves)
-                && points.iter().all(|point| bits(&point.irradiance, a) == bits(&point.irradiance, b))
+            let is_same = |point: &PointLight| point.irradiance[a].to_bits() == point.irradiance[b].to_bits();
+            rest.has_equal_channels(a, b) && points.iter().all(is_same)
         };
         let (used, like) = distinct_channels(|channel| moments[channel].0 == 0.0, are_same);
         let ambient = self.columns.ambient.coefficients();
@@ -128,9 +125,7 @@ impl Sphere {
             sides.push(probe[channel]);
         }
     }
-}
 
-impl Sphere {
     pub(super) fn moments_of(&self, directions: Vec<DVec3>) -> Moments {
         let sides = self.widest.dispatch(Sides { sphere: self, directions: &directions });
         let mut moments = Moments::with_sides(&self.reference, directions, sides);

@@ -6,7 +6,7 @@ use glam::{DMat3, DVec3};
 use pulp::Simd;
 
 use super::kernel::{Angles, Block, second_derivative, splat};
-use crate::kernels::expansion::{PointLight, sources_of};
+use crate::kernels::expansion::PointLight;
 use crate::kernels::image::WorkingMap;
 use crate::kernels::lanes::{LANES, Lanes, Number};
 
@@ -24,7 +24,7 @@ impl Points {
     ///
     /// The channels of a source may have different directions; a point has one.
     pub fn of_sources(map: &WorkingMap) -> (Vec<PointLight>, Vec<PointLight>, [DVec3; 3]) {
-        let mut sources = sources_of(map);
+        let mut sources = map.source_vectors();
         let power = |source: &[DVec3; 3]| source.iter().map(|e| e.length()).sum::<f64>();
         sources.sort_by(|a, b| power(b).total_cmp(&power(a)));
         let mut missing = [DVec3::ZERO; 3];
