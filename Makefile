@@ -9,12 +9,13 @@ build:
 .PHONY: test  ## The quick part of the tests: Rust, Python and doctests
 test:
 	cargo test
-	$(PYTHON) -m pytest -m 'not slow and not mitsuba' --numprocesses auto --dist loadfile
+	$(PYTHON) -m pytest -m 'not slow and not mitsuba' --numprocesses auto --dist loadfile --no-loadscope-reorder
 	$(PYTHON) -m pytest -m 'not slow and mitsuba'
 
 .PHONY: fuzz  ## Thousands of damaged files, generated calls and killed saves; about an hour
 fuzz:
-	ENVLIGHTS_FUZZ=1 $(PYTHON) -m pytest -s tests/test_fuzz.py tests/test_calls.py tests/test_saves.py
+	ENVLIGHTS_FUZZ=1 $(PYTHON) -m pytest -s tests/test_fuzz.py tests/test_calls.py tests/test_saves.py \
+	  tests/export/test_hostile_text.py tests/export/test_names.py
 
 .PHONY: fuzz-native  ## Coverage-guided fuzzing of decoders and reduction, SECONDS for each; needs cargo-fuzz
 SECONDS ?= 600

@@ -9,6 +9,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import hypothesis
 import pytest
+from _pytest.doctest import DoctestModule
 
 from tests.helpers import paths_of_real_maps
 
@@ -64,11 +65,49 @@ RENDERING_FILES = (
 )
 
 
+#: Files whose tests take longest, the longest first: a worker that got one last would end last.
+LONG_FILES = (
+    "fitting/test_fit_peers.py",
+    "export/test_hostile_text.py",
+    "test_notebooks.py",
+    "export/test_names.py",
+    "export/test_radiance.py",
+    "fitting/test_fit.py",
+    "plot/test_arguments.py",
+    "fitting/test_fit_sizes.py",
+    "test_docs.py",
+    "sun/test_find_sun.py",
+    "test_saves.py",
+    "fitting/test_reported_error.py",
+    "cli/test_transfer.py",
+    "detection/test_loghin.py",
+    "detection/test_component_tree.py",
+    "test_calls.py",
+    "placing/test_place.py",
+    "batches/test_kills.py",
+    "test_interrupt.py",
+    "test_fuzz.py",
+    "test_memory.py",
+)
+
+
 def pytest_collection_modifyitems(items):
-    """Mark what renders: Mitsuba once waited for ever in a worker of pytest-xdist."""
+    """Mark what renders, and start with the files that take longest.
+
+    Mitsuba once waited for ever in a worker of pytest-xdist.
+    """
     for item in items:
         if item.path.as_posix().endswith(RENDERING_FILES):
             item.add_marker(pytest.mark.mitsuba)
+    place = {str(TESTS / name): number for number, name in enumerate(LONG_FILES)}
+    items.sort(key=lambda item: place.get(str(item.path), len(place)))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collect_file():
+    """Look for no doctests in files of tests."""
+    collectors = yield
+    return [each for each in collectors if not isinstance(each, DoctestModule)]
 
 
 def pytest_ignore_collect(collection_path):

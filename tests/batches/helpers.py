@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import time
+from functools import cache
 
 import envlights as el
 
@@ -27,12 +28,17 @@ if __name__ == "__main__":
 """
 
 
+@cache
+def sky(seed):
+    return el.synthetic.plain(seed, 128).radiance
+
+
 def write_maps(folder, number):
     """Write `number` small maps, five of them broken; return the names of the good ones."""
     folder.mkdir()
     good = [f"map-{seed:03}" for seed in range(number - len(BROKEN))]
     for seed, name in enumerate(good):
-        el.EnvMap(el.synthetic.plain(seed, 128).radiance).save(folder / f"{name}.exr")
+        el.EnvMap((1 + seed) * sky(seed % 20)).save(folder / f"{name}.exr")
     for name, (content, _) in BROKEN.items():
         (folder / f"{name}.exr").write_bytes(content)
     return good

@@ -20,6 +20,7 @@ import envlights as el
 from envlights._common.printable import printable
 from envlights.export import TARGETS
 from envlights.sequence import formats
+from tests.helpers import cases
 from tests.reference import pbrt, radiance
 
 pytestmark = pytest.mark.filterwarnings("ignore:.* shows .*:UserWarning")
@@ -212,7 +213,7 @@ def test_a_hostile_note_is_text_alone(folder, suffix, kind, texts):
 @pytest.mark.parametrize(
     ("suffix", "kind"), [case for case in CASES if case[1] in ("rig", "frames")]
 )
-@any_texts(100, each=20)
+@any_texts(cases(short=20, long=100), each=20)
 def test_many_hostile_notes_are_text_alone(folder, suffix, kind, texts):
     check(kind, texts, folder / f"scene{suffix}")
 

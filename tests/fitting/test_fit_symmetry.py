@@ -1,5 +1,7 @@
 """A map that is turned, mirrored or scaled has lights that are turned, mirrored and scaled."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -16,11 +18,11 @@ TURNED = 2e-3
 EXACT = 1e-9
 
 
+@cache
 def maps(height):
     """Maps whose lights are well determined: four leave more than the error of the rendering."""
-    yield el.synthetic.hall(height).radiance
-    for seed in el.synthetic.EVALUATION[:3]:
-        yield el.synthetic.hard(seed, height).radiance
+    hard = [el.synthetic.hard(seed, height).radiance for seed in el.synthetic.EVALUATION[:3]]
+    return [el.synthetic.hall(height).radiance, *hard]
 
 
 def by_place(lights):

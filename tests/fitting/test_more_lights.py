@@ -5,7 +5,6 @@ import pytest
 
 import envlights as el
 from envlights.fitting import error_curve as curves
-from tests.conftest import real_maps
 
 OBJECTIVES = ({"sizes": False}, *({"objective": name} for name in ("probe", "shadows", "mixed")))
 
@@ -57,14 +56,6 @@ def test_the_rigs_of_an_error_curve_are_those_of_fits_on_their_own(tmp_path):
             curve = el.error_curve(env, [3, 1], **options)
             alone = [el.fit(env, lights, **options) for lights in (3, 1)]
             assert curve.rigs == tuple(alone)
-
-
-@pytest.mark.slow
-@real_maps("hdr/*.hdr", "exr/*.exr")
-@pytest.mark.parametrize("options", OBJECTIVES, ids=name_of)
-def test_an_error_curve_of_a_real_map_never_rises(path, options):
-    curve = el.error_curve(path, range(13), **options)
-    assert (np.diff(curve.objective) <= 0).all(), curve
 
 
 def test_a_row_holds_a_rig_of_fewer_lights_if_that_is_better(monkeypatch):

@@ -193,7 +193,7 @@ def test_fonts_grow_with_those_of_the_style(name):
 def test_nothing_global_changes(name):
     matplotlib.get_backend()  # is chosen by its first use
     before = matplotlib.rcParams.copy()
-    draw(name)._repr_png_()
+    draw(name, dpi=30)._repr_png_()
     assert matplotlib.rcParams == before
     assert not plt.get_fignums()
 

@@ -61,8 +61,9 @@ def test_rays_to_triangles_of_the_room_count_the_hits_of_rays_to_rectangles():
     room = Triangles(np.array(corners), np.tile(uv, (16, 1, 1)), shape, np.array(flipped))
     lightmap, points = (el.scene.Surface(*room_surface(width)) for width in (16, 128))
     prior = gather(lightmap, points, texel_hits(room.hits, 16, 128, 16), irradiance=True)
-    np.testing.assert_array_equal(prior.hits, room_prior(16).hits)
-    np.testing.assert_array_equal(prior.between, room_prior(16).between)
+    expected = room_prior(16)
+    np.testing.assert_array_equal(prior.hits, expected.hits)
+    np.testing.assert_array_equal(prior.between, expected.between)
 
 
 def test_points_that_see_only_backs_are_hidden():

@@ -1,5 +1,7 @@
 """Families of maps with known lights, and the score of detectors on them."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -12,6 +14,11 @@ FAMILIES = pytest.mark.parametrize("family", [synthetic.plain, synthetic.hard])
 # Enough to see each first kind of light on each backdrop, in the smallest maps that hold them all.
 SEEDS = range(35)
 HEIGHT = 128
+
+
+@cache
+def world_of(family, seed):
+    return family(seed, HEIGHT)
 
 
 def contrast(world):
@@ -42,7 +49,7 @@ def test_the_families_share_no_map():
 @pytest.mark.parametrize(("family", "period"), [(synthetic.plain, 10), (synthetic.hard, 8)])
 def test_some_maps_have_no_light(family, period):
     for seed in SEEDS:
-        world = family(seed, HEIGHT)
+        world = world_of(family, seed)
         assert (len(world.lights) == 0) == (seed % period == period - 1), world.note
         assert world.note.startswith("no light") == (len(world.lights) == 0)
         assert len(world.solid_angle) == len(world.irradiance_with_background) == len(world.lights)
@@ -51,7 +58,7 @@ def test_some_maps_have_no_light(family, period):
 @FAMILIES
 def test_lights_stand_out_and_stand_apart(family):
     for seed in SEEDS:
-        world = family(seed, HEIGHT)
+        world = world_of(family, seed)
         is_clipped = "linear" not in world.note
         # Glare of the neighbours may halve the 20 of the hard family.
         assert (contrast(world) > (2.4 if is_clipped else 7.5)).all(), (seed, contrast(world))
@@ -64,7 +71,9 @@ def test_lights_stand_out_and_stand_apart(family):
 
 def test_lights_add_what_the_stored_map_has_beyond_an_even_background():
     """Clipped, in 8 bits or whole: no flux is lost and none counts twice."""
-    even = [world for world in (synthetic.plain(s, HEIGHT) for s in SEEDS) if "even" in world.note]
+    even = [
+        world for world in (world_of(synthetic.plain, s) for s in SEEDS) if "even" in world.note
+    ]
     assert len(even) >= 5
     for world in even:
         background = np.median(world.radiance, axis=(0, 1))
@@ -80,7 +89,7 @@ def test_lights_add_what_the_stored_map_has_beyond_an_even_background():
 @FAMILIES
 def test_no_light_has_more_flux_than_the_map(family):
     for seed in SEEDS:
-        world = family(seed, HEIGHT)
+        world = world_of(family, seed)
         lit = world.irradiance_with_background.sum(axis=0)
         assert (world.lights.irradiance.sum(axis=0) <= lit).all()
         assert (lit <= flux(world.radiance) * (1 + 1e-6)).all()
