@@ -117,6 +117,12 @@ def test_impossible_numbers_are_refused(options, message):
         env.repaired(**options)
 
 
+def test_a_ratio_to_a_black_sky_is_refused():
+    env = el.EnvMap(picture(ground=0, sky=0), clip_level=1.0)
+    with pytest.raises(el.EnvLightsError, match="black without the clipped light"):
+        env.repaired(ratio=5.0)
+
+
 def test_what_lies_below_the_horizon_cannot_light_an_upward_surface():
     env = el.EnvMap(picture(sun=-SUN), clip_level=1.0)
     with pytest.raises(el.EnvLightsError, match="below the horizon"):

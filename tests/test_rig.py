@@ -60,6 +60,13 @@ def test_saved_rigs_come_back_to_the_bit(tmp_path_factory, ambient, lights, floo
     assert again.to_dict() == rig.to_dict()
 
 
+def test_notes_may_be_one_text():
+    rig = el.Rig([1, 1, 1], el.Lights([[0, 1, 0]], [[1, 1, 1]]), notes="mine")
+    assert rig.notes == ("mine",)
+    with pytest.raises(el.EnvLightsError, match="notes must be text; got 5"):
+        el.Rig(rig.ambient, rig.lights, notes=5)
+
+
 def test_reports_and_notes_are_saved(tmp_path):
     a_rig().save(tmp_path / "rig.json")
     again = el.Rig.load(tmp_path / "rig.json")

@@ -1,6 +1,7 @@
 """Folder of the results: other programs, other runs, torn lines, full disks and dangling links."""
 
 import csv
+import errno
 import json
 import os
 import signal
@@ -13,6 +14,7 @@ import numpy as np
 import pytest
 
 import envlights as el
+from envlights._common.fields import plain
 from tests.batches.helpers import BROKEN, write_maps
 
 GREY = np.full((8, 16, 3), 0.5, np.float32)
@@ -95,6 +97,28 @@ def test_a_file_of_a_batch_is_replaced_also_after_a_kill_or_a_failure(tmp_path):
     assert not batch_of(tmp_path, "hall").failures
     first, again = (json.loads(text) for text in (whole, (tmp_path / "hall.json").read_text()))
     assert first["lights"] == again["lights"]
+
+
+def test_a_deleted_map_of_a_split_is_written_again(tmp_path):
+    for _ in range(2):
+        batch_of(tmp_path, "hall", what="split")
+        (tmp_path / "hall.exr").unlink()
+    batch_of(tmp_path, "hall", what="split")
+    assert batch_of(tmp_path, "hall", what="split").unchanged == 1
+
+
+def test_the_order_of_a_set_does_not_matter():
+    assert plain({"usd", "three", "gltf"}) == ["gltf", "three", "usd"]
+    assert plain(frozenset({3, 1, 2})) == [1, 2, 3]
+
+
+def test_a_file_system_without_locks_is_no_fault(tmp_path, monkeypatch):
+    def refuse(*_):
+        raise OSError(errno.ENOLCK, "no locks available")
+
+    monkeypatch.setattr("fcntl.flock", refuse)
+    assert not batch_of(tmp_path, "hall").failures
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["batch.jsonl", "hall.json"]
 
 
 def test_a_batch_has_the_rows_of_its_call_and_names_other_runs(tmp_path):

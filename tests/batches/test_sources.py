@@ -38,6 +38,16 @@ def test_folders_patterns_and_lists_name_their_maps(folder):
     assert names(folder / "list.jsonl") == ["night", "one"]
 
 
+@pytest.mark.parametrize("source", ["sky", "sky/{face}.exr"])
+def test_a_named_folder_or_pattern_of_six_faces_is_one_map(tmp_path, source):
+    (tmp_path / "sky").mkdir()
+    for number, face in enumerate(("px", "nx", "py", "ny", "pz", "nz")):
+        el.io.write_exr(tmp_path / f"sky/{face}.exr", np.full((8, 8, 3), number, np.float32))
+    maps = [("cube", str(tmp_path / source))]
+    result = el.batch(maps, tmp_path / "out", what=peak, jobs=1)
+    assert [row["values"] for row in result.rows()] == [{"peak": pytest.approx(5.0, abs=0.01)}]
+
+
 def test_maps_of_one_name_get_different_ones(folder):
     both = names([folder / "one.exr", folder / "below" / "one.exr"])
     assert both[0] == "one"

@@ -53,7 +53,7 @@ def test_the_cards_are_printed_as_json(window):
         (["--distance", "3"], "add --shapes"),
         (["--shapes", "--limit", "9"], "leave out --limit, or --shapes"),
         (["--shapes", "--distance", "3", "--radius", "1"], "give only one of them"),
-        (["--shapes", "--radius", "0"], "greater than 0"),
+        (["--shapes", "--radius", "0"], "radius must be above 0"),
     ],
 )
 def test_options_that_do_not_fit_are_refused(window, options, message):

@@ -141,6 +141,13 @@ WRONG = [
     ("show hall.exr -n -2", USAGE, 2, "-2 is less than 0"),
     ("compare hall.exr folder", GENERAL, 2, "must both be files, or both be folders"),
     ("compare hall.exr hall.exr --protocol nosuch", GENERAL, 2, "protocol must be"),
+    ("view rig.json --rotate 90 -o page.html", GENERAL, 2, "is a rig; leave out --fill"),
+    ("view rig.json --fill black -o page.html", GENERAL, 2, "is a rig; leave out --fill"),
+    ("batch hall.exr -o rows --table none/rows.csv", FILE, 1, "none does not exist"),
+    ("convert hall.exr ./hall.exr", GENERAL, 2, "it is the map; give another name"),
+    ("convert hall.exr -o rig.json/maps", FILE, 1, "cannot make the folder rig.json/maps"),
+    ("relight hall.exr --add 0,120,10 -o new.exr", GENERAL, 2, "--add: the elevation in degrees"),
+    ("split hall.exr --limit 5 -o rest.exr -o x.png", GENERAL, 2, "a split without --limit"),
     ("fit", USAGE, 2, "Missing argument 'MAP'"),
     ("fit hall.exr --nosuch", USAGE, 2, "No such option"),
     ("nosuch", USAGE, 2, "No such command 'nosuch'"),
@@ -178,7 +185,17 @@ def test_a_wrong_use_is_refused_with_a_way_out(folder, monkeypatch, arguments, k
 
 
 #: Uses that are wrong for the map in its file alone.
-OF_THE_FILE = ("square.png", "cross.png", "--faces", "--colour", "--width", "--to", "rig.json")
+OF_THE_FILE = (
+    "./hall.exr",
+    "--add",
+    "square.png",
+    "cross.png",
+    "--faces",
+    "--colour",
+    "--width",
+    "--to",
+    "rig.json",
+)
 
 
 @pytest.mark.parametrize(

@@ -51,6 +51,17 @@ def test_each_row_is_the_comparison_of_its_files(folders):
     assert "<table" in table._repr_html_()
 
 
+def test_black_guesses_have_a_table_without_angles(folders):
+    for path in folders[1].iterdir():
+        path.unlink()
+    el.EnvMap(0 * MAPS[0]).save(folders[1] / "map-0.exr")
+    table = el.compare_folders(*folders)
+    first = dict(zip(table.table().columns, table.table().rows[0], strict=True))
+    assert first["diffuse angle"] == "nan"
+    assert float(first["diffuse rmse"]) > 0
+    assert "map-0" in str(table)
+
+
 def test_rigs_are_compared_with_maps_of_the_same_name(folders):
     el.fit(MAPS[1], lights=2).save(folders[1] / "map-1.json")
     (folders[1] / "map-1.exr").unlink()

@@ -48,6 +48,10 @@ def test_a_table_has_lights_or_their_places(tmp_path):
     without = el.detect_photograph(np.linspace(0, 1, 60 * 80).reshape(60, 80) ** 20)
     assert len(without) > 0
     without.save(tmp_path / "b.csv")
+    with pytest.raises(el.EnvLightsError, match="accepts no environment map"):
+        without.save(tmp_path / "c.csv", environment=np.ones((4, 8, 3)))
+    with pytest.raises(el.EnvLightsError, match="up= changes nothing"):
+        without.save(tmp_path / "c.csv", up="z")
     table = np.loadtxt(tmp_path / "b.csv", delimiter=",", skiprows=3, ndmin=2)
     np.testing.assert_array_equal(table[:, :2], without.position)
     np.testing.assert_array_equal(table[:, 2:5], without.pixel_flux)

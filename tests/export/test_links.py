@@ -10,10 +10,12 @@ import pytest
 
 import envlights as el
 from envlights.export import TARGETS
-from envlights.export.links import relative_name
+from envlights.export.links import relative_name, save_with_map
 from envlights.export.targets import PANORAMA
 
-pytestmark = pytest.mark.filterwarnings("ignore:.* shows lights as points:UserWarning")
+pytestmark = pytest.mark.filterwarnings(
+    "ignore:.* shows lights as points:UserWarning", "ignore:Godot 4 shows the 8 bright:UserWarning"
+)
 
 PANORAMAS = [target.suffixes[0] for target in TARGETS if target.texture == PANORAMA]
 OTHERS = {
@@ -83,6 +85,24 @@ def test_scenes_without_a_file_of_the_remainder_share_one(parts, tmp_path):
     assert [path.name for path in written] == ["a.py", "a.ambient.exr", "b.usda", "c.unity.json"]
     for path in (written[0], *written[2:]):
         assert {name.removeprefix("./") for name in named_maps(path)} == {"a.ambient.exr"}
+
+
+def test_a_program_with_too_many_lights_has_a_map_of_its_own(tmp_path):
+    remainder = el.split(el.synthetic.hall(32).radiance, 1).remainder
+    lamps = el.Lights(np.tile([0.0, 1.0, 0.0], (9, 1)), np.ones((9, 3)))
+    for folder, names_ in (("one", ("a.usda", "b.tscn")), ("other", ("b.tscn", "a.usda"))):
+        (tmp_path / folder).mkdir()
+        written = save_with_map(lamps, remainder, [tmp_path / folder / n for n in names_])
+        assert {path.name for path in written} == {
+            "a.usda",
+            "a.ambient.exr",
+            "b.tscn",
+            "b.ambient.exr",
+        }
+        assert el.EnvMap.open(tmp_path / folder / "a.ambient.exr") == remainder
+        assert named_maps(tmp_path / folder / "b.tscn") == ["b.ambient.exr"]
+    with pytest.raises(el.EnvLightsError, match=r"cannot write .* twice"):
+        save_with_map(lamps, remainder, [tmp_path / "a.usda", tmp_path / "a.tscn"])
 
 
 @pytest.mark.parametrize("suffix", PANORAMAS)

@@ -68,6 +68,14 @@ def test_a_file_lights_as_the_rig_does(name, tmp_path):
     assert relative(seen, RIGS[name].probe(NORMALS)) < 1e-3
 
 
+def test_six_faces_stand_in_place_of_the_ambient_term(tmp_path):
+    faces = [tmp_path / f"{face}.exr" for face in ("px", "nx", "py", "ny", "pz", "nz")]
+    for path in faces:
+        el.io.write_exr(path, np.full((8, 8, 3), 0.5, np.float32))
+    RIGS["constant"].lights[:0].save(tmp_path / "scene.xml", environment=faces)
+    np.testing.assert_allclose(irradiance_of_file(tmp_path / "scene.xml"), np.pi / 2, rtol=1e-3)
+
+
 def test_a_map_stands_in_place_of_the_ambient_term(tmp_path):
     env, rig = environment(), RIGS["constant"]
     rig.save(tmp_path / "scene.xml", environment=env)

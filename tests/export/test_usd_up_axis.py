@@ -139,7 +139,7 @@ def test_the_frames_of_a_sequence_are_of_z_up_too(tmp_path):
     ("options", "words"),
     [
         ({"up": "x"}, "up must be 'y' or 'z'; got 'x'"),
-        ({"metres_per_unit": 0}, "metres_per_unit must be greater than 0"),
+        ({"metres_per_unit": 0}, "metres_per_unit must be above 0"),
         ({"metres_per_unit": np.nan}, "metres_per_unit must be a finite number"),
     ],
 )

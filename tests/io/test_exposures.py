@@ -165,6 +165,15 @@ def test_what_is_no_series_is_refused(pictures, times, message):
         el.EnvMap.from_exposures(pictures, times)
 
 
+def test_a_file_with_samples_that_are_not_finite_is_refused(tmp_path):
+    picture = np.full((2, 4, 3), 0.5, np.float32)
+    el.io.write_exr(tmp_path / "whole.exr", picture)
+    picture[0, 0] = np.nan
+    el.io.write_exr(tmp_path / "damaged.exr", picture)
+    with pytest.raises(el.EnvLightsError, match="exposure 2 holds samples that are not finite"):
+        el.EnvMap.from_exposures([tmp_path / "whole.exr", tmp_path / "damaged.exr"], (1.0, 2.0))
+
+
 def test_a_file_without_a_time_is_refused(tmp_path):
     file = write_image(tmp_path / "1.png", np.zeros((2, 4, 3), np.uint8))
     with pytest.raises(el.EnvLightsError, match="holds no exposure time in its EXIF; give times"):

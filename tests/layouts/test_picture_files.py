@@ -163,3 +163,9 @@ def test_mappings_of_arrays_are_read_by_their_names():
         faces_of_mapping({"one": WORLD[0]})
     with pytest.raises(el.EnvLightsError, match="are squares"):
         faces_of_mapping(named | {"U": np.ones(5)})
+    with pytest.raises(el.EnvLightsError, match=r"one shape and one dtype.*, 3\).*, 4\)"):
+        faces_of_mapping(named | {"U": np.ones((16, 16, 4), WORLD.dtype)})
+    with pytest.raises(el.EnvLightsError, match=r"one shape and one dtype.*uint8"):
+        faces_of_mapping(named | {"U": np.ones(WORLD[0].shape, np.uint8)})
+    with pytest.raises(el.EnvLightsError, match="face U must be an array of numbers"):
+        faces_of_mapping(named | {"U": [[1, 2], [3]]})

@@ -80,7 +80,10 @@ def test_a_crop_has_the_scale_of_its_panorama():
         (lambda: layouts.cylinder(4, 4, field_of_view=7), "from 0.05 to 360"),
         (lambda: layouts.cylinder(4, 4, field_of_view=1, horizon=math.nan), "horizon must be"),
         (lambda: layouts.crop(9, 9, field_of_view=6), "reaches beyond a pole"),
-        (lambda: layouts.looking((0, math.inf, 0)), "forward must be a direction"),
+        (
+            lambda: layouts.looking((0, math.inf, 0)),
+            "forward must be three finite numbers, and not all 0",
+        ),
         (lambda: layouts.looking((1, 0)), "three finite numbers"),
     ],
 )

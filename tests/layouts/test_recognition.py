@@ -135,7 +135,7 @@ REFUSALS = [
     (noise(64, 128), {"fov": 90}, r"fov needs a projection as well .*\.planar\(fov=65\)"),
     (noise(64, 64), {"projection": "angular", "fov": 180}, "fov is no argument of an angular map"),
     (noise(64, 64), {"projection": "mirror-ball", "circle": (1, 2)}, "circle must be centre x"),
-    (noise(64, 64), {"projection": "planar", "fov": 0}, "fov must be above 0 degrees"),
+    (noise(64, 64), {"projection": "planar", "fov": 0}, "fov must be above 0"),
     (noise(64, 64), {"projection": "planar", "fov": 180}, "fov must be a finite"),
     (noise(64, 64), {"projection": "planar", "fov": 9, "forward": (0, 0, 0)}, "not all 0"),
     (noise(48, 64), {"eye": "left"}, r"one above the other \(1:1\) or left and right \(4:1\)"),

@@ -188,6 +188,16 @@ def test_numbers_neither_overlap_nor_leave_the_map_and_the_brightest_have_one():
         assert not any(box.overlaps(other) for other in boxes[:number])
 
 
+def test_the_picture_of_loghin_links_each_sample_to_its_light():
+    found = el.papers.loghin.detect(HALL)
+    (axes,) = plot.detection_picture(HALL, found).axes
+    (links,) = (each for each in axes.collections if isinstance(each, LineCollection))
+    assert 0 < len(links.get_segments()) <= len(found.members.pixel)
+    assert "samples, linked to their light" in [
+        text.get_text() for text in axes.get_legend().get_texts()
+    ]
+
+
 def test_numbers_cover_no_disc_with_or_without_a_number():
     rng = np.random.default_rng(4)
     at = np.stack([rng.uniform(0, 360, 300), rng.uniform(-30, 30, 300)], axis=1)

@@ -176,7 +176,11 @@ def test_no_light_and_no_solid_give_no_shadow():
         (lambda: el.scene.shadow_overlay("rig", BALL), "a rig must be a Rig, Lights"),
         (
             lambda: el.scene.shadow_overlay(RIG, BALL, [[0, 0]]),
-            r"points must have the shape \(..., 3\)",
+            r"points must have the shape \(n, 3\) or",
+        ),
+        (
+            lambda: el.scene.shadow_overlay(RIG, BALL, [[0, 0, 0], [0, 0]]),
+            "points must be an array of real numbers",
         ),
         (lambda: el.scene.shadow_overlay(RIG, BALL, columns=0), "columns must be a whole number"),
         (
@@ -194,6 +198,7 @@ def test_no_light_and_no_solid_give_no_shadow():
         (lambda: SHADOW.over([1, 1, 1], "screen"), "blending must be"),
         (lambda: SHADOW.over(np.ones((2, 2, 3))), "background must have the shape of the points"),
         (lambda: SHADOW.over([1, np.nan, 1]), "background must be finite radiance"),
+        (lambda: SHADOW.over([[1, 1, 1], [1]]), "background must be an array of real numbers"),
         (lambda: SHADOW.save("shadow.jpg"), "the suffix must be .exr or .png"),
         (lambda: SHADOW.save("shadow.exr", "product"), "blending must be"),
         (

@@ -321,6 +321,30 @@ def test_damaged_json_lines_are_refused(text, sentence, tmp_path):
         el.sequence.RigSequence.load(path)
 
 
+def test_numbers_of_numpy_are_saved_as_those_of_python(tmp_path):
+    rigs = el.sequence.RigSequence(
+        [
+            el.sequence.FrameRig(
+                AMBIENT, BLACK, frame=frame, ids=(1,), is_step=np.False_, floor=np.True_
+            )
+            for frame in np.arange(2)
+        ]
+    )
+    for suffix in SUFFIXES:
+        rigs.save(tmp_path / f"rigs{suffix}")
+        assert b"np." not in (tmp_path / f"rigs{suffix}").read_bytes()
+    assert el.sequence.RigSequence.load(tmp_path / "rigs.jsonl") == rigs
+    with pytest.raises(el.EnvLightsError, match="fit_error must be a finite number"):
+        el.sequence.FrameRig(AMBIENT, BLACK, ids=(1,), fit_error=np.nan)
+
+
+def test_a_sequence_without_errors_says_so():
+    rigs = el.sequence.RigSequence([el.sequence.FrameRig(AMBIENT, BLACK, ids=(1,))])
+    assert "error not measured" in repr(rigs)
+    assert "relative RMS error not measured" in str(rigs)
+    assert np.isnan(rigs.error).all()
+
+
 def test_sequences_show_themselves():
     assert repr(RIGS) == "<RigSequence: 5 frames, 2 lights, mean error 1 %, flicker 6.4 %>"
     text = str(RIGS)
@@ -340,6 +364,7 @@ def test_the_table_of_a_sequence_holds_flux_and_motion_of_each_light():
     assert [row[2] for row in rows] == shares
     np.testing.assert_allclose([float(row[3]) for row in rows], [five, nine], rtol=1e-3)
     assert rows[1][4] == "0.00° a frame"
+    assert el.sequence.RigSequence(list(RIGS)[2:]).table().rows[0][1] == "2 to 4"
     black = [
         el.sequence.FrameRig(AMBIENT, BLACK, 0.01, frame=frame, ids=(1,)) for frame in range(2)
     ]

@@ -10,9 +10,10 @@ from hypothesis.extra.numpy import arrays
 from scipy.optimize import linear_sum_assignment
 
 import envlights as el
+from envlights._common.srgb import decode_srgb
 from envlights._native import assignment
 from envlights.fitting.map_fit import MapSamples
-from envlights.sequence.frames import frames_of
+from envlights.sequence.frames import frames_of, read_frames
 from envlights.sequence.identity import Identities, rotation_vector, turn
 from envlights.sequence.light_tracks import tracks_of
 from envlights.sequence.steadiness import window_frames, window_weights
@@ -204,12 +205,15 @@ def test_a_video_is_decoded_frame_by_frame(tmp_path):
             codes = np.full((32, 64, 3), level, np.uint8)
             file.mux(stream.encode(av.VideoFrame.from_ndarray(codes, format="rgb24")))
         file.mux(stream.encode(None))
-    found = frames_of(path)
+    found = read_frames(path, None, None)
     assert found.fps == 25
-    from envlights._common.srgb import decode_srgb
-
-    levels = [float(env.radiance[0, 0, 0]) for env in found.maps]
+    maps = list(found.maps)
+    levels = [float(env.radiance[0, 0, 0]) for env in maps]
     np.testing.assert_allclose(levels, decode_srgb(np.array([50, 100, 200]) / 255), rtol=1e-5)
+    assert "a frame of a video" in maps[0].notes[0]
+    (first, *_) = read_frames(path, {"lux": 900}, None).maps
+    assert first.units == "cd/m2"
+    assert "a frame of a video" in first.notes[0]
     assert el.follow(path, lights=1).sequence().fps == 25
 
 

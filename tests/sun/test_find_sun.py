@@ -48,7 +48,6 @@ def test_the_clipped_pixel_of_a_sun_alone_is_found_to_half_a_pixel(elevation):
 CLEAR = [
     *((512, elevation, (0.002, 0.01)) for elevation in (10, 30, 50, 70)),
     *((256, elevation, (0.001, 0.05)) for elevation in (20, 40, 60)),
-    (1024, 27, (0.001, 0.01)),
     *(
         pytest.param(height, elevation, (0.001, 0.003, 0.01, 0.03, 0.05), marks=pytest.mark.slow)
         for height in (256, 512, 1024)

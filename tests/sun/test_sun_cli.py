@@ -101,6 +101,12 @@ def test_a_time_and_a_place_give_the_elevation(picture, searches):
     np.testing.assert_allclose(searches[-1]["direction"], [-0.47, 0.88, 0.01], atol=0.005)
 
 
+def test_a_direction_of_the_sun_is_one_of_the_frame(picture, searches):
+    run("split", picture, "--sun-direction", "0.48,0.6,0.64", "--frame", "blender")
+    expected = el.frames.frame_named("blender").from_target([0.48, 0.6, 0.64])
+    np.testing.assert_allclose(searches[-1]["direction"], expected, atol=1e-9)
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

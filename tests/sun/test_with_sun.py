@@ -131,6 +131,12 @@ def test_an_impossible_sun_is_refused(sun, message):
         el.with_sun(sky(), sun)
 
 
+def test_a_ratio_to_a_black_sky_is_refused():
+    env = sky()
+    with pytest.raises(el.EnvLightsError, match="black without the sun"):
+        el.with_sun(el.EnvMap(0 * env.radiance), sun_of(), ratio=5.0)
+
+
 @pytest.mark.parametrize(
     ("reading", "message"),
     [

@@ -53,5 +53,5 @@ def test_the_sky_is_brighter_around_the_sun_and_at_the_horizon():
 
 @pytest.mark.parametrize("sun", [[0, 0, 0], [0, -1, 2], [0, np.nan, 1], [1, 2]])
 def test_an_impossible_sun_is_refused(sun):
-    with pytest.raises(el.EnvLightsError, match="sun must be three finite numbers above"):
+    with pytest.raises(el.EnvLightsError, match=r"sun must be (three finite|above the horizon)"):
         el.synthetic.clear_sky(64, sun)

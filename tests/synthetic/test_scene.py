@@ -59,7 +59,7 @@ def test_the_hall_has_three_windows_that_outshine_the_rest():
 
 
 def test_no_direction_is_refused():
-    with pytest.raises(el.EnvLightsError, match="a direction must be three numbers"):
+    with pytest.raises(el.EnvLightsError, match="a direction must be three finite numbers"):
         synthetic.scene(8, shapes=[Disc((0, 0, 0), 5, (1, 1, 1))])
 
 

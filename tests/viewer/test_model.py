@@ -116,7 +116,9 @@ def test_what_is_no_model_is_refused(vertices, triangles, wanted):
         el.viewer.Model(vertices, triangles)
 
 
-@pytest.mark.parametrize("albedo", [[2, 0, 0], [np.nan, 0, 0], [0.5, 0.5], np.ones((4, 3))])
+@pytest.mark.parametrize(
+    "albedo", [[2, 0, 0], [np.nan, 0, 0], [0.5, 0.5], np.ones((4, 3)), [[1, 1, 1], [1]]]
+)
 def test_an_albedo_that_is_none_is_refused(albedo):
     with pytest.raises(el.EnvLightsError, match="albedo"):
         el.viewer.Model(TRIANGLE, [[0, 1, 2]], albedo)

@@ -134,6 +134,8 @@ def test_a_page_of_a_rig_shows_its_lights_and_says_what_it_lacks(tmp_path):
 def test_refusals(arguments, said, tmp_path):
     with pytest.raises(el.EnvLightsError, match=said):
         el.view(*arguments)
+    with pytest.raises(el.EnvLightsError, match="fill must be"):
+        el.view(RIG, fill="nonsense")
     with pytest.raises(el.EnvLightsError, match="suffix"):
         el.view(RIG).save(tmp_path / "page.txt")
 

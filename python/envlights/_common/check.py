@@ -117,6 +117,14 @@ def amount(name: str, value: object, least: float = 0.0, most: float = math.inf)
     return number
 
 
+def positive(name: str, value: object, most: float = math.inf) -> float:
+    """`value` as a finite float above 0, up to `most`; the error names the argument."""
+    number = amount(name, value, most=most)
+    if number == 0:
+        raise EnvLightsError(f"{name} must be above 0; got 0")
+    return number
+
+
 def first_not_finite(image: NDArray[Any]) -> tuple[int, int, Any] | None:
     """Row, column and value of the first sample that is NaN or infinite, or None."""
     bad = np.argwhere(~np.isfinite(image))

@@ -38,7 +38,9 @@ def plain(value: Any, infinity: str | None = INFINITE) -> Any:
         value = value._asdict()
     if isinstance(value, Mapping):
         return {str(name): plain(each, infinity) for name, each in value.items()}
-    if isinstance(value, list | tuple | range | set | frozenset):
+    if isinstance(value, set | frozenset):  # whose order differs between processes
+        return sorted((plain(each, infinity) for each in value), key=repr)
+    if isinstance(value, list | tuple | range):
         return [plain(each, infinity) for each in value]
     if hasattr(value, "to_dict"):
         return plain(value.to_dict(), infinity)

@@ -88,7 +88,7 @@ def matches(pattern: str) -> list[str]:
 def read_text(path: str | os.PathLike[str]) -> str:
     """Text of a file; raises an error if it cannot be read."""
     try:
-        return as_path(path).read_text(encoding="utf-8")
+        return as_path(path).read_text(encoding="utf-8-sig")
     except OSError as error:
         raise unreadable(path, error) from None
     except UnicodeDecodeError:
@@ -152,7 +152,8 @@ def write_atomically(path: str | os.PathLike[str], write: Callable[[Path], objec
             # Flush to disk before the rename replaces the old file.
             _flush(beside)
             beside.replace(target)
-        _flush(target.parent)
+        with contextlib.suppress(OSError):  # the file is in place already
+            _flush(target.parent)
     except OSError as error:
         raise FileError(f"cannot write {path}: {error.strerror or error}") from error
 
@@ -192,7 +193,8 @@ def _locked_file(target: Path, mark: str) -> Iterator[Path]:
             yield beside
             return
         with beside.open("xb") as file:
-            fcntl.flock(file, fcntl.LOCK_EX)
+            with contextlib.suppress(OSError):  # some file systems have no locks
+                fcntl.flock(file, fcntl.LOCK_EX)
             if os.fstat(file.fileno()).st_nlink:
                 yield beside
                 return

@@ -49,7 +49,7 @@ def batch(
 ) -> Batch:
     """Fit, detect or split many maps, with a row of numbers and a file for each.
 
-    A map that fails costs its row, which has the reason. With a folder `out`, a batch that was
+    A map that fails has a row with the reason. With a folder `out`, a batch that was
     killed goes on where it stopped when it is started again: maps of the same content and options
     are not done again, and those that failed are. A file of the folder that no batch wrote is never
     replaced: its map fails.
@@ -70,8 +70,8 @@ def batch(
         and texts, a rig, lights or another result. When its own text changes, all maps are done
         again, but not when a function that it calls changes.
     suffix : str, optional
-        Format of the file of each map, as in `Rig.save`; a split also writes its rest as ``.exr``.
-        None: no files.
+        Format of the file of each map, as in `Rig.save`; a split also writes its remainder as
+        ``.exr``. None: no files.
     executor : {"thread", "process"} or object with `submit`, optional
         "thread", the default: threads of this process. "process": processes of its own, started by
         spawn. Or any object with ``submit(f, x)``, whose results have ``result()``, and whose
@@ -133,8 +133,9 @@ def batch(
                 "suffix": suffix,
                 "version": _version(),
             }
-            tasks = _tasks(maps, journal, what, options, folder, suffix, threads, method, calls)
-            tasks = (task._replace(reading=reading) for task in tasks)
+            out = None if folder is None else str(folder)
+            common = Task(what, options, threads, out, suffix, reading)
+            tasks = _tasks(maps, journal, common, method, calls)
             done = in_window(pool, work_on, tasks, _AHEAD * jobs)
             counts = [
                 _keep(task, future, journal, head)
@@ -182,21 +183,20 @@ def _folder(out: str | os.PathLike[str]) -> Path:
 def _tasks(
     maps: Any,
     journal: Journal,
-    what: str | Callable[..., Any],
-    options: Mapping[str, Any],
-    folder: Path | None,
-    suffix: str | None,
-    threads: int | None,
+    common: Task,
     method: tuple[str, str, str | None],
     calls: set[str],
 ) -> Iterator[Task]:
     """Tasks, one per map, created when a worker is free; their sources are added to `calls`."""
     names = {source: entry.name for source, entry in journal.entries.items()}
-    out = None if folder is None else str(folder)
+    folder = None if common.folder is None else Path(common.folder)
     for name, source, content in with_unique_names(items_of(maps, folder), names, calls):
-        known = journal.finished_hash(source, name, method)
-        own = journal.claim(name, files_of(name, what, suffix))
-        yield Task(name, source, content, what, options, out, suffix, threads, known, own)
+        files = files_of(name, common.what, common.suffix)
+        # A function may write no map.
+        written = files if common.what == "split" else files[-1:]
+        known = journal.finished_hash(source, name, method, written)
+        own = journal.claim(name, files)
+        yield common._replace(name=name, source=source, content=content, known=known, own=own)
 
 
 def _keep(task: Task, future: Future[Any], journal: Journal, head: dict[str, Any]) -> bool:

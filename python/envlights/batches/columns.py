@@ -10,6 +10,7 @@ from importlib import import_module
 from typing import Any
 
 from envlights._common.check import check_choice
+from envlights._common.files import check_writable
 from envlights._common.tables import check_suffix, csv_text, json_lines, save_table
 from envlights._native import EnvLightsError
 
@@ -116,6 +117,7 @@ def check_table(path: str | os.PathLike[str]) -> None:
     """Raise an error for a table that cannot be written, before the work."""
     if check_suffix(path, SUFFIXES) == ".parquet":
         _arrow()
+    check_writable(path)
 
 
 def _arrow() -> Any:

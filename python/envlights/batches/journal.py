@@ -158,14 +158,15 @@ class Journal:
         return frozenset(file for file in files if file in self._claims)
 
     def finished_hash(
-        self, source: str, name: str, method: tuple[str, str, str | None]
+        self, source: str, name: str, method: tuple[str, str, str | None], files: Iterable[str]
     ) -> str | None:
-        """SHA-256 of a map whose row and file exist for the same method; otherwise None."""
+        """SHA-256 of a map whose row and files exist for the same method; otherwise None."""
         entry = self.entries.get(source)
         if entry is None or entry.method != method or entry.name != name:
             return None
-        is_there = entry.file is None or (self._folder and (self._folder / entry.file).exists())
-        return entry.sha256 if is_there else None
+        if entry.file is None or self._folder is None:
+            return entry.sha256
+        return entry.sha256 if all((self._folder / file).exists() for file in files) else None
 
     def append(self, row: dict[str, Any]) -> None:
         """Write a complete row; the file of its map must already be on disk.
@@ -227,13 +228,17 @@ def _lock_file(path: Path) -> IO[bytes]:
     check_writable(path)
     try:
         file = path.open("a+b")
-        if fcntl is not None:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as error:
+        raise EnvLightsError(f"cannot write {path}: {error.strerror}") from None
+    if fcntl is None:
+        return file
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         file.close()
         raise EnvLightsError(
             f"another batch writes to the folder {path.parent}; wait for its end, or give another"
         ) from None
-    except OSError as error:
-        raise EnvLightsError(f"cannot write {path}: {error.strerror}") from None
+    except OSError:  # some file systems have no locks
+        pass
     return file

@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 
 from envlights._common.check import count, describe, named_arguments
 from envlights._common.result import Result
+from envlights._common.words import percent
 from envlights._native import EnvLightsError
 from envlights.batches.result import Batch
 from envlights.batches.rows import row_of
-from envlights.export.capabilities import HARMONIC_MEAN
+from envlights.kernels.ambient import as_harmonics
 from envlights.kernels.image import LUMINANCE
 from envlights.rigs.lights import Lights
 from envlights.rigs.lobes import SphericalGaussians, lobes
@@ -69,11 +70,11 @@ class LabelArrays(Result):
 
     def in_short(self) -> str:
         """Number of maps, slots and lights."""
-        return f"{len(self)} maps with {self.mask.shape[1]} places, {self.mask.sum()} lights"
+        return f"{len(self)} maps with {self.mask.shape[1]} slots, {self.mask.sum()} lights"
 
     def __str__(self) -> str:
         most = self.left_out.max(initial=0)
-        return f"{self.in_short()}; at most {100 * most:.3g} % of the lights of a map left out"
+        return f"{self.in_short()}; at most {percent(most)} of the lights of a map left out"
 
     def to_dict(self) -> dict[str, Any]:
         """All arrays, by name."""
@@ -89,8 +90,8 @@ def label_arrays(labels: Batch | Iterable[Rig | Lights], lights: int) -> LabelAr
     labels : Batch or iterable of Rig or Lights
         Maps that failed are left out.
     lights : int
-        Places for the lights of each map, k. Brighter lights come first; those beyond the places
-        are left out, and `left_out` has their fraction.
+        Number of slots for the lights of each map, k. Brighter lights come first; those beyond the
+        slots are left out, and `left_out` has their fraction.
 
     Returns
     -------
@@ -136,9 +137,7 @@ def label_arrays(labels: Batch | Iterable[Rig | Lights], lights: int) -> LabelAr
         luminance = every @ LUMINANCE
         left_out[number] = luminance[places:].sum() / (luminance.sum() or 1.0)
         ambient[number] = row.get("ambient") or (0, 0, 0)
-        harmonics[number, 0] = ambient[number] / HARMONIC_MEAN
-        if row.get("ambient_harmonics"):
-            harmonics[number] = row["ambient_harmonics"]
+        harmonics[number] = row.get("ambient_harmonics") or as_harmonics(ambient[number])
     gaussians = _gaussians(mask, direction, irradiance, radius)
     arrays = (direction, irradiance, radius, *gaussians, ambient, harmonics, left_out)
     names = tuple(row.get("name", "") for row in rows)

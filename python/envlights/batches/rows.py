@@ -12,7 +12,7 @@ from envlights._native import EnvLightsError
 from envlights.detection.lights import DetectedLights
 from envlights.environment.envmap import EnvMap
 from envlights.environment.light import mean_radiance
-from envlights.export.capabilities import HARMONIC_MEAN
+from envlights.kernels.ambient import mean_ambient
 from envlights.rigs.lights import Lights
 from envlights.rigs.rig import Rig
 
@@ -45,12 +45,11 @@ def _of_rig(rig: Rig) -> dict[str, Any]:
     report = rig.report
     lights = _each_light(rig.lights, tolerances=report.direction_tolerances)
     harmonics = rig.ambient if rig.ambient.ndim == 2 else None
-    mean = rig.ambient if harmonics is None else HARMONIC_MEAN * harmonics[0]
     return {
         "error": rig.error,
         "shadow_error": report.shadow_error,
         "gloss_error": report.gloss_error(),
-        "ambient": mean.tolist(),
+        "ambient": mean_ambient(rig.ambient).tolist(),
         "ambient_harmonics": None if harmonics is None else harmonics.tolist(),
         "units": rig.units,
         "notes": note_codes(rig.notes),

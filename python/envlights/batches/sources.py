@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from envlights._common.check import describe
-from envlights._common.errors import MissingFileError
+from envlights._common.errors import FileError, MissingFileError
 from envlights._common.files import MAPS, matches, read_text
 from envlights._common.printable import printable
 from envlights._native import EnvLightsError
@@ -138,8 +138,11 @@ def _addresses(text: str) -> list[str]:
             f"cannot list {printable(text)}: addresses are listed by fsspec, which is not"
             " installed; install it, or give paths"
         ) from None
-    files, path = fsspec.core.url_to_fs(text)
-    paths = sorted(files.glob(path))
+    try:
+        files, path = fsspec.core.url_to_fs(text)
+        paths = sorted(files.glob(path))
+    except Exception as error:  # each file system of fsspec has its own errors
+        raise FileError(f"cannot list {printable(text)}: {printable(str(error))}") from None
     if not paths:
         raise MissingFileError(f"no file matches the pattern '{printable(text)}'")
     return [files.unstrip_protocol(each) for each in paths]

@@ -21,6 +21,7 @@ from envlights.detection.detect import detect
 from envlights.environment.decoders.source import ADDRESS, is_source, named_source
 from envlights.environment.envmap import EnvMap
 from envlights.environment.files.image_output import MAP_SUFFIXES
+from envlights.environment.picture_files import six_files
 from envlights.environment.reading import Reading, as_envmap
 from envlights.fitting.error_curve import error_curve
 from envlights.fitting.fit import fit
@@ -38,30 +39,30 @@ _BLOCK = 2**20
 
 
 class Task(NamedTuple):
-    """Work on one map."""
+    """Work on one map; the first fields are those of the whole batch."""
 
-    name: str
-    source: str
-    content: Any
     what: str | Callable[..., Any]
     """Name of a method, or a user's function."""
 
     options: Mapping[str, Any]
-    folder: str | None
-    """Folder for the saved file; None to save nothing."""
-
-    suffix: str | None
     threads: int | None
     """Number of kernel threads; None leaves it unchanged."""
 
-    known: str | None
+    folder: str | None = None
+    """Folder for the saved file; None to save nothing."""
+
+    suffix: str | None = None
+    reading: Reading | None = None
+    """Options for reading the map."""
+
+    name: str = ""
+    source: str = ""
+    content: Any = None
+    known: str | None = None
     """SHA-256 of the content that already has a row."""
 
     own: frozenset[str] = frozenset()
     """Files in the folder that this batch may overwrite."""
-
-    reading: Reading | None = None
-    """Options for reading the map."""
 
 
 def work_on(task: Task) -> dict[str, Any] | None:
@@ -124,17 +125,7 @@ def row(
         raise EnvLightsError(f"what must be one of {', '.join(METHODS)}, or a function; got {what}")
     if isinstance(what, str) and options.keys() - inspect.signature(METHODS[what]).parameters:
         check_options(what, options)  # raises an error with a suggestion
-    task = Task(
-        name="",
-        source="",
-        content=env,
-        what=what,
-        options=options,
-        folder=None,
-        suffix=None,
-        threads=count("threads", threads),
-        known=None,
-    )
+    task = Task(what, options, count("threads", threads), content=env)
     found = work_on(task) or {}  # never None, because no row is known
     return {name: value for name, value in found.items() if name not in {"name", "source", "file"}}
 
@@ -185,9 +176,11 @@ def _parts(content: Any) -> Iterator[Any]:
         for each in content:
             yield from _parts(each)
     elif is_source(content):
-        with named_source(content).open() as file:
-            while block := file.read(_BLOCK):
-                yield block
+        faces = six_files(content)
+        for each in [content] if faces is None else faces.files:
+            with named_source(each).open() as file:
+                while block := file.read(_BLOCK):
+                    yield block
     else:
         array = np.ascontiguousarray(content)
         yield f"{array.shape} {array.dtype}".encode()

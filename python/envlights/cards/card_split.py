@@ -46,14 +46,15 @@ class CardSplit(_Fields, LinkedParts):
     ) -> tuple[Path, ...]:
         """Write the cards and the remaining map, for one or several programs.
 
-        The rest is written and named as by `Split.save`. OpenUSD, Mitsuba, Blender, pbrt, three.js
-        and glTF show rectangles, tubes and discs as planes with their textures, and all other
-        lights as discs at infinity. Other programs show all lights as discs.
+        The remainder is written and named as by `Split.save`. OpenUSD, Mitsuba, Blender, pbrt,
+        three.js and glTF show rectangles, tubes and discs as planes with their textures, and all
+        other lights as discs at infinity. Other programs show all lights as discs.
 
         Parameters
         ----------
         *paths : path-like
-            Scenes (`el.export.TARGETS` lists the suffixes), and files of the rest (.exr, .hdr).
+            Scenes (`el.export.TARGETS` lists the suffixes), and files of the remainder (.exr,
+            .hdr).
         distance : float, optional
             Distance of the centre of each card from the origin. By default, cards that were placed
             by `Cards.at` stay, and others are at 1000 times `radius`, where the distance has no

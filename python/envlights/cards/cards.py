@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native
 from envlights._common.arrays import seal
-from envlights._common.check import amount, count, flag, reals, rotation, texts
+from envlights._common.check import amount, count, flag, positive, reals, rotation, texts
 from envlights._common.notes import Note
 from envlights._common.result import Result
 from envlights._common.tables import MOST_ROWS, Table
@@ -228,9 +228,7 @@ class Cards(Result):
         Seen from the origin, nothing changes. Elsewhere a card at a finite distance has parallax:
         the error of an image falls as 1 / distance.
         """
-        distance = amount("distance", distance, most=_FARTHEST)
-        if not distance:
-            raise EnvLightsError("distance must be greater than 0; got 0")
+        distance = positive("distance", distance, most=_FARTHEST)
         length = np.linalg.norm(geometry.centres(self.matrix), axis=1)
         matrix = self.matrix * (distance / length)[:, None, None]
         return replace(self, matrix=matrix, is_placed=True)
@@ -240,7 +238,7 @@ class Cards(Result):
 
         An image of a ball on a floor changes by about 2 / distance, in radii of the ball.
         """
-        return self.at(FAR * amount("radius", radius, most=_FARTHEST / FAR))
+        return self.at(FAR * positive("radius", radius, most=_FARTHEST / FAR))
 
     @property
     def has_outline(self) -> NDArray[np.bool_]:

@@ -75,7 +75,7 @@ def command(
 ) -> None:
     """Do the same work on many maps: files, folders, patterns or lists of paths (.txt, .jsonl).
 
-    A map that fails costs its row; the exit code is then 1.
+    A map that fails has a row with the reason, and the exit code is 1.
     """
     if table is not None:
         check_table(table)

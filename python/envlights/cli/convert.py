@@ -9,9 +9,9 @@ from typing import Any
 
 import click
 
+from envlights._common.errors import FileError
 from envlights._native import EnvLightsError
-from envlights.cli.options.map_input import MapCommand, MapFile, map_argument
-from envlights.cli.options.numbers import numbers
+from envlights.cli.options.map_input import MapCommand, MapFile, direction_in, map_argument
 from envlights.cli.options.outputs import check_source, default_of, say_written
 from envlights.environment.envmap import EnvMap
 from envlights.environment.files.image_output import COMPRESSIONS, MAP_SUFFIXES
@@ -111,8 +111,9 @@ def command(
     outputs = [output] if Path(output).suffix else _in_folder(output, paths)
     if len(outputs) != len(paths):
         raise EnvLightsError(f"{len(paths)} maps need a folder; got -o {output}, which is a file")
-    for each in outputs:
+    for path, each in zip(paths, outputs, strict=True):
         check_picture_path(each)
+        check_source(each, {"the map": path})
     saving = {"half": half, "compression": compression}
     layout = with_target_arguments(
         target,
@@ -120,7 +121,7 @@ def command(
         registration=to_registration,
         mapping=to_mapping,
         fov=view,
-        forward=None if to_forward is None else numbers("--to-forward", to_forward, "0,0,1"),
+        forward=to_forward and direction_in(map_file.frame, "--to-forward", to_forward),
     )
     for path, each in zip(paths, outputs, strict=True):
         env = map_file._replace(path=path).open()
@@ -138,9 +139,10 @@ def _in_folder(folder: str, paths: Sequence[str]) -> list[str]:
     ]
     if len(set(files)) < len(files):
         raise EnvLightsError("two maps have the same name; give one of them another folder")
-    Path(folder).mkdir(exist_ok=True)
-    for path, file in zip(paths, files, strict=True):
-        check_source(file, {"the map": path})
+    try:
+        Path(folder).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise FileError(f"cannot make the folder {folder}: {error.strerror}") from None
     return files
 
 

@@ -36,7 +36,7 @@ Answer = dict[str, Any]
 #: End of the description of each tool with an argument `reading`.
 _READING = (
     " `reading` has arguments of EnvMap.open, levelled, calibrated and rotated, such as"
-    ' {"colour": "linear", "lux": 900, "layout": {"projection": "fisheye", "fov": 180}}.'
+    ' {"colour": "linear", "lux": 900, "layout": {"projection": "cube", "faces": "opengl"}}.'
 )
 
 
@@ -57,11 +57,11 @@ class Tools:
         return {**facts, "layout": env.source.projection, "notes": list(env.notes)}
 
     def fit(
-        self, map: str, lights: int = 4, error: Number = None, ambient: str = "constant",
+        self, map: str, lights: Count = None, error: Number = None, ambient: str = "constant",
         output: File = None, reading: Reading = None,
     ) -> Answer:  # fmt: skip
-        """Fit an ambient term and at most this many lights; write a rig for any program."""
-        most = lights if error is None else None
+        """Fit an ambient term and at most this many lights (4 without an error); write a rig."""
+        most = 4 if lights is None and error is None else lights
         rig = fit(self._read(map, reading), most, error=error, ambient=ambient)
         return self._answer(rig, output, map)
 

@@ -11,9 +11,7 @@ import click
 from envlights._native import EnvLightsError
 from envlights.cli.options.outputs import check_output, say_written
 from envlights.environment.envmap import EnvMap
-
-#: Formats that can hold radiance above the clip level.
-MAPS = (".exr", ".hdr")
+from envlights.environment.files.image_output import MAP_SUFFIXES
 
 
 @click.command("merge")
@@ -36,7 +34,7 @@ def command(patterns: Sequence[str], output: str, times: str | None, response: s
     GLOB is a file, or a pattern such as 'shots/*.jpg', whose files are sorted by name.
     """
     paths = [path for pattern in patterns for path in _paths(pattern)]
-    check_output(output, MAPS, {f"exposure {n}": path for n, path in enumerate(paths, 1)})
+    check_output(output, MAP_SUFFIXES, {f"exposure {n}": path for n, path in enumerate(paths, 1)})
     seconds = None if times is None else [_seconds(time) for time in times.split(",")]
     env = EnvMap.from_exposures(paths, seconds, response=response)
     env.save(output)

@@ -112,6 +112,7 @@ def apply_edits(removed: Lights, edits: Mapping[str, Sequence[str]]) -> Lights:
             lights = change(lights, _row(f"--{option}", number, removed, lights), value)
     for text in edits["add"]:
         azimuth, elevation, level = numbers("--add", text, "120,35,10")
+        amount("--add: the elevation in degrees", elevation, -90.0, 90.0)
         towards = direction_at(*np.deg2rad([azimuth, elevation]))
         lights = lights.with_light(towards, [level] * 3)
     return lights

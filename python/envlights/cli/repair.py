@@ -16,12 +16,10 @@ from envlights.cli.options.map_input import (
 from envlights.cli.options.outputs import check_output, say_written
 from envlights.cli.options.sun_input import reading_options, sun_options
 from envlights.environment.envmap import EnvMap
+from envlights.environment.files.image_output import MAP_SUFFIXES
 from envlights.sun.choice import AnySun, is_of_map, sun_of
 from envlights.sun.sun_split import with_sun
 from envlights.sun.wording import HOLDS_SUN
-
-#: Formats that can hold radiance above the clip level.
-MAPS = (".exr", ".hdr")
 
 
 @click.command("repair", cls=MapCommand)
@@ -39,7 +37,7 @@ def command(
     sun: AnySun | None,
 ) -> None:
     """Estimate the clipped light of MAP, such as a JPEG or PNG."""
-    check_output(output, MAPS, {"the map": map_file.path})
+    check_output(output, MAP_SUFFIXES, {"the map": map_file.path})
     choice = radiance_or_name(fill)
     readings: dict[str, Any] = {"irradiance": irradiance, "ratio": ratio, "fill": choice}
     env = map_file.open(choice)

@@ -116,6 +116,11 @@ def command(
     if options and ((sun is not None and not shapes) or maximum is not None):
         raise EnvLightsError("--set is of detected lights; leave out --sun and --limit, or --set")
     check_options("split", {"lights": lights, "fraction": fraction, "shapes": shapes, **options})
+    pictures = [output for output in outputs if Path(output).suffix.lower() in PICTURES]
+    if maximum is not None and pictures:
+        raise EnvLightsError(
+            f"cannot write {pictures[0]}: pictures show lights of a split without --limit"
+        )
     env = map_file.open()
     found = None if sun is None else sun_of(env, sun)
     readings = {"irradiance": irradiance, "ratio": ratio}
@@ -203,10 +208,6 @@ def _write(
 
 
 def _draw(env: EnvMap, parts: _Parts, sun: Sun | None, output: str) -> None:
-    if isinstance(parts, Limit):
-        raise EnvLightsError(
-            f"cannot write {output}: pictures show lights of a split without --limit"
-        )
     from envlights import plot
 
     if isinstance(parts, CardSplit):

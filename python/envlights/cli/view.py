@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from envlights._native import EnvLightsError
 from envlights.cli.options.map_input import MapCommand, MapFile, map_argument, radiance_or_name
 from envlights.cli.options.outputs import check_output, say_written
 from envlights.rigs.rig import Rig
@@ -31,7 +32,7 @@ from envlights.viewer.page import SUFFIXES, view
     help="Radiance where MAP shows nothing (alpha, a crop): black, harmonic, ground, a number, or"
     " R,G,B.",
 )
-@click.option("--model", metavar="FILE", help="Thing to show: .glb, .gltf, .obj, .ply or .stl.")
+@click.option("--model", metavar="FILE", help="Model: .glb, .gltf, .obj, .off, .ply or .stl.")
 @click.option(
     "--scale", type=float, default=1.0, show_default=True, help="Metres per unit of the model."
 )
@@ -61,6 +62,10 @@ def command(
     shown = None if model is None else Model.open(model, scale=scale, up=up)
     is_rig = Path(map_file.path).suffix.lower() == ".json"
     title = title or Path(map_file.path).stem
+    if is_rig and (map_file.reading or fill is not None):
+        raise EnvLightsError(
+            f"{map_file.path} is a rig; leave out --fill and the options on how a map is read"
+        )
     if is_rig:
         page = view(Rig.load(map_file.path), lights, title=title, model=shown, truth=truth)
     else:

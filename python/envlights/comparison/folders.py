@@ -79,13 +79,12 @@ class FolderComparison(Result):
         """Table of the errors per sphere, with means and medians."""
         spheres = list(self.protocol.materials)
         parts = [f"{name}_{what}" for name in spheres for what in ("rmse", "si_rmse", "angle")]
-        columns = self.columns()
+        each = {name: _numbers(pair) for name, pair in self.comparisons.items()}
+        each |= {"mean": self.mean, "median": self.median} if each else {}
         rows = [
-            [name, *(f"{columns[part][i]:.4g}" for part in parts)]
-            for i, name in enumerate(self.comparisons)
+            [name, *(f"{numbers.get(part, np.nan):.4g}" for part in parts)]
+            for name, numbers in each.items()
         ]
-        for what, numbers in (("mean", self.mean), ("median", self.median)):
-            rows += [[what, *(f"{numbers[part]:.4g}" for part in parts)]] if rows else []
         return Table(["name", *(part.replace("_", " ", 1) for part in parts)], rows)
 
     def _table(self) -> Table | None:
@@ -171,7 +170,7 @@ def compare_folders(
     -------
     FolderComparison
         A row for each pair, sorted by name. A file that cannot be read, or that has no counterpart,
-        costs its row; `failures` says why.
+        has no row; `failures` says why.
 
     Raises
     ------

@@ -31,8 +31,8 @@ def notes_of_size(sides: Mapping[str, EnvMap | Rig | Lights], rows: int) -> list
             size = f"{what.width}x{what.height} to {2 * rows}x{rows} pixels"
             notes.append(f"{name}: {change} from {size} by area means")
         if what.coverage is not None:
-            percent = 100 * (1 - what.coverage_fraction)
-            notes.append(f"{name}: {percent:.3g} % of the sphere is not seen and was filled")
+            filled = percent(1 - what.coverage_fraction)
+            notes.append(f"{name}: {filled} of the sphere is not seen and was filled")
     return notes
 
 

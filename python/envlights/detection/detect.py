@@ -12,13 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _native
-from envlights._common.check import LARGEST_COUNT, amount, count, named_arguments
+from envlights._common.check import LARGEST_COUNT, amount, count, named_arguments, positive
 from envlights._common.notes import black_note
 from envlights.detection import wording
 from envlights.detection.colour_casts import colour_cast_notes
 from envlights.detection.lights import DetectedLights, DetectionReport
 from envlights.detection.members import Members
-from envlights.environment.clip_level import checked_clip_level
 from envlights.environment.envmap import EnvMap
 from envlights.environment.light import mean_radiance
 from envlights.environment.open import doubts_of_array
@@ -175,9 +174,10 @@ def detect_with_luminance(
     def detection_in(world: EnvMap) -> _native.TreeDetection:
         clip_level = checked.clip_level
         clip_level = world._pixels.clip_level_of_picture if clip_level is None else clip_level
-        is_border = world.registration == "border-sampled"
         options_of_map = checked._replace(clip_level=clip_level)
-        return _native.detect_tree(world.radiance, is_border, options_of_map, world.coverage)
+        return _native.detect_tree(
+            world.radiance, world.is_border_sampled, options_of_map, world.coverage
+        )
 
     world, detection = apply_to_map(arguments.args[0], detection_in)
     casts = colour_cast_notes(world, detection.peak_direction, detection.peak_luminance)
@@ -219,7 +219,7 @@ def _options(given: dict[str, Any]) -> TreeOptions:
         min_flux_fraction=number("min_flux_fraction", most=1.0),
         min_worth=number("min_worth"),
         max_lights=LARGEST_COUNT if lights is None else count("max_lights", lights, 1),
-        clip_level=None if level is None else checked_clip_level(level),
+        clip_level=None if level is None else positive("clip_level", level),
     )
 
 

@@ -56,7 +56,7 @@ class DetectionReport(Result):
     """Report of a detection: its threshold, and lights that were not listed."""
 
     method: str
-    """Detector: "tree" or "article"."""
+    """Detector: "tree" or "loghin"."""
 
     threshold: float
     """Luminance above which a pixel is bright."""
@@ -68,7 +68,7 @@ class DetectionReport(Result):
     """Height and width of the reduced map in which lights were detected."""
 
     clip_level: float | None = None
-    """Luminance at which the map is clipped; None for unclipped maps, and for "article"."""
+    """Luminance at which the map is clipped; None for unclipped maps, and for "loghin"."""
 
     skipped: tuple[str, ...] = ()
     """Sentences on dropped or merged lights, or on why there are none."""
@@ -77,7 +77,7 @@ class DetectionReport(Result):
     """Notes on the map and on single lights."""
 
     remainder: tuple[float, ...] | None = None
-    """Mean radiance of the map without the lights, linear RGB; None for "article"."""
+    """Mean radiance of the map without the lights, linear RGB; None for "loghin"."""
 
     details: tuple[str, ...] = ()
     """Numbers for developers of detectors, printed by ``envlights detect --verbose``."""

@@ -36,6 +36,6 @@ def load_lights(path: str | os.PathLike[str]) -> Rig | Lights:
         return Lights.load(path) if read_csv(path).ambient is None else Rig.load(path)
     kind = None
     with contextlib.suppress(OSError, ValueError, RecursionError, AttributeError):
-        kind = json.loads(as_path(path).read_text(encoding="utf-8")).get("format")
+        kind = json.loads(as_path(path).read_text(encoding="utf-8-sig")).get("format")
     reader = _READERS.get(kind) if isinstance(kind, str) else None
     return reader(path) if reader else Rig.load(path)

@@ -70,10 +70,10 @@ class Members(Result):
         inside = (light >= 0) & (light < lights) & (row >= 0) & (row < size[0])
         inside &= (column >= 0) & (length > 0) & (column + length <= size[1])
         if not inside.all():
-            coverage = np.asarray(runs)[~inside][0].tolist()
+            bad = np.asarray(runs)[~inside][0].tolist()
             raise EnvLightsError(
                 f"members must lie in the {size[1]}x{size[0]} pixels and belong to one of"
-                f" {lights} lights; got light, row, column, length {coverage}"
+                f" {lights} lights; got light, row, column, length {bad}"
             )
         along = np.arange(length.sum()) - np.repeat(np.cumsum(length) - length, length)
         pixel = np.stack([row.repeat(length), column.repeat(length) + along], axis=1)

@@ -14,7 +14,7 @@ def reason_of_tree(detection: _native.TreeDetection) -> str:
     if detection.threshold_rule is None:
         return "set by the caller"
     factor, fraction, light_share = detection.threshold_rule
-    quantile = f"{factor:g} x the {100 * fraction:.3g} % quantile"
+    quantile = f"{factor:g} x the {percent(fraction)} quantile"
     if light_share is None:
         return quantile
     return f"{quantile} of all but the brightest parts"
@@ -68,9 +68,9 @@ def details_of_tree(detection: _native.TreeDetection) -> tuple[str, ...]:
 def _rules(detection: _native.TreeDetection) -> list[str]:
     lines = []
     if detection.threshold_rule is not None and detection.threshold_rule[2] is not None:
-        fraction = 100 * detection.threshold_rule[2]
+        fraction = percent(detection.threshold_rule[2])
         lines.append(
-            f"the brightest {fraction:.3g} % of the sphere counts as light, so the quantile is"
+            f"the brightest {fraction} of the sphere counts as light, so the quantile is"
             " taken below the flux-weighted Otsu threshold"
         )
     if any(detection.panes):
@@ -99,7 +99,7 @@ def _clipping(detection: _native.TreeDetection) -> list[str]:
 
 def _tiles(detection: _native.TreeDetection) -> list[str]:
     tiles, dark = detection.tiles, detection.tiles - detection.opened_tiles
-    return [f"{dark} of {tiles} tiles ({100 * dark / tiles:.3g} %) are dark and were not searched"]
+    return [f"{dark} of {tiles} tiles ({percent(dark / tiles)}) are dark and were not searched"]
 
 
 def reason_of_article(relative: str, level: float, clip_level: float | None, code: float) -> str:
@@ -112,5 +112,5 @@ def reason_of_article(relative: str, level: float, clip_level: float | None, cod
         return reason
     if level >= clip_level:
         return f"{reason}; it lies above the clip level"
-    fraction = f"{100 * level / clip_level:.3g} % of the clip level"
+    fraction = f"{percent(level / clip_level)} of the clip level"
     return f"{reason}; {fraction}, code {code:.0f} of 255 in sRGB"

@@ -12,6 +12,7 @@ from envlights._common.check import for_kernels
 from envlights._common.srgb import decode_codes
 from envlights._native import EnvLightsError
 from envlights.environment.clip_level import clip_level_of_codes
+from envlights.environment.colour.alpha import share_of_alpha
 from envlights.environment.coverage import checked_coverage, multiply_by_coverage
 from envlights.environment.files.hints import NO_HINTS
 from envlights.environment.files.images import Image
@@ -42,7 +43,7 @@ def image_of_array(
     ----------
     array : array_like, or mapping from names to array_like
     coverage : array_like, optional
-        Share of each pixel that is seen, beside that of alpha and mask.
+        Fraction of each pixel that is seen, beside that of alpha and mask.
     known_level : float, optional
         Clip level; when left out, the histogram of codes has one.
     what : str
@@ -143,22 +144,14 @@ def _rgb(array: NDArray[Any], notes: list[str], what: str) -> _Samples:
     if channels == 3:
         return _Samples(array, None)
     if channels == 4:
-        return _Samples(array[..., :3], _share_of_alpha(array[..., 3]))
+        share = share_of_alpha(array[..., 3])
+        return _Samples(array[..., :3], None if (share == 1).all() else share)
     if channels == 1:
         notes.append("the only channel was read as grey")
         return _Samples(np.repeat(array, 3, axis=-1), None)
     raise EnvLightsError(
         f"{what} must have the shape (height, width, 3), or (height, width) for grey; got {shape}"
     )
-
-
-def _share_of_alpha(alpha: NDArray[Any]) -> NDArray[np.float32] | None:
-    """Alpha from 0 to 1; None if all pixels are opaque. NaN counts as opaque."""
-    if alpha.dtype.kind == "f":
-        fraction = np.nan_to_num(alpha.astype(np.float32), nan=1.0).clip(0, 1)
-    else:
-        fraction = alpha.astype(np.float32) / np.float32(np.iinfo(alpha.dtype).max)
-    return None if (fraction == 1).all() else fraction
 
 
 def _without_masked(

@@ -8,8 +8,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights._common.check import amount, reals
+from envlights._common.check import amount, positive, reals
 from envlights._common.units import PHOTOMETRIC
+from envlights._common.words import percent
 from envlights._native import LEAST_WHITE, EnvLightsError
 from envlights.environment.fill import Fill
 from envlights.environment.light import from_unseen, probe
@@ -60,13 +61,13 @@ class Readings(NamedTuple):
         """Measured illuminance, and the unit normal of the measured surface."""
         normal = reals("normal", _UP if self.normal is None else self.normal, 1)
         sphere.direction_to_uv(normal[None])  # raises an error for a vector whose length is not 1
-        return _reading("lux", self.lux), normal
+        return positive("lux", self.lux), normal
 
     def ratio(self, lux: float) -> float | None:
         """Ratio of the illuminance to that with the sun shaded; None without a second reading."""
         if self.shaded is None:
             return None
-        shaded = _reading("shaded", self.shaded)
+        shaded = positive("shaded", self.shaded)
         if shaded >= lux:
             raise EnvLightsError(
                 f"shaded must be below lux, because shade takes light away; got {shaded:g} lux in"
@@ -82,7 +83,7 @@ def calibrate(pixels: MapPixels, readings: Readings, patch: float, fill: Fill) -
     if readings.lux is not None:
         return _by_lux(pixels, readings, fill)
     if readings.nits is not None and readings.at is not None:
-        return _by_luminance(pixels, _reading("nits", readings.nits), readings.at, diameter)
+        return _by_luminance(pixels, positive("nits", readings.nits), readings.at, diameter)
     return _by_exposure(pixels, readings.ev100)
 
 
@@ -156,14 +157,6 @@ def _numbers(vector: NDArray[np.float64]) -> str:
     return f"({', '.join(f'{value + 0.0:.3g}' for value in vector)})"
 
 
-def _reading(name: str, value: object) -> float:
-    """Reading of a meter as a number above 0; raises an error for other values."""
-    number = amount(name, value)
-    if number == 0:
-        raise EnvLightsError(f"{name} must be above 0; got 0")
-    return number
-
-
 def _in_nits(
     radiance: NDArray[np.float32], wanted: float, measured: float, source: str
 ) -> tuple[NDArray[np.float32], float, str]:
@@ -212,7 +205,7 @@ class _Patch(NamedTuple):
         """Raise an error if the disc is clipped, or not completely visible in the map."""
         if self.coverage < 1:
             raise EnvLightsError(
-                f"the map does not show all of the disc at `at` ({100 * self.coverage:.3g} % of a"
+                f"the map does not show all of the disc at `at` ({percent(self.coverage)} of a"
                 " pixel); measure a place that it shows"
             )
         if clip_level is not None and self.largest >= LEAST_WHITE * clip_level:

@@ -8,9 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights import _native
-from envlights._common.check import amount
 from envlights._common.srgb import decode_srgb
-from envlights._native import EnvLightsError
 
 #: Codes from here on count as the largest value of the format, which JPEG compression blurs.
 _FULL = 254
@@ -66,11 +64,3 @@ def clip_level_of_codes(
     clip_level, said = white_of(histogram, decode_srgb(np.linspace(0, 1, 256)))
     notes += said
     return clip_level
-
-
-def checked_clip_level(clip_level: float) -> float:
-    """Clip level as a float; raises an error unless it is above 0."""
-    value = amount("clip_level", clip_level)
-    if value == 0:
-        raise EnvLightsError("clip_level must be above 0; got 0")
-    return value

@@ -80,8 +80,8 @@ class EnvMap:
         picture. Known for uint8 and uint16. Detection treats pixels at the clip level as lights of
         unknown brightness; see `detect`.
     coverage : array_like, shape of the array without channels, optional
-        Share of each pixel that the picture shows, from 0 to 1. The radiance is multiplied by it
-        already; pixels of share 0 become black. `filled` has radiance for them.
+        Fraction of each pixel that the picture shows, from 0 to 1. The radiance is multiplied by it
+        already; pixels of fraction 0 become black. `filled` has radiance for them.
     units : {"the map's own scale", "cd/m2"}
         Unit of the radiance; "cd/m2" is that of its luminance. `calibrated` makes it so.
 
@@ -245,10 +245,9 @@ class EnvMap:
         EnvMap
             Radiance 1 is the clip level at an exposure time of 1. With an estimated response it is
             relative: ratios are measured, and its scale, that of the clip level, may be off by a
-            factor of 2; `calibrated` sets it. `clip_level` is set if the
-            shortest exposure is still clipped. `notes` report white below 254, a response other
-            than sRGB, a corrected time, moved pictures, drift of the white balance, and
-            contradictions.
+            factor of 2; `calibrated` sets it. `clip_level` is set if the shortest exposure is still
+            clipped. `notes` report a clip level below code 254, a response other than sRGB, a
+            corrected time, moved pictures, drift of the white balance, and contradictions.
 
         Raises
         ------
@@ -457,7 +456,7 @@ class EnvMap:
         -------
         EnvMap
             Map without `coverage`; its last note names the fill. A map that shows all is returned
-            as it is. A partly seen pixel keeps its radiance, and the fill adds the unseen share.
+            as it is. A partly seen pixel keeps its radiance, and the fill adds the uncovered part.
 
         Raises
         ------

@@ -56,7 +56,7 @@ def checked_unseen(fill: Fill) -> str | list[float] | None:
     if isinstance(fill, str):
         check_choice("fill", fill, FILLS)
         return fill
-    if np.ndim(fill) == 0:
+    if np.isscalar(fill):
         return [amount("fill", fill)] * 3
     return colour("fill", fill)
 

@@ -23,13 +23,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native
+from envlights._common.check import positive
 from envlights._common.errors import FileError
 from envlights._common.notes import log
 from envlights._native import EnvLightsError
 from envlights.environment import resample
 from envlights.environment.arrays import image_of_array
 from envlights.environment.clean import clean
-from envlights.environment.clip_level import checked_clip_level
 from envlights.environment.convert import checked_width
 from envlights.environment.coverage import multiply_by_coverage
 from envlights.environment.exposures import merge_exposures
@@ -54,7 +54,7 @@ def open_map(
 ) -> MapPixels:
     """Map of one file or six; see `EnvMap.open`, whose other arguments are `options`."""
     wanted = layout_of(layout)
-    level = None if clip_level is None else checked_clip_level(clip_level)
+    level = None if clip_level is None else positive("clip_level", clip_level)
     image = read_picture(path, **options)  # bytes, samples, linear light
     try:
         pixels = map_of_image(image, wanted, width, level)
@@ -103,7 +103,7 @@ def map_of_array(
 ) -> MapPixels:
     """Map of an array, or of six arrays; see `EnvMap`."""
     wanted = layout_of(layout)
-    level = None if clip_level is None else checked_clip_level(clip_level)
+    level = None if clip_level is None else positive("clip_level", clip_level)
     image = image_of_array(array, coverage, known_level=level)
     image = replace(image, notes=(*notes, *image.notes), units=units)
     return map_of_image(image, wanted, width, level)

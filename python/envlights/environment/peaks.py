@@ -66,7 +66,7 @@ def spread_peaks(
     border_sampled : bool
         Registration of the map.
     coverage : ndarray of float32, shape (height, width), optional
-        Share of each pixel; nothing is spread to unseen pixels.
+        Fraction of each pixel; nothing is spread to unseen pixels.
     """
     if not (radiance > maximum).any():
         return radiance, []

@@ -68,7 +68,7 @@ def read_picture(source: Any, **options: Any) -> Image:
     EnvLightsError
         If a file cannot be read, or there are not six squares of one size.
     """
-    files = _six_files(source)
+    files = six_files(source)
     if files is None:
         return read_image(source, any_projection=True, **options)
     order, positions = _order(files)
@@ -93,16 +93,28 @@ def faces_of_mapping(faces: Mapping[str, Any]) -> tuple[NDArray[Any], str]:
     EnvLightsError
         If the names are of no convention, or the arrays are no squares of one size.
     """
-    stems, arrays = [str(key) for key in faces], [np.asarray(face) for face in faces.values()]
+    stems = [str(key) for key in faces]
+    arrays = [_array(stem, face) for stem, face in zip(stems, faces.values(), strict=True)]
     named = order_of_names(stems) if len(stems) == 6 else None
     if named is None:
         raise EnvLightsError(_no_order("a mapping", stems))
     each = zip(stems, arrays, strict=True)
     check_square({stem: (*array.shape, 0, 0)[:2] for stem, array in each})
+    kinds = list(dict.fromkeys((array.shape, str(array.dtype)) for array in arrays))
+    if len(kinds) > 1:
+        seen = " and ".join(f"{kind} {shape}" for shape, kind in kinds[:2])
+        raise EnvLightsError(f"the faces must have one shape and one dtype; got {seen}")
     return np.stack([arrays[place] for place in named.positions]), named.order
 
 
-def _six_files(source: Any) -> _Files | None:
+def _array(name: str, values: Any) -> NDArray[Any]:
+    try:
+        return np.asarray(values)
+    except ValueError as error:  # lists of several lengths
+        raise EnvLightsError(f"face {name} must be an array of numbers; {error}") from None
+
+
+def six_files(source: Any) -> _Files | None:
     """Six files of a source; None if the source is a single file."""
     if isinstance(source, Mapping):
         return _six_of("the mapping", [str(key) for key in source], list(source.values()))

@@ -181,7 +181,8 @@ class _Light:
         """Missing flux for a measured irradiance or ratio, with its source as text."""
         name, target, least = "irradiance", irradiance or 0.0, self.upward
         if ratio is not None:
-            name, target, least = "ratio", ratio, self.upward / (self.upward_unclipped or math.nan)
+            check_not_black("the clipped light", self.upward_unclipped)
+            name, target, least = "ratio", ratio, self.upward / self.upward_unclipped
         if not target >= least:
             raise EnvLightsError(
                 f"{name} must be at least that of the map, {least:.4g}; got {target:g}"
@@ -193,6 +194,14 @@ class _Light:
             )
         unit = self.upward_unclipped if ratio is not None else 1.0
         return (target - least) * unit / self.upward_share, f"by the {name} of {target:.4g}"
+
+
+def check_not_black(left_out: str, irradiance: float) -> None:
+    """Raise an error for a ratio to an irradiance of 0."""
+    if irradiance <= 0:
+        raise EnvLightsError(
+            f"the map is black without {left_out}, so a ratio says nothing; give irradiance instead"
+        )
 
 
 def _true_factors(factor: float) -> tuple[float, float]:

@@ -58,7 +58,7 @@ def resample(
     radiance : ndarray of float32, shape (source.height, source.width, 3)
         Multiplied by `coverage`.
     coverage : ndarray of float32, shape (source.height, source.width), optional
-        Share of each pixel that is seen.
+        Fraction of each pixel that is seen.
     source, target : PictureLayout
         Layouts; `target` has cells if it is equirectangular.
     matrix : ndarray, shape (3, 3)

@@ -10,14 +10,12 @@ from numpy.typing import NDArray
 
 from envlights.environment.envmap import EnvMap
 from envlights.kernels import probe, sampling
-from envlights.kernels.ambient import ambient_rows
+from envlights.kernels.ambient import ambient_rows, mean_ambient
 
 #: Rows of the map for a non-constant ambient term, which varies slowly over the sphere.
 ROWS = 128
 #: Number of normals for the comparison, because the irradiance of a rig is smooth.
 _FACES = 5120
-#: Constant term of the harmonics.
-HARMONIC_MEAN = 0.5 / np.sqrt(np.pi)
 
 #: Loss of sizes only, for which `fit` reports the error.
 _AS_POINTS = "lights as points"
@@ -122,7 +120,7 @@ class Capabilities(NamedTuple):
             rows = ambient_rows(ambient, ROWS, floor)
             return EnvMap(rows(slice(0, ROWS))).probe(normals)
         if len(ambient) == 9 and self.harmonics == "none":
-            ambient = HARMONIC_MEAN * ambient[0]
+            ambient = mean_ambient(ambient)
         none = np.zeros((0, 3))
         return probe.rig_irradiance(normals, ambient, none, none, floor=floor)
 

@@ -88,16 +88,17 @@ class LinkedParts:
     def save(self, *paths: AnyPath, **options: Any) -> tuple[Path, ...]:
         """Write the lights and the remaining map, for one or several programs.
 
-        A scene loads the rest by a relative name. Blender, OpenUSD, Unity and Unreal name the file
-        of the rest among `paths`, or one that is written beside the first scene,
+        A scene loads the remainder by a relative name. Blender, OpenUSD, Godot, Unity and Unreal
+        name the file of the remainder among `paths`, or one that is written beside the first scene,
         ``sun.ambient.exr`` beside ``sun.usda``; glTF names it in its extras. Mitsuba, pbrt and
-        Radiance get a map of their own form beside the scene; three.js has it in its file. JSON and
-        CSV hold the lights alone.
+        Radiance get a map of their own form beside the scene; three.js has it in its file. MuJoCo,
+        SAPIEN and Genesis take its mean radiance. JSON and CSV hold the lights alone.
 
         Parameters
         ----------
         *paths : path-like
-            Scenes (`el.export.TARGETS` lists the suffixes), and files of the rest (.exr, .hdr).
+            Scenes (`el.export.TARGETS` lists the suffixes), and files of the remainder (.exr,
+            .hdr).
         **options
             Further arguments of the writers that have them: ``up="z"`` of OpenUSD.
 
@@ -111,6 +112,11 @@ class LinkedParts:
         EnvLightsError
             If there is no path, a suffix is unknown, two files have the same path, or one cannot be
             written.
+
+        Warns
+        -----
+        UserWarning
+            If a target shows the lights with a larger error.
 
         Examples
         --------
@@ -137,13 +143,20 @@ def plan(environment: EnvMap, paths: Iterable[AnyPath], lights: Any = None) -> l
     panorama = _panorama(environment, given)
     files: list[LinkedFile] = []
     for path in given:
-        file = _file_at(path, panorama)
+        is_whole = path.suffix.lower() in MAP_SUFFIXES or _shows_all(target_of(path), lights)
+        file = _file_at(path, panorama if is_whole else None)
         file = file._replace(crops=_crops(file, lights))
-        if panorama is None and file.target and file.target.texture == PANORAMA:
+        if panorama is None and is_whole and file.target and file.target.texture == PANORAMA:
             panorama = file.texture
         files.append(file)
     _check_paths(paths_of(files))
     return files
+
+
+def _shows_all(target: Target, lights: Any) -> bool:
+    """True if a program draws all lights; else its map also holds the surplus ones."""
+    most = target.shows.lights
+    return most is None or lights is None or len(getattr(lights, "lights", lights)) <= most
 
 
 def paths_of(files: Iterable[LinkedFile]) -> Iterator[Path]:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from envlights._common.words import percent
 from envlights._native import EnvLightsError
 from envlights.environment.reading import AnyMap, as_envmap
 from envlights.export.capabilities import Capabilities
@@ -47,11 +48,16 @@ def save(rig: Any, path: AnyPath, environment: AnyMap | None = None, **options: 
     UserWarning
         If the target shows the rig with a larger error, such as lights with a size as points.
     """
+    save_for(target_for(path, environment, options), rig, path, environment, **options)
+
+
+def target_for(path: AnyPath, environment: AnyMap | None, options: Iterable[str]) -> Target:
+    """Target of a file; raises an error if it accepts no map, or no such option."""
     target = target_of(path)
     if environment is not None and not target.shows.environment:
         raise EnvLightsError(f"cannot write {path}: {target.title} accepts no environment map")
     check_options((target,), options)
-    save_for(target, rig, path, environment, **options)
+    return target
 
 
 def check_options(targets: Iterable[Target], options: Iterable[str]) -> None:
@@ -120,18 +126,14 @@ def _warn_of_uniform_cards(cards: Any, target: Target, environment: AnyMap | Non
         lost = (
             f"{target.title} shows {' and '.join(target.shows.uniform_cards)} cards in one colour"
         )
-        warnings.warn(f"{lost}: the irradiance changes by {_percent(change)}", stacklevel=5)
+        warnings.warn(f"{lost}: the irradiance changes by {percent(change)}", stacklevel=5)
 
 
 def _figures(rig: Any, target: Target, error: float) -> str:
     """Text with the error in the file, that of the rig, and that of a fit for the target."""
     if getattr(rig, "error", None) is None:
-        return f"the irradiance changes by {_percent(error)}"
+        return f"the irradiance changes by {percent(error)}"
     fitted = rig.report.fitted_points_error
-    both = f"the error in the file is {_percent(error)}, not {_percent(rig.error)}"
-    refit = "" if fitted is None else f" has at most {_percent(fitted)} with as many lights"
+    both = f"the error in the file is {percent(error)}, not {percent(rig.error)}"
+    refit = "" if fitted is None else f" has at most {percent(fitted)} with as many lights"
     return f"{both}; `fit(env, target={target.name!r})`{refit or ' is made for it'}"
-
-
-def _percent(fraction: float) -> str:
-    return f"{100 * fraction:.3g} %"

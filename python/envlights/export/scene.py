@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 from envlights._common.blocks import in_blocks
 from envlights._common.check import describe
 from envlights._native import EnvLightsError
-from envlights.environment.decoders.source import is_source
 from envlights.environment.envmap import EnvMap
+from envlights.environment.picture_files import is_picture_source
 from envlights.environment.reading import AnyMap, as_envmap
-from envlights.export.capabilities import HARMONIC_MEAN, ROWS
+from envlights.export.capabilities import ROWS
 from envlights.export.panels import Panel, distant_and_panels
 from envlights.export.targets import TARGETS, target_named
-from envlights.kernels.ambient import ambient_rows
+from envlights.kernels.ambient import ambient_rows, mean_ambient
 from envlights.kernels.sphere import pixel_solid_angles
 
 #: Targets that support cards as planes in space.
@@ -157,7 +157,7 @@ def statement_of(lights: Discs, units: str, target: str) -> str:
 
 def _environment(lights: Discs, environment: AnyMap) -> EnvMap:
     """Cell-centred map around the lights; raises an error if its units differ from theirs."""
-    if not isinstance(environment, EnvMap) and not is_source(environment):
+    if not isinstance(environment, EnvMap) and not is_picture_source(environment):
         array: Any = environment
         return EnvMap(array, units=lights.units)
     env = as_envmap(environment)
@@ -213,7 +213,7 @@ def at_most(scene: Scene, count: int | None) -> Scene:
 def mean_radiance(scene: Scene) -> NDArray[np.float64]:
     """Mean radiance of a map or of the ambient term, (3,), ignoring a floor."""
     if not scene.has_map or scene.environment is None:
-        return HARMONIC_MEAN * scene.term[0] if scene.term.ndim == 2 else scene.term
+        return mean_ambient(scene.term)
     radiance = scene.environment.cells()
     rows = pixel_solid_angles(len(radiance), 2).sum(axis=1) / (4 * np.pi)
     mean: NDArray[np.float64] = rows @ radiance.mean(axis=1, dtype=np.float64)

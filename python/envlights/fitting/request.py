@@ -27,7 +27,7 @@ MAX_STEPS = 100
 
 
 class FitOptions(NamedTuple):
-    """Options of `_native.fit_map` and `_native.fit_samples`."""
+    """Options of a fit, as the kernels take them."""
 
     ambient: int
     """Number of ambient coefficients in each channel: 0, 1 or 9."""

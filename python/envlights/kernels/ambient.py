@@ -9,8 +9,25 @@ from numpy.typing import ArrayLike, NDArray
 
 from envlights.kernels import harmonics, sampling, sphere
 
+#: Radiance of the constant harmonic.
+HARMONIC_MEAN = 0.5 / np.sqrt(np.pi)
 #: Number of evenly spread directions at which rotated harmonics are fitted; nine would suffice.
 _DIRECTIONS = 80
+
+
+def mean_ambient(ambient: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Mean radiance of an ambient term, (3,)."""
+    mean: NDArray[np.float64] = ambient if ambient.ndim == 1 else HARMONIC_MEAN * ambient[0]
+    return mean
+
+
+def as_harmonics(ambient: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Nine harmonics of an ambient term, (9, 3)."""
+    if ambient.ndim == 2:
+        return ambient
+    rows = np.zeros((9, 3))
+    rows[0] = ambient / HARMONIC_MEAN
+    return rows
 
 
 def ambient_rows(

@@ -20,7 +20,7 @@ def hidden_fractions(
 
     Parameters
     ----------
-    stage : occluders.Stage
+    stage : Stage
         Solids, and points with normals.
     directions : array_like, shape (m, 3)
         Unit vectors towards the discs.
@@ -71,7 +71,7 @@ def form_factors(stage: Stage) -> NDArray[np.float64]:
 
     Parameters
     ----------
-    stage : occluders.Stage
+    stage : Stage
         Solids, and points with normals.
 
     Returns
@@ -123,7 +123,7 @@ def reflected_irradiance(
 
     Parameters
     ----------
-    stage : occluders.Stage
+    stage : Stage
         Solids on a floor, the plane y = 0, and points with normals.
     ambient : array_like, shape (3,)
         Radiance of the ambient term.

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights._common.arrays import freeze
-from envlights._common.check import amount, describe, reals, rotation, whole_numbers
+from envlights._common.check import amount, describe, positive, reals, rotation, whole_numbers
 from envlights._native import EnvLightsError
 
 #: Distance from a surface, relative to the size of the solid, within which a point lies on it.
@@ -44,7 +44,7 @@ class Ball:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "centre", _vector("centre", self.centre))
-        object.__setattr__(self, "radius", _length("radius", self.radius))
+        object.__setattr__(self, "radius", positive("radius", self.radius))
 
     @property
     def lowest(self) -> float:
@@ -116,7 +116,7 @@ class Box(_FlatFaces):
     def __post_init__(self) -> None:
         object.__setattr__(self, "centre", _vector("centre", self.centre))
         halves = _vector("half_sides", self.half_sides)
-        object.__setattr__(self, "half_sides", tuple(_length("half_sides", h) for h in halves))
+        object.__setattr__(self, "half_sides", tuple(positive("half_sides", h) for h in halves))
         is_angle = isinstance(self.turn, numbers.Real)
         turn = _angle(self.turn) if is_angle else _rows("turn", rotation(self.turn))
         object.__setattr__(self, "turn", turn)
@@ -261,13 +261,6 @@ def _vector(name: str, values: ArrayLike) -> Vector:
         raise EnvLightsError(f"{name} must be three finite numbers; got {describe(values)}")
     x, y, z = vector.tolist()
     return x, y, z
-
-
-def _length(name: str, value: object) -> float:
-    length = amount(name, value)
-    if length == 0:
-        raise EnvLightsError(f"{name} must be above 0; got 0")
-    return length
 
 
 def _angle(value: object) -> float:

@@ -39,7 +39,7 @@ def transport_plan(
     pairs : ndarray of int64, shape (k, 2)
         Rows of both sets, in rising order; at most n + m - 1 pairs.
     shares : ndarray, shape (k,)
-        Share of the weight that moves between each pair, above 1e-14. Smaller ones are left out.
+        Fraction of the weight that moves between each pair, above 1e-14. Smaller ones are left out.
 
     Raises
     ------

@@ -191,8 +191,7 @@ def _working_image(env: EnvMap, width: int, settings: Settings) -> NDArray[np.fl
     """Luminance in at most `width` columns (steps 1 and 2)."""
     width = min(count("working_width", width, least=16), env.width)
     if settings.reduction == "area":
-        border_sampled = env.registration == "border-sampled"
-        image = images.reduced_luminance(env.radiance, width, border_sampled=border_sampled)
+        image = images.reduced_luminance(env.radiance, width, border_sampled=env.is_border_sampled)
     else:
         image = images.luminance(env.radiance)
         if width < env.width:

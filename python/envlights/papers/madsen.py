@@ -15,6 +15,7 @@ from envlights._common.interruptible import interruptible
 from envlights._common.result import Result
 from envlights._common.tables import Table
 from envlights._common.units import OWN_SCALE
+from envlights._common.words import percent
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import EnvMap
 from envlights.environment.fill import Fill
@@ -93,7 +94,7 @@ class PaperFit(Result):
 
     def in_short(self) -> str:
         """Number of lights, error, steps and stop reason."""
-        lights = f"{len(self.direction)} lights, error {100 * self.error:.3g} %"
+        lights = f"{len(self.direction)} lights, error {percent(self.error)}"
         return f"{lights} after {self.steps} steps: {self.stop_reason.value}"
 
     def __str__(self) -> str:
@@ -281,8 +282,7 @@ def _render(env: EnvMap, surface: _Surface) -> _Problem:
     """Radiance of the faces of the probe under all faces of the scene (equations 1 to 3)."""
     normals, _ = sampling.icosphere(PROBE_FACES)
     directions, solid_angles = sampling.icosphere(SCENE_FACES)
-    border_sampled = env.registration == "border-sampled"
-    scene = face_radiance(env.radiance, SCENE_FACES, border_sampled=border_sampled)
+    scene = face_radiance(env.radiance, SCENE_FACES, border_sampled=env.is_border_sampled)
     values = probe.sum_over_sources(
         normals, directions, scene, solid_angles, k_d=surface.k_d, C=surface.C
     )

@@ -20,7 +20,7 @@ from envlights._common.words import percent
 from envlights._native import EnvLightsError
 from envlights.detection.lights import DetectionReport
 from envlights.environment.envmap import EnvMap
-from envlights.export import saving, targets
+from envlights.export import saving
 from envlights.export.formats.own_json import read_json
 from envlights.kernels import thumbnails
 from envlights.kernels.image import LUMINANCE
@@ -120,7 +120,7 @@ class PhotographLight(Result):
     def in_short(self) -> str:
         """Position of the light, and its fraction of the flux."""
         x, y = self.position
-        return f"x {x:.1f}, y {y:.1f}, {100 * self.flux_fraction:.3g} %"
+        return f"x {x:.1f}, y {y:.1f}, {percent(self.flux_fraction)}"
 
     def __str__(self) -> str:
         if self.direction is None or self.irradiance is None:
@@ -327,7 +327,7 @@ class PhotographLights(Result):
         EnvLightsError
             If the format needs directions, and there are none.
         """
-        target = targets.target_of(path).name
+        target = saving.target_for(path, environment, options).name
         if target == "csv" and self.direction is None:
             write_atomically(path, lambda beside: beside.write_text(self._csv(), encoding="utf-8"))
             return

@@ -122,6 +122,7 @@ def place(
             )
         where = [place - pairs[0][1] for _, place in pairs]
         lights, notes = triangulate([each.cards for each in parts], where)
+        log(notes)
         return PlacedLights(lights, first.remainder, np.zeros((0, 10)), None, tuple(notes))
     if len(parts) > 1:
         raise EnvLightsError("give depth or several maps, not both; the depth is that of one map")

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import _native
-from envlights._common.check import count, describe, one_or_more, reals
+from envlights._common.check import count, describe, one_or_more, reals, texts
 from envlights._common.files import as_path
 from envlights._common.notes import Note
 from envlights._common.result import Result
@@ -94,7 +94,7 @@ class PlacedLights(Result):
     """Remarks on the depth and on the lights."""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "notes", tuple(map(Note, self.notes)))
+        object.__setattr__(self, "notes", tuple(map(Note, texts("notes", self.notes))))
 
     def __len__(self) -> int:
         return len(self.lights)

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import Normalize
 from numpy.typing import NDArray
 
+from envlights._common.words import percent
 from envlights.environment.envmap import EnvMap
 from envlights.kernels import sphere, thumbnails
 from envlights.kernels.image import LUMINANCE
@@ -21,6 +22,8 @@ _COLUMNS = 1024
 EXTENT = (0.0, 360.0, -90.0, 90.0)
 #: Range of the luminance scale in stops, below and above white.
 _BELOW, _ABOVE = 8, 6
+#: Quantile of the pixels of a rendering that is displayed as white.
+WHITE = 0.99
 #: Distance of the ticks of the scale, in stops.
 _STEP = 2
 #: Width of an azimuth tick label in letters, with its gap.
@@ -50,8 +53,13 @@ class Ground(NamedTuple):
 def expose(radiance: NDArray[np.float32]) -> Ground:
     """Expose a map, in the form of `working`, so that its lamps are visible."""
     white, darker = thumbnails.white_of(radiance)
-    words = f"white is luminance {white:.3g}; {100 * darker:.3g} % of the sphere is darker"
+    words = f"white is luminance {white:.3g}; {percent(darker)} of the sphere is darker"
     return Ground(thumbnails.expose(radiance, white), white, words)
+
+
+def white_of(image: NDArray[np.float64]) -> float:
+    """Luminance of a rendering, (height, width, 3), that is displayed as white."""
+    return max(float(np.quantile(image @ LUMINANCE, WHITE)), np.finfo(float).tiny)
 
 
 def draw_ground(axes: Axes, codes: NDArray[np.uint8]) -> None:

@@ -170,7 +170,7 @@ def detection_picture(env: AnyMap, lights: DetectedLights, **where: Unpack[Place
         Line2D([], [], color=RIM, lw=1, label="outline"),
         Line2D([], [], ls="", marker="+", color="deepskyblue", label="peak"),
     )
-    if lights.report.method == "article":
+    if lights.report.method != "tree":
         outline.set_label("samples, linked to their light")
     draw_legend(axes, [*key_of(lights.fraction, sizes), outline, cross])
     report = lights.report
@@ -194,7 +194,7 @@ def _draw_members(axes: Axes, lights: DetectedLights) -> None:
     height, width = lights.report.working_size
     rows, columns = lights.members.pixel.T
     scale, corner = np.array([360 / width, -180 / height]), np.array([0.0, 90.0])
-    if lights.report.method == "article":
+    if lights.report.method != "tree":
         at = np.stack([columns + 0.5, rows + 0.5], axis=1) * scale + corner
         homes = degrees(lights.direction)[lights.members.light]
         is_near = np.abs(homes[:, 0] - at[:, 0]) < 180  # no line across the whole map at the seam

@@ -40,8 +40,8 @@ def photograph(
 ) -> Figure:
     """Draw a photograph with its detected lights, as in Loghin (2021).
 
-    Discs mark the lights, in their colours, with areas for their shares. Dots are the samples, each
-    with a link to the light that it was merged into; crosses are the maxima.
+    Discs mark the lights, in their colours, with areas in proportion to their flux. Dots are the
+    samples, each with a link to the light that it was merged into; crosses are the maxima.
 
     Parameters
     ----------
@@ -50,8 +50,8 @@ def photograph(
     steps : bool
         True: three more panels, one for each earlier step: samples near bright pixels and the
         brightest pixel in the window of each, and survivors with the samples that they suppress.
-    **where
-        `ax`: one, or four with `steps`; `figsize`, `dpi`, `transparent`: see `envlights.plot`.
+    ax, figsize, dpi, transparent
+        `ax`: one, or four with `steps`; the others: see `envlights.plot`.
     **options
         Options of `detect_photograph` for a photograph.
 

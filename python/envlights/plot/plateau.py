@@ -41,8 +41,8 @@ def plateau_picture(env: AnyMap, lights: DetectedLights, **where: Unpack[Placeme
 
     Above: the map, with clipped pixels in blue. Below: the depth of the clipped regions, which is
     the angle to their rim and separates the lights. Discs mark the directions of the lights, with
-    areas for their estimated shares. A circle around each shows the uncertainty of its
-    direction.
+    areas in proportion to their estimated weights. A circle around each shows the uncertainty of
+    its direction.
 
     Parameters
     ----------
@@ -116,10 +116,8 @@ def _tint(env: EnvMap, clip_level: float) -> NDArray[np.uint8]:
 
 def _draw_depth(axes: Axes, env: EnvMap, clip_level: float) -> AxesImage:
     """Draw the depth of the clipped regions in degrees."""
-    is_border = env.registration == "border-sampled"
-    depth = np.rad2deg(
-        _native.clipped_depth(env.radiance, is_border, clip_level, PLATEAU_COLUMNS, PLATEAU_GAP)
-    )
+    how = (clip_level, PLATEAU_COLUMNS, PLATEAU_GAP)
+    depth = np.rad2deg(_native.clipped_depth(env.radiance, env.is_border_sampled, *how))
     image = axes.imshow(np.where(depth > 0, depth, np.nan), cmap="viridis", vmin=0, extent=EXTENT)
     # Use a dark background, as in most maps, so that all markers are visible.
     axes.set(facecolor="0.15")

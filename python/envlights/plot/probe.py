@@ -41,10 +41,10 @@ class ShadedBall(NamedTuple):
 
 def shaded_ball(env: EnvMap, eye: NDArray[np.float64], floor: bool) -> ShadedBall:
     """Probe under a map, seen from the direction `eye`; `floor` hides light from below."""
-    coverage = ball(eye)
+    seen = ball(eye)
     # Fill automatically; a map that was filled by the caller is not changed.
     env = env.filled(None if env.coverage_fraction >= ENOUGH_SEEN else "black")
-    return ShadedBall(coverage, under(above_horizon(env) if floor else env, coverage.normals))
+    return ShadedBall(seen, under(above_horizon(env) if floor else env, seen.normals))
 
 
 def white_for(irradiance: NDArray[np.float64]) -> float:
@@ -52,9 +52,9 @@ def white_for(irradiance: NDArray[np.float64]) -> float:
     return max(float((irradiance @ LUMINANCE).max()), np.finfo(float).tiny)
 
 
-def draw_probe(axes: Axes, coverage: Ball, irradiance: NDArray[np.float64], white: float) -> None:
+def draw_probe(axes: Axes, seen: Ball, irradiance: NDArray[np.float64], white: float) -> None:
     """Draw a probe as sRGB codes, with the irradiance `white` displayed as white."""
-    draw_ball(axes, coverage.image(encode_srgb(irradiance / white)))
+    draw_ball(axes, seen.image(encode_srgb(irradiance / white)))
 
 
 def draw_probes(axes: Sequence[Axes], shaded: ShadedBall, rig: Rig, scale: Normalize) -> AxesImage:
@@ -116,8 +116,7 @@ def draw_difference_bar(figure: Figure, axes: Sequence[Axes], drawn: AxesImage) 
 
 def under(env: EnvMap, normals: NDArray[np.float64]) -> NDArray[np.float64]:
     """Irradiance under a map, accurate enough for a picture, and faster than `EnvMap.probe`."""
-    border_sampled = env.registration == "border-sampled"
-    return working_irradiance(env.radiance, normals, border_sampled=border_sampled)[0]
+    return working_irradiance(env.radiance, normals, border_sampled=env.is_border_sampled)[0]
 
 
 def viewpoint(rig: Rig) -> NDArray[np.float64]:

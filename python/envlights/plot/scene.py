@@ -7,7 +7,6 @@ import importlib.util
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from envlights._common.check import check_choice, count
 from envlights._common.srgb import encode_srgb
@@ -16,6 +15,7 @@ from envlights.environment.reading import AnyMap, as_envmap
 from envlights.kernels import sphere
 from envlights.kernels.image import LUMINANCE
 from envlights.plot.figure import check_are_rigs, hide_frame
+from envlights.plot.ground import WHITE, white_of
 from envlights.plot.page import Page, Placement, Unpack, grid, open_page, placed_picture
 from envlights.plot.probe import viewpoint
 from envlights.plot.wording import entitle
@@ -27,8 +27,6 @@ from envlights.scene.still_life import closed_still, still_life
 RENDERERS = ("any", "mitsuba", "closed form")
 #: Smallest and largest number of columns of an image.
 _COLUMNS = 24, 1920
-#: Quantile of the pixels that is displayed as white.
-_WHITE = 0.99
 
 
 @placed_picture
@@ -111,7 +109,7 @@ def _closed_picture(where: Placement, rigs: tuple[Rig, ...], azimuth: float, wid
     """Draw the scene under each rig in closed form."""
     page = open_page(where, grid(1, len(rigs)), (4 * len(rigs), 3.3))
     images = [closed_still(rig, azimuth, width) for rig in rigs]
-    white = _white_of(images[0])
+    white = white_of(images[0])
     for axis, rig, image in zip(page.panels, rigs, images, strict=True):
         axis.imshow(encode_srgb(image / white))
         entitle(axis, _parts(rig))
@@ -127,7 +125,7 @@ def _page_with_differences(where: Placement, rigs: int) -> Page:
 
 def _draw_stills(page: Page, rigs: tuple[Rig, ...], truth: Still, stills: list[Still]) -> None:
     """Draw all images at a common exposure with their errors, and the differences."""
-    white = _white_of(truth.image)
+    white = white_of(truth.image)
     titles = [f"the map\nnoise {percent(truth.noise, 2)}"]
     for rig, still in zip(rigs, stills, strict=True):
         figures = f"error {percent(still.error(truth), 2)}, noise {percent(still.noise, 2)}"
@@ -140,16 +138,12 @@ def _draw_stills(page: Page, rigs: tuple[Rig, ...], truth: Still, stills: list[S
         hide_frame(axis)
 
 
-def _white_of(image: NDArray[np.float64]) -> float:
-    return max(float(np.quantile(image @ LUMINANCE, _WHITE)), np.finfo(float).tiny)
-
-
 def _draw_differences(figure: Figure, axes: list[Axes], truth: Still, stills: list[Still]) -> None:
     """Draw all differences with a common colour scale."""
     wanted = truth.image @ LUMINANCE
     scale = 100 / max(float(wanted.mean()), np.finfo(float).tiny)
     differences = [scale * (still.image @ LUMINANCE - wanted) for still in stills]
-    limit = max(float(np.quantile(np.abs(differences), _WHITE)), 0.1)
+    limit = max(float(np.quantile(np.abs(differences), WHITE)), 0.1)
     for axis, difference in zip(axes, differences, strict=True):
         image = axis.imshow(difference, cmap="RdBu_r", vmin=-limit, vmax=limit)
         entitle(axis, "rig minus map")

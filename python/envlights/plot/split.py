@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from envlights._common.words import percent
 from envlights.environment.envmap import EnvMap
 from envlights.environment.reading import AnyMap, as_envmap
 from envlights.kernels import thumbnails
@@ -65,8 +66,8 @@ def split_picture(env: AnyMap, parts: Split, **where: Unpack[Placement]) -> Figu
     entitle(on_map, title, "small")
     entitle(on_rest, f"without the lights: the brightest pixel {left}", "small")
     entitle(on_removed, "the removed radiance, and the lights", "small")
-    fraction = 100 * lights.flux_fraction.sum()
-    page.entitle(f"{lights.in_short()} removed, with {fraction:.3g} % of all light in the map")
+    flux = percent(lights.flux_fraction.sum())
+    page.entitle(f"{lights.in_short()} removed, with {flux} of all light in the map")
     return page.figure
 
 

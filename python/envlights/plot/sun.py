@@ -9,16 +9,14 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from numpy.typing import NDArray
 
 from envlights._common.srgb import encode_srgb
 from envlights._common.units import in_lux
 from envlights.environment.reading import AnyMap, as_envmap
 from envlights.fitting.fit import fit
 from envlights.kernels import sphere
-from envlights.kernels.image import LUMINANCE
 from envlights.plot.figure import hide_frame
-from envlights.plot.ground import degrees, draw_map
+from envlights.plot.ground import degrees, draw_map, white_of
 from envlights.plot.markers import RIM, draw_legend, draw_rims, draw_rings
 from envlights.plot.outlines import outlines
 from envlights.plot.page import Placement, Unpack, open_page, placed_picture
@@ -37,8 +35,6 @@ _MARK = 40.0
 _WIDTH = 240
 #: Columns of the grid in which the clipped region is outlined.
 _COLUMNS = 1024
-#: Quantile of the pixels that is displayed as white.
-_WHITE = 0.99
 
 
 @placed_picture
@@ -115,13 +111,9 @@ def _draw_sun(axes: Axes, found: Sun) -> None:
 def _draw_shadows(axes: Axes, rig: Rig, azimuth: float, title: str) -> None:
     """Draw a ball and a box on a floor."""
     image = closed_still(rig, azimuth, _WIDTH)
-    axes.imshow(encode_srgb(image / _white_of(image)))
+    axes.imshow(encode_srgb(image / white_of(image)))
     entitle(axes, f"{title}\n{parts_line(rig)}")
     hide_frame(axes)
-
-
-def _white_of(image: NDArray[np.float64]) -> float:
-    return max(float(np.quantile(image @ LUMINANCE, _WHITE)), np.finfo(float).tiny)
 
 
 def _title(found: Sun) -> str:

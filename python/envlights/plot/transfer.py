@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
 
 from envlights._common.srgb import encode_srgb
+from envlights._common.words import percent
 from envlights._native import EnvLightsError
 from envlights.kernels.image import LUMINANCE
 from envlights.plot.figure import check_is, hide_frame
@@ -87,7 +88,7 @@ def transfer_picture(
     report = model.report
     page.entitle(
         f"rank {report.rank} from {report.pairs} pairs;"
-        f" unseen lights, leave-one-out: median {100 * report.error:.3g} %"
+        f" unseen lights, leave-one-out: median {percent(report.error)}"
     )
     return page.figure
 
@@ -145,8 +146,8 @@ def _draw_differences(
     limit = max(float(np.percentile(values, _PERCENTILE)), 0.1)
     # Show texels that are black in all images as grey; white means no difference.
     colours = colormaps["RdBu_r"].with_extremes(bad="0.6")
-    for axis, percent in zip(axes, percents, strict=True):
-        drawn = np.where(lit, percent, np.nan)
+    for axis, difference in zip(axes, percents, strict=True):
+        drawn = np.where(lit, difference, np.nan)
         image = axis.imshow(drawn, cmap=colours, vmin=-limit, vmax=limit)
         entitle(axis, "transfer minus reference")
         hide_frame(axis)
@@ -158,4 +159,4 @@ def _error(image: NDArray[Any], truth: NDArray[Any]) -> str:
     length = float(np.linalg.norm(truth.astype(np.float64)))
     if length == 0:
         return "reference is black"
-    return f"{100 * float(np.linalg.norm(image.astype(np.float64) - truth)) / length:.3g} %"
+    return percent(float(np.linalg.norm(image.astype(np.float64) - truth)) / length)

@@ -22,6 +22,10 @@ Plain = TypeVar("Plain")
 _POLE = np.pi / 2
 
 
+def _radius(value: float) -> float:
+    return amount("angular_radius", value, most=np.pi / 2)
+
+
 class Editable(ABC, Generic[Plain]):
     """Editing methods of `Lights`.
 
@@ -136,7 +140,7 @@ class Editable(ABC, Generic[Plain]):
         array([0.1])
         """
         row = row_of(which, len(self.direction))
-        return self._with_row("angular_radius", row, angular_radius)
+        return self._with_row("angular_radius", row, _radius(angular_radius))
 
     def without(self, which: int) -> Plain:
         """Lights without the given one.
@@ -178,7 +182,7 @@ class Editable(ABC, Generic[Plain]):
         row = {
             "direction": unit_vector("direction", direction),
             "irradiance": colour("irradiance", irradiance),
-            "angular_radius": angular_radius,
+            "angular_radius": _radius(angular_radius),
             "origin": -1,
         }
         arrays = self._arrays()

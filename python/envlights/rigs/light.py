@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from envlights._common.former import former_attributes
 from envlights._common.result import Result
+from envlights._common.words import percent
 from envlights.kernels.angles import POLES, angle_cells, azimuths, elevations
 from envlights.kernels.image import LUMINANCE
 
@@ -63,7 +64,7 @@ class Light(Result):
         place = f"azimuth {azimuth}, elevation {elevation}"
         if azimuth in POLES:
             place = f"at the {azimuth}"
-        return f"{place}, {100 * self.fraction:.3g} %"
+        return f"{place}, {percent(self.fraction)}"
 
     def _lines(self) -> list[str]:
         red, green, blue = self.irradiance

@@ -6,7 +6,7 @@ import os
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, overload
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -36,9 +36,6 @@ from envlights.rigs.editing import Editable
 from envlights.rigs.light import Light
 from envlights.rigs.light_arrays import LARGEST_LIGHT, light_arrays, radii, rotate, row_of, rows_of
 from envlights.rigs.lobes import SphericalGaussians, lobes
-
-if TYPE_CHECKING:
-    pass
 
 
 def brightest_first(irradiance: NDArray[np.float64]) -> NDArray[np.intp]:
@@ -265,9 +262,22 @@ class Lights(Editable["Lights"], TableResult):
         path : path-like
             `el.export.TARGETS` lists the suffixes, with the parts that each format keeps and loses.
         environment : EnvMap or array_like, optional
-            Map around the lights, such as the rest of a split map, for formats that accept one.
+            Map around the lights, such as the remainder of a split map, for formats that accept
+            one.
         **options
             Further arguments of the target's writer: ``up="z"`` of OpenUSD, ``scale=`` of MuJoCo.
+
+        Raises
+        ------
+        EnvLightsError
+            If the suffix is unknown, the target accepts no map or no such option, or the file
+            cannot be written.
+
+        Warns
+        -----
+        UserWarning
+            If the target shows the lights with a larger error, such as lights with a size as
+            points.
         """
         saving.save(self, path, environment, **options)
 

@@ -30,7 +30,7 @@ from envlights.export.formats.csv_table import Table, load_csv
 from envlights.export.formats.own_json import read_json
 from envlights.export.targets import error_in
 from envlights.kernels import probe
-from envlights.kernels.ambient import ambient_rows, turned_ambient
+from envlights.kernels.ambient import ambient_rows, mean_ambient, turned_ambient
 from envlights.kernels.image import LUMINANCE
 from envlights.kernels.sphere import FRAME
 from envlights.rigs.light_arrays import LARGEST_LIGHT
@@ -84,9 +84,10 @@ class Rig(Result):
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "ambient", freeze(_ambient(self.ambient)))
-        if flag("floor", self.floor) and self.ambient.ndim == 2:
+        object.__setattr__(self, "floor", flag("floor", self.floor))
+        if self.floor and self.ambient.ndim == 2:
             raise EnvLightsError("ambient must be one radiance where there is a floor; got (9, 3)")
-        object.__setattr__(self, "notes", tuple(map(Note, self.notes)))
+        object.__setattr__(self, "notes", tuple(map(Note, texts("notes", self.notes))))
         if self.error is not None:
             object.__setattr__(self, "error", amount("error", self.error))
 
@@ -402,11 +403,9 @@ def rigs_to_frame(rigs: Iterable[Rig] | Mapping[str, Rig]) -> pd.DataFrame:
 
 
 def _row(rig: Rig) -> dict[str, Any]:
-    # The first harmonic is the constant 1 / sqrt(4 pi).
-    mean = rig.ambient if rig.ambient.ndim == 1 else rig.ambient[0] / np.sqrt(4 * np.pi)
     return {
         "lights": len(rig.lights),
-        "ambient_luminance": mean @ LUMINANCE,
+        "ambient_luminance": mean_ambient(rig.ambient) @ LUMINANCE,
         "lights_luminance": rig.lights.luminance.sum(),
         "error": error_of(rig),
     }

@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from envlights._common import check
 from envlights._common.check import amount, describe
 from envlights._native import EnvLightsError
-from envlights.export.capabilities import HARMONIC_MEAN
-from envlights.kernels.ambient import turned_about_pole
+from envlights.kernels.ambient import as_harmonics, turned_about_pole
 from envlights.rigs.lights import Lights
 from envlights.rigs.planck import planck_gains
 from envlights.rigs.portable import circle, power_of_two, uniform
@@ -129,8 +128,8 @@ def vary(
         Colour temperature of white light along the Planck locus, from 2000 to 15000 kelvins, with
         its luminance unchanged. It is uniform in mireds (1e6 / K); 6504 changes nothing.
     mix : float or (float, float)
-        Weight of a second rig, from 0 to 1; the first has the rest. It needs several rigs, which
-        have all a floor or none.
+        Weight of a second rig, from 0 to 1; the first has one minus it. It needs several rigs,
+        which have all a floor or none.
     drop : float
         Probability of each light to be left out.
     jitter : float
@@ -282,18 +281,11 @@ def _ambient(parts: list[_Part]) -> NDArray[np.float64]:
     """Weighted sum of the ambient terms; harmonics if any of them has harmonics."""
     terms = [part.rig.ambient for part in parts]
     if len({term.ndim for term in terms}) > 1:
-        terms = [term if term.ndim == 2 else _harmonics(term) for term in terms]
+        terms = [as_harmonics(term) for term in terms]
     total = parts[0].weight * terms[0]
     for term, part in zip(terms[1:], parts[1:], strict=True):
         total = total + part.weight * term
     return total
-
-
-def _harmonics(constant: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Nine harmonics of a constant radiance."""
-    rows = np.zeros((9, 3))
-    rows[0] = constant / HARMONIC_MEAN
-    return rows
 
 
 def _move(

@@ -12,6 +12,7 @@ from envlights import kernels
 from envlights._common.check import count
 from envlights._native import EnvLightsError
 from envlights.detection.lights import DetectedLights
+from envlights.kernels.ambient import as_harmonics
 from envlights.kernels.solids import Solid, Stage, solids_of
 from envlights.rigs.lights import Lights
 from envlights.rigs.rig import Rig
@@ -139,7 +140,7 @@ class DirectLight:
             and :math:`V_j` is the fraction of the rays that reach it, or exact for solids.
         """
         rig = as_rig(rig)
-        irradiance = self.sky @ _harmonic(rig.ambient)
+        irradiance = self.sky @ as_harmonics(rig.ambient)
         # Add each light at the texels that face it, outside its shadow.
         lights = self._traced(rig.lights) if self.stage is None else _exact(rig.lights, self.stage)
         return self.surface.reflected(irradiance + lights)
@@ -177,12 +178,3 @@ def as_rig(lights: AnyLights) -> Rig:
             f" got an object of the type {type(lights).__name__}"
         )
     return Rig(DARK, lights.discs(), error=0.0)
-
-
-def _harmonic(ambient: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Coefficients of an ambient term in nine harmonics, (9, 3)."""
-    if ambient.ndim == 2:
-        return ambient
-    constant = np.zeros((9, 3))
-    constant[0] = np.sqrt(4 * np.pi) * ambient  # the first harmonic is the constant 1 / sqrt(4 pi)
-    return constant

@@ -75,8 +75,8 @@ def shadow_overlay(
     by more than half on bright floors, so use both or neither; then `ratio` may exceed 1, and the
     product and the single ratios have no reflected light.
 
-    Under an ambient term of harmonics, the hidden share is exact, and its radiance is the mean over
-    rays.
+    Under an ambient term of harmonics, the hidden fraction is exact, and its radiance is the mean
+    over rays.
 
     References
     ----------
@@ -192,7 +192,9 @@ def _footprint(solid: Solid) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
 
 def _points(points: ArrayLike) -> NDArray[np.float64]:
     """Points on a floor; raises an error for other values."""
-    array = reals("points", points, 3 if np.ndim(points) == 3 else 2)
-    if array.shape[-1] != 3:
-        raise EnvLightsError(f"points must have the shape (..., 3); got {array.shape}")
+    array = reals("points", points, None)
+    if array.ndim not in (2, 3) or array.shape[-1] != 3:
+        raise EnvLightsError(
+            f"points must have the shape (n, 3) or (height, width, 3); got {array.shape}"
+        )
     return array

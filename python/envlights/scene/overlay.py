@@ -219,8 +219,8 @@ class ShadowOverlay(Result):
 
 def _background(values: ArrayLike) -> NDArray[np.float64]:
     """Linear radiance of a floor; raises an error for other values."""
-    array = reals("background", values, np.ndim(values) or 1)
-    if array.shape[-1] != 3 or not np.isfinite(array).all() or (array < 0).any():
+    array = reals("background", values, None)
+    if array.shape[-1:] != (3,) or not np.isfinite(array).all() or (array < 0).any():
         raise EnvLightsError(
             "background must be finite radiance, not negative, with three channels;"
             f" got the shape {array.shape}"

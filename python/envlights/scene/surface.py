@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from envlights._common.arrays import freeze
 from envlights._common.check import first_not_finite, reals
 from envlights._common.result import Result
+from envlights._common.words import percent
 from envlights._native import EnvLightsError
 
 #: Height above a surface at which rays start, relative to the size of the scene, so that it does
@@ -43,7 +44,7 @@ class Surface(Result):
     def in_short(self) -> str:
         """Size and covered texels."""
         height, width, _ = self.position.shape
-        return f"{width}x{height} texels, {100 * self.covered.mean():.3g} % with a surface"
+        return f"{width}x{height} texels, {percent(self.covered.mean())} with a surface"
 
     def __post_init__(self) -> None:
         # Check and seal the maps.

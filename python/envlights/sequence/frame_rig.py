@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from envlights._common.check import count, counts
+from envlights._common.check import amount, count, counts, flag
 from envlights._native import EnvLightsError
 from envlights.rigs.lights import Lights
 from envlights.rigs.rig import Rig
@@ -41,7 +41,13 @@ class FrameRig(Rig):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        count("frame", self.frame)
+        for name, check in (
+            ("frame", count),
+            ("fit_error", amount),
+            ("is_search", flag),
+            ("is_step", flag),
+        ):
+            object.__setattr__(self, name, check(name, getattr(self, name)))
         object.__setattr__(self, "ids", tuple(counts("ids", self.ids)))
         if len(self.ids) != len(self.lights) or len(set(self.ids)) != len(self.ids):
             raise EnvLightsError(

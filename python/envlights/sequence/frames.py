@@ -17,7 +17,7 @@ from envlights._common.files import MAPS, matches
 from envlights._native import EnvLightsError
 from envlights.environment.fill import Fill
 from envlights.environment.reading import AnyMap, Reading, as_envmap, check_reading
-from envlights.sequence.video import VIDEOS, video_frames
+from envlights.sequence.video import NOTE, VIDEOS, video_frames
 
 #: Pattern or folder of files, path of a video, array of shape (n, height, 2 * height, 3), or an
 #: iterable of maps.
@@ -39,9 +39,11 @@ def read_frames(frames: Any, reading: Reading | None, fill: Fill) -> Frames:
     """Frames of `frames_of`, each read with these options when needed."""
     check_reading(reading)
     found = frames_of(frames)
-    if reading is None:
+    options = {} if reading is None else {"fill": fill, **reading}
+    if isinstance(frames, str | os.PathLike) and Path(frames).suffix.lower() in VIDEOS:
+        options["notes"] = (NOTE,)
+    if not options:
         return found
-    options = {"fill": fill, **reading}
     return found._replace(maps=(as_envmap(each, options) for each in found.maps))
 
 

@@ -17,6 +17,7 @@ from envlights._common.tables import MOST_ROWS, Table
 from envlights._common.words import percent, quantity
 from envlights._native import EnvLightsError
 from envlights.kernels.image import LUMINANCE
+from envlights.rigs.rig import error_of
 from envlights.sequence.formats import read_json_lines, save
 from envlights.sequence.frame_rig import FrameRig
 from envlights.sequence.light_tracks import checked_rigs
@@ -100,8 +101,8 @@ class RigSequence(TableResult):
 
     @property
     def error(self) -> NDArray[np.float64]:
-        """Relative RMS error of each rig under its own map, (frames,)."""
-        return np.array([rig.error for rig in self.rigs])
+        """Relative RMS error of each rig under its own map, (frames,); NaN if not measured."""
+        return np.array([error_of(rig) for rig in self.rigs])
 
     @property
     def fit_error(self) -> NDArray[np.float64]:
@@ -201,9 +202,10 @@ class RigSequence(TableResult):
 
     def in_short(self) -> str:
         """Number of frames and lights, mean error and flicker."""
-        lights, error = quantity(len(self.ids), "light"), percent(self.error.mean())
-        frames, flicker = quantity(len(self), "frame"), f"flicker {percent(self.flicker, 2)}"
-        return f"{frames}, {lights}, mean error {error}, {flicker}"
+        frames, lights = quantity(len(self), "frame"), quantity(len(self.ids), "light")
+        mean = self.error.mean()
+        error = "error not measured" if np.isnan(mean) else f"mean error {percent(mean)}"
+        return f"{frames}, {lights}, {error}, flicker {percent(self.flicker, 2)}"
 
     def table(self) -> Table:
         """Table of the twelve lights with the most flux over all frames."""
@@ -218,11 +220,11 @@ class RigSequence(TableResult):
     def _cells(
         self, column: int, flux: NDArray[np.float64], motion: NDArray[np.float64]
     ) -> list[str]:
-        frames = np.flatnonzero(flux[:, column])
+        frames = [self.rigs[row].frame for row in np.flatnonzero(flux[:, column])]
         steps = motion[:, column][~np.isnan(motion[:, column])]
         return [
             f"{self.ids[column]}",
-            f"{frames.min()} to {frames.max()}" if len(frames) else "none",
+            f"{frames[0]} to {frames[-1]}" if frames else "none",
             f"{100 * flux[:, column].sum() / (flux.sum() or 1):.1f} %",
             f"{flux[:, column].mean():.4g}",
             f"{steps.max():.2f}° a frame" if len(steps) else "none",
@@ -232,17 +234,22 @@ class RigSequence(TableResult):
         """Lines below the table."""
         searches = [rig.frame for rig in self.rigs if rig.is_search]
         steps = [rig.frame for rig in self.rigs if rig.is_step]
-        worst = int(self.error.argmax())
         return [
             f"{len(self)} frames, steadiness {self.steadiness} frames"
             + (f" at {self.fps:g} frames in a second" if self.fps else ""),
-            f"relative RMS error {percent(self.error.mean())} on average, at most"
-            f" {percent(self.error[worst])} in frame {self.rigs[worst].frame}; of the fits alone"
+            f"relative RMS error {self._errors()}; of the fits alone"
             f" {percent(self.fit_error.mean())}",
             f"flicker {percent(self.flicker, 2)}",
             f"searches that changed the lights: {_some(searches)}; steps of the light:"
             f" {_some(steps)}",
         ]
+
+    def _errors(self) -> str:
+        if np.isnan(self.error).any():
+            return "not measured"
+        worst = int(self.error.argmax())
+        most = f"{percent(self.error[worst])} in frame {self.rigs[worst].frame}"
+        return f"{percent(self.error.mean())} on average, at most {most}"
 
 
 def _some(frames: list[int]) -> str:

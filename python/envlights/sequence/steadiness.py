@@ -7,7 +7,7 @@ import re
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._common.check import amount, count, describe
+from envlights._common.check import count, describe, positive
 from envlights._native import EnvLightsError
 
 #: Largest half-width, because a window holds the rigs and irradiance of its frames in memory.
@@ -18,11 +18,7 @@ _SECONDS = re.compile(r"\s*(\d+(?:\.\d*)?|\.\d+)\s*s\s*")
 
 def frame_rate(fps: float | None) -> float | None:
     """Frames per second, above 0, or None."""
-    if fps is None:
-        return None
-    if amount("fps", fps) == 0:
-        raise EnvLightsError("fps must be above 0 frames in a second; got 0")
-    return float(fps)
+    return None if fps is None else positive("fps", fps)
 
 
 def window_frames(steadiness: int | str, fps: float | None) -> int:

@@ -5,21 +5,26 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
 
 from envlights._common.errors import DamagedFileError, MissingFileError
 from envlights._native import EnvLightsError
-from envlights.environment.envmap import EnvMap
+
+Codes: TypeAlias = NDArray[np.uint8]
 
 #: Suffixes of videos.
 VIDEOS = (".mp4", ".mov", ".mkv", ".webm", ".avi")
 #: HDR transfer curves of ITU-T H.273, which need linear image files instead.
 _CURVES = {16: "PQ", 18: "HLG"}
-_NOTE = "a frame of a video: 8-bit codes read as sRGB, so bright lights are clipped"
+#: Note of each frame.
+NOTE = "a frame of a video: 8-bit codes read as sRGB, so bright lights are clipped"
 
 
-def video_frames(path: str) -> tuple[Iterable[EnvMap], int | None, float | None]:
-    """Maps of the frames, read one at a time; frame count and rate if the file states them.
+def video_frames(path: str) -> tuple[Iterable[Codes], int | None, float | None]:
+    """8-bit codes of the frames, read one at a time; frame count and rate if the file states them.
 
     Raises
     ------
@@ -50,11 +55,11 @@ def video_frames(path: str) -> tuple[Iterable[EnvMap], int | None, float | None]
         return _frames(av, path), stream.frames or None, float(rate) if rate else None
 
 
-def _frames(av: Any, path: str) -> Iterator[EnvMap]:
+def _frames(av: Any, path: str) -> Iterator[Codes]:
     with _open(av, path) as file:
         try:
             for frame in file.decode(video=0):
-                yield EnvMap(frame.to_ndarray(format="rgb24"), notes=(_NOTE,))
+                yield frame.to_ndarray(format="rgb24")
         except av.error.FFmpegError as error:
             raise DamagedFileError(f"{path} cannot be decoded: {error}") from None
 

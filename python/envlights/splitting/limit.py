@@ -46,7 +46,7 @@ def limit(env: AnyMap, maximum: float) -> Limit:
     env : EnvMap, path or array_like, shape (height, 2 * height, 3)
         The map.
     maximum : float
-        Largest value of a sample of the rest, such as 65504 for half floats.
+        Largest value of a sample of the remainder, such as 65504 for half floats.
 
     Returns
     -------
@@ -68,7 +68,7 @@ def limit(env: AnyMap, maximum: float) -> Limit:
     the luminance Y of X, :math:`d \propto \int Y \omega\, d\omega`, the flux of X in each channel,
     :math:`2 E / (1 + \cos a)`, and the irradiance of Y at normal incidence; so the radius follows
     from :math:`(1 + \cos a) / 2 = |\int Y \omega\, d\omega| / \int Y d\omega`. On maps with suns,
-    flux and vector irradiance of the luminance of rest and lights together differ by less than
+    flux and vector irradiance of the luminance of remainder and lights together differ by less than
     1e-12 from those of the map.
 
     Examples

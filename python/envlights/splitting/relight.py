@@ -116,7 +116,7 @@ def _check_whole(env: EnvMap) -> None:
             "the map shows a part of the sphere, where lights can be dimmed, coloured and left out,"
             " but not moved, resized or added; fill the map first"
         )
-    if env.registration == "border-sampled":
+    if env.is_border_sampled:
         raise EnvLightsError(
             "the map is border-sampled, where lights can be dimmed, coloured and left out, but not"
             f" moved, resized or added; split env.resized({env.width}) instead"

@@ -75,9 +75,6 @@ class RemovedLights(DetectedLights):
         """Read the direction, irradiance and size of removed lights that `save` wrote."""
         return Lights.load(path)
 
-    def _together(self) -> str:
-        return f"removed: {100 * self.flux_fraction.sum():.3g} % of all light in the map"
-
     def _remarks(self, row: int) -> str:
         remarks = super()._remarks(row)
         most = self.off_axis[row].max()

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from envlights import _native
 from envlights._common.check import amount, count, describe, flag, named_arguments
 from envlights._common.former import former_attributes
+from envlights._common.words import percent
 from envlights._native import EnvLightsError
 from envlights.cards.card_split import CardSplit
 from envlights.cards.cut import cut
@@ -157,7 +158,7 @@ def split(
 
     Each light is removed with its rim and its glare. Its pixels are filled smoothly from around
     it, by Laplace's equation on the sphere; a pixel that is darker than the fill stays. In every
-    pixel, the map is the rest plus the removed radiance. A surface that faces the whole light
+    pixel, the map is the remainder plus the removed radiance. A surface that faces the whole light
     receives the same luminance from the light as from the removed pixels, up to rounding. One
     channel may differ by `RemovedLights.off_axis` of the light.
 
@@ -177,7 +178,7 @@ def split(
         become one card.
     **options
         Options of `detect`. Here `rise` is 2.25 and `min_worth` is 0 by default, so that
-        weak lights do not remain in the rest.
+        weak lights do not stay in the remainder.
 
     Returns
     -------
@@ -212,7 +213,7 @@ def split(
     thresholds, with y above 1.5, becomes 2 - 1/4 / (y - 1) thresholds.
 
     Of a map that shows a part of the sphere (`EnvMap.coverage`), only what is seen is removed and
-    counted, and nothing is filled from unseen pixels. They stay black in the rest.
+    counted, and nothing is filled from unseen pixels. They stay black in the remainder.
 
     The irradiance of a clipped light is a lower bound, because the map has lost the radiance above
     its clip level.
@@ -231,7 +232,7 @@ def split(
     >>> len(lights), rest.radiance.max(axis=(0, 1))
     (1, array([0.2, 0.3, 0.4], dtype=float32))
 
-    The lights and the rest as a rig, the rest as harmonics:
+    The lights and the remainder as a rig, the remainder as harmonics:
 
     >>> sky = el.fit(rest, lights=0, ambient="sh2")
     >>> rig = el.Rig(sky.ambient, lights.discs(), error=0.0)
@@ -247,8 +248,7 @@ def split(
     pixels = _light_pixels(env, chosen, luminance)
     if chosen is lights:
         _check_peaks(chosen, pixels)
-    is_border = env.registration == "border-sampled"
-    parts = _native.split_map(env.radiance, is_border, pixels, env.coverage)
+    parts = _native.split_map(env.radiance, env.is_border_sampled, pixels, env.coverage)
     removed = _removed_lights(chosen, parts, _report(chosen, len(found), perf_counter() - start))
     if shapes:
         return _cards_and_rest(env, removed, parts.remainder, pixels)
@@ -285,9 +285,8 @@ def _choose(
                 f"{given[0]} has no effect on lights that are already detected; give only one"
             )
         _check_origin(env, lights.report)
-        is_border = env.registration == "border-sampled"
         width = lights.report.working_size[1]
-        image = _native.reduced_luminance(env.radiance, width, is_border)
+        image = _native.reduced_luminance(env.radiance, width, env.is_border_sampled)
         return lights, lights, image.ravel()
     most = None if lights is None else _count(lights)
     part = None if fraction is None else amount("fraction", fraction, most=1.0)
@@ -329,16 +328,16 @@ def _check_peaks(lights: DetectedLights, pixels: LightPixels) -> None:
     A peak is one pixel of the map, which has at least 1 / block^3 of the weight in its block.
     """
     image = pixels.luminance.reshape(lights.report.working_size)
-    coverage = np.zeros(len(lights))
+    largest = np.zeros(len(lights))
     rows, columns = lights.members.pixel.T
-    np.maximum.at(coverage, lights.members.light, image[rows, columns])
+    np.maximum.at(largest, lights.members.light, image[rows, columns])
     least, most = 1 - _PEAK_TOLERANCE, 1 + _PEAK_TOLERANCE
     peak = lights.peak_luminance
-    is_other = (coverage > most * peak) | (coverage < least * peak / pixels.block**3)
+    is_other = (largest > most * peak) | (largest < least * peak / pixels.block**3)
     for light in np.flatnonzero(is_other)[:1]:
         raise EnvLightsError(
             f"the lights must be those of this map: light {light} has a peak luminance of"
-            f" {peak[light]:.4g}, but its brightest pixel here has {coverage[light]:.4g}"
+            f" {peak[light]:.4g}, but its brightest pixel here has {largest[light]:.4g}"
         )
 
 
@@ -385,8 +384,8 @@ def _report(chosen: DetectedLights, found: int, seconds: float) -> DetectionRepo
 def _notes(removed: RemovedLights) -> tuple[str, ...]:
     if not len(removed):
         return ()
-    percent = 100 * removed.flux_fraction.sum()
-    notes = [f"{removed.in_short()} with {percent:.3g} % of the flux removed"]
+    flux = percent(removed.flux_fraction.sum())
+    notes = [f"{removed.in_short()} with {flux} of the flux removed"]
     if cut := int(removed.is_cut.sum()):
         lights = "light lies" if cut == 1 else "lights lie"
         notes.append(

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights._common.check import amount, named_arguments, reals
+from envlights._common.check import amount, named_arguments, unit_vector
 from envlights._common.notes import warnings
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import EnvMap
@@ -64,8 +64,9 @@ def find_sun(
     Returns
     -------
     Sun
-        `answer` is "sun" with 7 or 8 points of 8, "perhaps" with 5 or 6, else "no". For a map that
-        is not clipped, the sun is one of its detected lights, or the answer is "no".
+        `answer` is "sun" with 7 or 8 points of 8, "perhaps" with 5 or 6, else "no". A sun of one
+        pixel needs all 8 to be "sun". For a map that is not clipped, the sun is one of its detected
+        lights, or the answer is "no".
 
     Raises
     ------
@@ -207,17 +208,11 @@ def _contradiction(
 
 def _direction(values: ArrayLike) -> NDArray[np.float64]:
     """Unit vector of a given direction; raises an error below the horizon."""
-    vector = reals("direction", values, 1)
-    length = np.linalg.norm(vector)
-    if vector.shape != (3,) or not (np.isfinite(length) and length > 0):
+    unit = unit_vector("direction", values)
+    if unit[1] <= 0:
         raise EnvLightsError(
-            f"direction must be three finite numbers, not all 0; got {vector.tolist()}"
+            f"direction must be above the horizon, with y > 0; got {unit.tolist()}"
         )
-    if vector[1] <= 0:
-        raise EnvLightsError(
-            f"direction must be above the horizon, with y > 0; got {vector.tolist()}"
-        )
-    unit: NDArray[np.float64] = vector / length
     return unit
 
 

@@ -181,13 +181,13 @@ class Sun(Result):
             [
                 str(self),
                 *([wide] if low != high else []),
-                *(f"{'yes' if yes else 'no ':<3}  {question}" for question, yes in self._points()),
+                *(
+                    f"{'yes' if yes else 'no ':<3}  {question}"
+                    for question, yes in self.points.items()
+                ),
                 f"radius of the clipped part: {np.degrees(self.plateau_radius):.2f}°",
             ]
         )
-
-    def _points(self) -> list[tuple[str, bool]]:
-        return list(self.points.items())
 
     def to_dict(self) -> dict[str, Any]:
         """All fields except the `plateau` as plain numbers, lists and strings."""

@@ -14,6 +14,7 @@ from envlights._native import EnvLightsError
 from envlights.environment.envmap import EnvMap
 from envlights.environment.fill import Fill
 from envlights.environment.reading import AnyMap, as_envmap
+from envlights.environment.repair import check_not_black
 from envlights.export.links import LinkedParts
 from envlights.kernels.image import LUMINANCE
 from envlights.kernels.sphere import direction_to_uv
@@ -209,6 +210,7 @@ def _of_reading(
     sky = float(remainder.probe(np.array([0.0, 1.0, 0.0]), fill=fill) @ LUMINANCE)
     name, reading, least = "irradiance", irradiance or 0.0, sky
     if ratio is not None:
+        check_not_black("the sun", sky)
         name, reading, least = "ratio", ratio, 1.0
     if reading < least:
         raise EnvLightsError(

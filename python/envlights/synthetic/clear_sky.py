@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights import kernels
-from envlights._common.check import amount, count, reals
+from envlights._common.check import amount, count, unit_vector
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import EnvMap
 from envlights.kernels.image import LUMINANCE
@@ -115,11 +115,7 @@ def _colour(channels: tuple[float, float, float]) -> NDArray[np.float64]:
 
 def _direction(sun: ArrayLike) -> NDArray[np.float64]:
     """Unit vector above the horizon; raises an error for other directions."""
-    vector = reals("sun", sun, 1)
-    length = float(np.linalg.norm(vector))
-    if vector.shape != (3,) or not (0 < length < math.inf) or vector[1] <= 0:
-        raise EnvLightsError(
-            f"sun must be three finite numbers above the horizon, with y > 0; got {vector.tolist()}"
-        )
-    unit: NDArray[np.float64] = vector / length
+    unit = unit_vector("sun", sun)
+    if unit[1] <= 0:
+        raise EnvLightsError(f"sun must be above the horizon, with y > 0; got {unit.tolist()}")
     return unit

@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights._common.blocks import in_blocks
-from envlights._common.check import reals
-from envlights._native import EnvLightsError
+from envlights._common.check import unit_vector
 from envlights.kernels import sphere
 
 #: Samples along each side of a pixel by which its coverage is measured.
@@ -204,12 +203,7 @@ def smoothstep(values: NDArray[np.float64], start: float, end: float) -> NDArray
 
 def unit(direction: ArrayLike) -> NDArray[np.float64]:
     """Normalised `direction`; raises an error for a zero vector."""
-    vector = reals("a direction", direction, 1)
-    length = np.linalg.norm(vector)
-    if vector.shape != (3,) or not np.isfinite(length) or length == 0:
-        raise EnvLightsError(f"a direction must be three numbers, not all 0; got {vector.tolist()}")
-    of_length_one: NDArray[np.float64] = vector / length
-    return of_length_one
+    return unit_vector("a direction", direction)
 
 
 def _angle_deg(directions: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.float64]:

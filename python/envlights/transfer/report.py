@@ -71,7 +71,7 @@ class TransferReport(Result):
     def in_short(self) -> str:
         """Size, energy and ridge."""
         size = f"rank {self.rank} from {self.pairs} pairs"
-        return f"{size}, {100 * self.energy:.4g} % of the energy, ridge {self.ridge:.3g}"
+        return f"{size}, {percent(self.energy, 4)} of the energy, ridge {self.ridge:.3g}"
 
     def _table(self) -> Table:
         kinds = {

@@ -178,7 +178,7 @@ def _triangles(triangles: ArrayLike, count: int) -> NDArray[np.int64]:
 
 def _corner_albedo(albedo: ArrayLike, rows: NDArray[np.int64], count: int) -> NDArray[np.float64]:
     """Albedo of each corner, (m, 3, 3)."""
-    values = check.reals("albedo", albedo, np.ndim(albedo))
+    values = check.reals("albedo", albedo, None)
     if not (np.isfinite(values).all() and (values >= 0).all() and (values <= 1).all()):
         raise EnvLightsError(
             "albedo must be from 0 to 1; divide 8-bit codes by 255 and decode sRGB"

@@ -181,7 +181,7 @@ def view(
         if rig is not None:
             raise EnvLightsError("view takes a map and a rig, or one of them; got two rigs")
         title = "A rig" if title is None else title
-        return view(data.map_of(env), env, title=title, model=model, truth=truth)
+        return view(data.map_of(env), env, fill=fill, title=title, model=model, truth=truth)
     _check_rig(rig)
     world = as_envmap(env).filled(fill)
     rigs = data.fitted_rigs(world) if rig is None else data.rigs_of(rig)

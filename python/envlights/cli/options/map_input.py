@@ -166,7 +166,9 @@ _OPTIONS: dict[str, dict[str, Any]] = {
         "help": "Colour space of MAP instead of what the file says: linear, srgb, p3, rec2020, ...,"
         " or the path of an ICC profile.",
     },
-    "part": {"help": "Part or layer of MAP, by name or number from 0; the finished picture else."},
+    "part": {
+        "help": "Part or layer of MAP, by name or number from 0  [default: the beauty layer]."
+    },
     "channels": {
         "metavar": "NAMES",
         "help": "Names of red, green and blue, or of one grey channel, then perhaps alpha, between"
@@ -189,7 +191,7 @@ _OPTIONS: dict[str, dict[str, Any]] = {
     "horizon": {
         "type": float,
         "metavar": "ROW",
-        "help": "Row of elevation 0 in a cylinder or a part of a panorama; the middle else.",
+        "help": "Row of elevation 0 in a cylinder or a part of a panorama  [default: the middle].",
     },
     "circle": {
         "metavar": "X,Y,RADIUS",
@@ -198,11 +200,11 @@ _OPTIONS: dict[str, dict[str, Any]] = {
     "ball_distance": {
         "type": float,
         "metavar": "RADII",
-        "help": "Distance of the camera from a mirror ball, in its radii; far away else.",
+        "help": "Distance of the camera from a mirror ball, in its radii  [default: far away].",
     },
     "forward": {
         "metavar": "X,Y,Z",
-        "help": "Direction of the centre of a circle or a photograph; +z else.",
+        "help": "Direction of the centre of a circle or a photograph  [default: +z].",
     },
     "eye": {"type": click.Choice(EYES), "help": "Half of a stereo panorama."},
     "map_width": {
@@ -240,7 +242,7 @@ _OPTIONS: dict[str, dict[str, Any]] = {
         "help": "Measured luminance of a patch of MAP, in cd/m2.",
     },
     "at": {"metavar": "X,Y,Z", "help": "Direction of that patch."},
-    "patch": {"type": float, "metavar": "DEGREES", "help": "Radius of that patch; 1 by default."},
+    "patch": {"type": float, "metavar": "DEGREES", "help": "Diameter of that patch; 1 by default."},
     "ev100": {
         "type": float,
         "metavar": "EV",

@@ -10,8 +10,7 @@ from typing import Any
 import click
 
 from envlights._native import EnvLightsError
-from envlights.cli.options.map_input import MapOption
-from envlights.cli.options.numbers import numbers
+from envlights.cli.options.map_input import MapOption, direction_in
 from envlights.sun.almanac import SunAt
 from envlights.sun.choice import AUTO, AnySun
 
@@ -67,7 +66,8 @@ def sun_options(function: Callable[..., None]) -> Callable[..., None]:
     ) -> None:
         sun: AnySun | None = AUTO if is_auto else None
         if sun_direction is not None:
-            sun = numbers("--sun-direction", sun_direction, "0.5,0.7,0.5")
+            frame = click.get_current_context().params["frame"]
+            sun = direction_in(frame, "--sun-direction", sun_direction)
         if any(each is not None for each in (sun_time, latitude, longitude, north)):
             if sun_direction is not None:
                 raise EnvLightsError("give --sun-direction or --sun-time, not both")

@@ -20,7 +20,7 @@ def _rank(text: str) -> int | float:
         return float(text) if "." in text else int(text)
     except ValueError:
         raise click.BadParameter(
-            f"give a whole number, or a share such as 0.99; got {text}"
+            f"give a whole number, or a fraction such as 0.99; got {text}"
         ) from None
 
 

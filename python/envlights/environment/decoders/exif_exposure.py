@@ -27,9 +27,9 @@ def ev100_of(tags: Mapping[str, float]) -> float | None:
 
 
 def above_0(exif: Mapping[str, float], name: str) -> float | None:
-    """Value of a tag if it is finite and above 0; otherwise None."""
+    """Value of a tag if a camera can have it, above 0; otherwise None."""
     value = exif.get(name, 0.0)
-    return value if 0 < value < math.inf else None
+    return value if 2.0**-_MOST_APEX <= value <= 2.0**_MOST_APEX else None
 
 
 def _number_or_apex(

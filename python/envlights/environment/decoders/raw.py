@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._common.errors import FileError, MissingFileError
+from envlights._common.errors import DamagedFileError, FileError, MissingFileError
 
 #: Suffixes of raw files.
 SUFFIXES = (".arw", ".cr2", ".cr3", ".dng", ".nef", ".orf", ".pef", ".raf", ".rw2", ".srw")
@@ -28,14 +28,17 @@ def read(path: str | os.PathLike[str]) -> NDArray[np.float32]:
     """Linear Rec.709 samples of a raw file, clipped at 1, (height, width, 3)."""
     rawpy = _library(path)
     with _open(rawpy, path) as file:
-        samples = file.postprocess(
-            gamma=(1, 1),
-            no_auto_bright=True,
-            output_bps=16,
-            use_camera_wb=True,
-            output_color=rawpy.ColorSpace.sRGB,
-            highlight_mode=rawpy.HighlightMode.Clip,
-        )
+        try:
+            samples = file.postprocess(
+                gamma=(1, 1),
+                no_auto_bright=True,
+                output_bps=16,
+                use_camera_wb=True,
+                output_color=rawpy.ColorSpace.sRGB,
+                highlight_mode=rawpy.HighlightMode.Clip,
+            )
+        except rawpy.LibRawError as error:
+            raise DamagedFileError(f"{os.fsdecode(path)} cannot be decoded: {error}") from None
     return np.asarray(samples, dtype=np.float32) / np.float32(65535)
 
 

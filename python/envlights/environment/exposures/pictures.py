@@ -70,13 +70,14 @@ def series_of(pictures: object) -> list[Any]:
 def read(picture: ArrayLike | str | os.PathLike[str], number: int, time: float) -> Picture:
     """Picture of a file or an array."""
     if isinstance(picture, str | os.PathLike):
-        return _of_file(picture, number, time)
-    try:
-        array = np.asarray(picture)
-    except ValueError as error:  # lists of several lengths
-        raise EnvLightsError(f"exposure {number} must be an array of numbers; {error}") from None
-    samples, is_linear = _of_array(array, number)
-    return Picture(number, time, samples, is_linear, array.dtype == np.uint8, False, ())
+        found = _of_file(picture, number, time)
+    else:
+        found = _of_values(picture, number, time)
+    if not np.isfinite(found.samples).all():
+        raise EnvLightsError(
+            f"exposure {number} holds samples that are not finite; repair it or leave it out"
+        )
+    return found
 
 
 def check_sizes(pictures: list[Picture]) -> None:
@@ -102,6 +103,15 @@ def _of_file(path: str | os.PathLike[str], number: int, time: float) -> Picture:
     )
 
 
+def _of_values(values: ArrayLike, number: int, time: float) -> Picture:
+    try:
+        array = np.asarray(values)
+    except ValueError as error:  # lists of several lengths
+        raise EnvLightsError(f"exposure {number} must be an array of numbers; {error}") from None
+    samples, is_linear = _of_array(array, number)
+    return Picture(number, time, samples, is_linear, array.dtype == np.uint8, False, ())
+
+
 def _of_array(array: NDArray[Any], number: int) -> tuple[NDArray[np.float32], bool]:
     """Samples of an array, and True if they are linear."""
     if array.ndim != 3 or array.shape[2] != 3:
@@ -114,8 +124,6 @@ def _of_array(array: NDArray[Any], number: int) -> tuple[NDArray[np.float32], bo
         raise EnvLightsError(
             f"exposure {number} must be floating point, uint8 or uint16; got {array.dtype}"
         )
-    if not np.isfinite(array).all():
-        raise EnvLightsError(f"exposure {number} holds samples that are not finite")
     return array.astype(np.float32, copy=False), True
 
 

@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
-from envlights._common.check import amount, describe
+from envlights._common.check import describe, positive
 from envlights._native import EnvLightsError
 from envlights.environment.decoders import raw
 from envlights.environment.decoders.exif_exposure import exposure_of
@@ -44,15 +44,10 @@ def exposure_times(pictures: list[Any], times: object) -> Times:
         raise EnvLightsError(
             f"there must be a time for each exposure ({len(pictures)}); got {len(by_hand)}"
         )
-    seconds = [_check_time(number, time) for number, time in enumerate(by_hand, 1)]
+    seconds = [
+        positive(f"the time of exposure {number}", time) for number, time in enumerate(by_hand, 1)
+    ]
     return Times(seconds, are_exposures=False)
-
-
-def _check_time(number: int, time: object) -> float:
-    seconds = amount(f"the time of exposure {number}", time)
-    if seconds == 0:
-        raise EnvLightsError(f"the time of exposure {number} must be above 0; got 0")
-    return seconds
 
 
 def _of_files(pictures: list[Any]) -> Times:

@@ -16,7 +16,7 @@ from envlights._common.files import as_path, write_atomically
 from envlights._common.srgb import encode_srgb
 from envlights._common.units import OWN_SCALE, PHOTOMETRIC
 from envlights._native import EnvLightsError
-from envlights.environment.files.images import REC709
+from envlights.environment.colour.primaries import REC709
 
 #: Lossless compression methods of OpenEXR.
 COMPRESSIONS: tuple[str, ...] = ("zip", "piz", "rle", "none")

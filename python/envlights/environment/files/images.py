@@ -32,10 +32,6 @@ from envlights.environment.files.whole_numbers import WholeNumbers
 #: size.
 MOST_PIXELS = 2**29
 
-#: Primaries and white point of Rec.709, in the order of OpenEXR: x and y of red, green, blue,
-#: white.
-REC709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
-
 
 @dataclass(frozen=True, eq=False)
 class Image:

@@ -74,7 +74,7 @@ def arrange_cube(
     samples : ndarray, shape (6, n, n, channels) or (height, width, channels)
         Six faces, a stack, a strip or a cross.
     coverage : ndarray, optional
-        Share of each pixel that is seen, of the same arrangement.
+        Fraction of each pixel that is seen, of the same arrangement.
     hints, layout
         Statements of the file and of the user.
     recognised_by : str

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights._common import html
+from envlights._common.arrays import convert
 from envlights._common.check import check_choice
 from envlights._common.files import as_path
 from envlights._common.units import OWN_SCALE
@@ -101,9 +102,7 @@ class Picture:
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
         """Samples, for `numpy.asarray`."""
-        if copy:
-            return np.array(self.array, dtype)
-        return np.asarray(self.array, dtype)
+        return convert(self.array, dtype, copy)
 
     def __repr__(self) -> str:
         parts = [f"{self.width}x{self.height} {self.layout.kind}"]
@@ -247,7 +246,7 @@ def picture_of(
     faces : str
         Convention of a cube's faces in the picture: one of `CONVENTIONS`.
     coverage : ndarray, optional
-        Share of each sample that is seen.
+        Fraction of each sample that is seen.
     notes : tuple of str
         Remarks on the origin.
     arrangement : str

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from envlights._common.check import amount, check_choice, count, reals
+from envlights._common.check import amount, check_choice, count, reals, unit_vector
 from envlights._native import EnvLightsError
 
 #: Matrix rows: forward, right and up of the picture, in the frame of maps.
@@ -226,14 +226,7 @@ def looking(forward: ArrayLike, name: str = "forward") -> Axes:
     >>> looking([0, 0, 2]) == FRONT
     True
     """
-    vector = reals(name, forward, 1)
-    length = float(np.linalg.norm(vector)) if vector.shape == (3,) else 0.0
-    if not 0 < length < math.inf:
-        raise EnvLightsError(
-            f"{name} must be a direction: three finite numbers, not all 0; got"
-            f" {np.asarray(forward).tolist()}"
-        )
-    forward = vector / length
+    forward = unit_vector(name, forward)
     level = np.hypot(forward[0], forward[2])
     if level < 1e-9:
         side = 1.0 if forward[1] > 0 else -1.0

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from envlights._common.check import amount, check_choice, describe, reals
+from envlights._common.check import amount, check_choice, describe, positive, reals
 from envlights._native import EnvLightsError
 from envlights.environment.files.hints import NO_HINTS, Hints
 from envlights.environment.layouts import picture_layout as layouts
@@ -62,22 +62,22 @@ class Layout:
     """Positions of the samples: "cell-centred" or "border-sampled"."""
 
     mapping: str | None = None
-    """Mapping of a fisheye."""
-
-    fov: float | None = None
-    """Field of view in degrees: horizontally, or across the circle of a fisheye."""
-
-    horizon: float | None = None
     """Mapping of a fisheye: one of `MAPPINGS`."""
 
-    circle: ArrayLike | None = None
+    fov: float | None = None
     """Field of view in degrees: horizontal, or across the circle of a fisheye."""
 
-    forward: ArrayLike | None = None
+    horizon: float | None = None
     """Row of elevation 0 in a cylinder or a crop of a panorama."""
 
+    circle: ArrayLike | None = None
+    """Centre x, centre y and radius of a circle, in pixels."""
+
+    forward: ArrayLike | None = None
+    """Direction of the centre of the picture."""
+
     eye: str | None = None
-    """Direction at the centre of the picture."""
+    """Half of a stereo panorama: "left" or "right"."""
 
     distance: float | None = None
     """Distance of the camera from the centre of a mirror ball, in radii of the ball."""
@@ -95,8 +95,8 @@ class Layout:
         ):
             if (value := getattr(self, name)) is not None:
                 check_choice(name, value, choices)
-        if self.fov is not None and amount("fov", self.fov, 0, 360) == 0:
-            raise EnvLightsError("fov must be above 0 degrees, up to 360; got 0")
+        if self.fov is not None:
+            positive("fov", self.fov, 360)
         if self.distance is not None and amount("distance", self.distance) <= 1:
             raise EnvLightsError(
                 "distance must be above 1, in radii from the centre of the mirror ball; got"

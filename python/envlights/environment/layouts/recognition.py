@@ -58,7 +58,7 @@ def recognise(
     layout : Layout, optional
         Statements of the user, which go before all others.
     coverage : ndarray, optional
-        Share of each pixel that is seen, without channels.
+        Fraction of each pixel that is seen, without channels.
 
     Returns
     -------

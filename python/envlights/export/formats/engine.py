@@ -56,9 +56,10 @@ def engine(
     -------
     dict
         ``lights``: `to_light`, the unit vector towards the light; `forward`, the one in which its
-        light travels; `irradiance`; its largest channel as `intensity` and the rest as `color`,
-        both linear; `angular_diameter` in degrees. ``ambient``: a radiance, nine `harmonics` of it
-        in the engine's axes (`kernels.harmonic_radiance`), or the file of a `map`.
+        light travels; `irradiance`; its largest channel as `intensity`, and irradiance over
+        intensity as `color`, both linear; `angular_diameter` in degrees. ``ambient``: a radiance,
+        nine `harmonics` of it in the engine's axes (`kernels.harmonic_radiance`), or the file of a
+        `map`.
 
     Examples
     --------

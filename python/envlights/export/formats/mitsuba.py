@@ -114,7 +114,7 @@ def _xml(scene: Scene, radiance: NDArray[np.float64] | None, names: Beside) -> s
     crops = crop_names(scene.panels, names.prefix, "mitsuba")
     for name in crops:
         check_link(name, "Mitsuba", _REFUSED)
-    mitsuba_cards.elements(root, scene.panels, crops)
+    mitsuba_cards.add_shapes(root, scene.panels, crops)
     if radiance is not None:
         check_link(names.map, "Mitsuba", _REFUSED)
         emitter = ElementTree.SubElement(root, "emitter", type="envmap", id="ambient")

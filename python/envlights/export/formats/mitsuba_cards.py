@@ -30,11 +30,10 @@ def shapes(panels: tuple[Panel, ...]) -> _Emitters:
     }
 
 
-def elements(
-    root: ElementTree.Element, panels: tuple[Panel, ...], names: list[str]
-) -> list[ElementTree.Element]:
-    """Add shapes to a scene; their emitters, for the weights."""
-    return [_element(root, *each) for each in zip(panels, names, strict=True)]
+def add_shapes(root: ElementTree.Element, panels: tuple[Panel, ...], names: list[str]) -> None:
+    """Add shapes to a scene."""
+    for panel, name in zip(panels, names, strict=True):
+        _add_shape(root, panel, name)
 
 
 def to_world(panel: Panel) -> NDArray[np.float64]:
@@ -62,7 +61,7 @@ def _radiance(panel: Panel, mi: Any) -> dict[str, Any]:
     return {"type": "bitmap", "bitmap": bitmap, "wrap_mode": "clamp", "raw": True}
 
 
-def _element(root: ElementTree.Element, panel: Panel, name: str) -> ElementTree.Element:
+def _add_shape(root: ElementTree.Element, panel: Panel, name: str) -> None:
     shape = ElementTree.SubElement(root, "shape", type=_kind(panel), id=panel.name)
     place = ElementTree.SubElement(shape, "transform", name="to_world")
     numbers = " ".join(map(repr, to_world(panel).ravel().tolist()))
@@ -78,4 +77,3 @@ def _element(root: ElementTree.Element, panel: Panel, name: str) -> ElementTree.
         ElementTree.SubElement(texture, "string", name="filename", value=name)
         ElementTree.SubElement(texture, "string", name="wrap_mode", value="clamp")
         ElementTree.SubElement(texture, "boolean", name="raw", value="true")
-    return emitter

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights.environment.layouts.picture_layout import PictureLayout, equirectangular
+from envlights.environment.layouts.picture_layout import PBRT, PictureLayout, equirectangular
 from envlights.environment.reading import AnyMap
 from envlights.environment.resample import resample
 from envlights.export.discs import split_by_size, with_discs
@@ -20,9 +20,6 @@ from envlights.export.textures import Beside, save_beside
 _NARROW = 4 * np.pi / 1024
 #: Pixels along a side of pbrt's map for each row of ours: about the same at the horizon.
 _SIDE = 1.25
-#: Directions of the centre, of the right and of the upper edge of that map, which has +z of pbrt in
-#: its centre.
-_SQUARE = ((0.0, 1.0, 0.0), (0.0, 0.0, -1.0), (-1.0, 0.0, 0.0))
 #: Escapes of pbrt in a string.
 _ESCAPES = str.maketrans(
     {
@@ -172,7 +169,7 @@ def _equal_area(scene: Scene) -> NDArray[np.float32] | None:
     if env is None:
         return None
     side = int(np.ceil(_SIDE * env.height))
-    square = PictureLayout("octahedral-equal-area", side, side, axes=_SQUARE)
+    square = PictureLayout("octahedral-equal-area", side, side, axes=PBRT)
     return resample(env.radiance, None, equirectangular(env.height), square)[0]
 
 

@@ -7,8 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._common.check import amount, check_choice
-from envlights._native import EnvLightsError
+from envlights._common.check import check_choice, positive
 from envlights.export.formats.usd_text import string
 from envlights.export.panels import Panel
 from envlights.frames import FRAMES
@@ -32,10 +31,7 @@ class Stage(NamedTuple):
     def checked(self) -> Stage:
         """Check the axis and the unit, or refuse what no stage has."""
         check_choice("up", self.up, tuple(_AXES))
-        metres = amount("metres_per_unit", self.metres_per_unit)
-        if not metres:
-            raise EnvLightsError("metres_per_unit must be greater than 0; got 0")
-        return Stage(self.up, metres)
+        return Stage(self.up, positive("metres_per_unit", self.metres_per_unit))
 
     def text(self, prims: list[str], statement: str, **times: float) -> str:
         """The stage of these prims; `times` are more fields of its head, such as endTimeCode."""

@@ -58,7 +58,13 @@ class ImagePairs(Result):
         folder : path-like
             Folder of the files, created if it does not exist.
         """
-        write_pairs(folder, self.direct, self.indirect)
+        try:
+            as_path(folder).mkdir(exist_ok=True)
+        except OSError as error:
+            raise EnvLightsError(f"cannot make the folder {folder}: {error.strerror}") from None
+        for k, pair in enumerate(zip(self.direct, self.indirect, strict=True)):
+            for kind, image in zip((_DIRECT, _INDIRECT), pair, strict=True):
+                write_exr(Path(folder, _file_name(kind, f"{k:04}")), image)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -149,22 +155,6 @@ def _in_folder(folder: Path) -> list[PathPair]:
             (partner,) = pair.values()
             raise EnvLightsError(f"{partner} has no partner: {folder / _file_name(kind, name)}")
     return [(pair[_DIRECT], pair[_INDIRECT]) for pair in found.values()]
-
-
-def write_pairs(
-    folder: str | os.PathLike[str], direct: NDArray[Any], indirect: NDArray[Any]
-) -> None:
-    """Write images, (k, h, w, 3) and (k, H, W, 3), as the files that `read_pairs` reads.
-
-    The folder is created if it does not exist.
-    """
-    try:
-        as_path(folder).mkdir(exist_ok=True)
-    except OSError as error:
-        raise EnvLightsError(f"cannot make the folder {folder}: {error.strerror}") from None
-    for k, pair in enumerate(zip(direct, indirect, strict=True)):
-        for kind, image in zip((_DIRECT, _INDIRECT), pair, strict=True):
-            write_exr(Path(folder, _file_name(kind, f"{k:04}")), image)
 
 
 def _file_name(kind: str, name: str) -> str:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.lib.format import read_array_header_1_0, read_array_header_2_0
 from numpy.typing import NDArray
 
-from envlights._common.errors import unreadable
+from envlights._common.errors import DamagedFileError, unreadable
 from envlights._common.files import DAMAGE, as_path, write_atomically
 from envlights._native import EnvLightsError
 
@@ -92,7 +92,7 @@ def _read(path: str | os.PathLike[str], kind: Kind) -> dict[str, NDArray[Any]]:
     except EnvLightsError:
         raise
     except _DAMAGE as error:
-        raise EnvLightsError(f"{path} is not a complete .npz file: {_reason(error)}") from None
+        raise DamagedFileError(f"{path} is not a complete .npz file: {_reason(error)}") from None
 
 
 def _check_version(path: object, kind: Kind, archive: zipfile.ZipFile) -> None:

@@ -125,8 +125,8 @@ def train_around(
     if ours <= 1.05 * least:
         return model
     note = (
-        f"the prior alone was kept: its median error is {100 * least:.3g} %, and that for new"
-        f" lights with the pairs {100 * ours:.3g} %"
+        f"the prior alone was kept: its median error is {percent(least)}, and that for new"
+        f" lights with the pairs {percent(ours)}"
     )
     report = replace(by_prior.report, notes=(*by_prior.report.notes, note))
     return by_prior._replace(report=report)
@@ -311,17 +311,17 @@ def _notes(
     ours, alone = np.median(rest.errors), np.median(rest.prior_errors)
     if len(pairs.scale) > 1 and without < ours:
         notes.append(
-            f"the prior does not help: the median error for new lights is {100 * ours:.3g} % with"
-            f" it and {100 * without:.3g} % without; fit without it"
+            f"the prior does not help: the median error for new lights is {percent(ours)} with"
+            f" it and {percent(without)} without; fit without it"
         )
     if ours > 1.01 * alone:
         notes.append(
-            f"the pairs make the prior worse: the median error for new lights is {100 * ours:.3g} %"
-            f" with them and {100 * alone:.3g} % by the prior alone; give ridge='loo' or more pairs"
+            f"the pairs make the prior worse: the median error for new lights is {percent(ours)}"
+            f" with them and {percent(alone)} by the prior alone; give ridge='loo' or more pairs"
         )
     if alone > _DOUBTFUL:
         notes.append(
-            f"the prior does not describe the pairs: its own median error is {100 * alone:.3g} %;"
+            f"the prior does not describe the pairs: its own median error is {percent(alone)};"
             " check that scene, units and orientation are those of the pairs, and surfaces diffuse"
         )
     return tuple(notes)
