@@ -143,6 +143,7 @@ WRONG = [
     ("compare hall.exr hall.exr --protocol nosuch", GENERAL, 2, "protocol must be"),
     ("view rig.json --rotate 90 -o page.html", GENERAL, 2, "is a rig; leave out --fill"),
     ("view rig.json --fill black -o page.html", GENERAL, 2, "is a rig; leave out --fill"),
+    ("batch hall.exr -o rows --suffix .jpg", GENERAL, 2, "the suffix must be one of .json"),
     ("batch hall.exr -o rows --table none/rows.csv", FILE, 1, "none does not exist"),
     ("convert hall.exr ./hall.exr", GENERAL, 2, "it is the map; give another name"),
     ("convert hall.exr -o rig.json/maps", FILE, 1, "cannot make the folder rig.json/maps"),

@@ -29,7 +29,9 @@ from envlights.batches.result import Batch
 from envlights.batches.rows import plain
 from envlights.batches.sources import items_of, with_unique_names
 from envlights.batches.work import METHODS, Task, check_options, files_of, name_of, work_on
+from envlights.environment.files.image_output import MAP_SUFFIXES
 from envlights.environment.reading import Reading, check_reading
+from envlights.export.targets import target_of
 
 #: Queued tasks per worker, so that workers stay busy while a row is written.
 _AHEAD = 2
@@ -161,6 +163,8 @@ def _method(
         raise EnvLightsError(f"suffix must be text that begins with a dot; got {describe(suffix)}")
     if isinstance(what, str) or not callable(what):
         check_choice("what", what, tuple(METHODS))
+        if suffix is not None and suffix not in MAP_SUFFIXES:
+            target_of(f"map{suffix}")  # raises an error for unknown suffixes
         check_options(what, options)
         name = what
     else:
