@@ -46,8 +46,10 @@ def compare_lights(truth: Lights, guess: Lights, *, strongest: int = 256) -> Lig
     --------
     vector_angle : for maps, without a detection.
 
-    Notes ----- Flux is the luminance of the irradiance at normal incidence, as fractions that sum
-    to 1 in either set, so brightness does not change the angles. The plan has the least mean angle
+    Notes
+    -----
+    Flux is the luminance of the irradiance at normal incidence, as fractions that sum to 1 in
+    either set, so brightness does not change the angles. The plan has the least mean angle
     (Peyré and Cuturi 2019, "Computational Optimal Transport", equation 2.11), which is a metric,
     symmetric and with a triangle inequality; of several such plans, it is one with the least mean
     square. Equal lamps may be exchanged, if that moves less. `peak_angle` is that between the
