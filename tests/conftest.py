@@ -99,6 +99,8 @@ def pytest_collection_modifyitems(items):
     for item in items:
         if item.path.as_posix().endswith(RENDERING_FILES):
             item.add_marker(pytest.mark.mitsuba)
+    missing = [name for name in LONG_FILES if not (TESTS / name).exists()]
+    assert not missing, f"LONG_FILES of conftest.py names files that do not exist: {missing}"
     place = {str(TESTS / name): number for number, name in enumerate(LONG_FILES)}
     items.sort(key=lambda item: place.get(str(item.path), len(place)))
 
