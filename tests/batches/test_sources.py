@@ -33,6 +33,8 @@ def test_folders_patterns_and_lists_name_their_maps(folder):
     assert names(str(folder / "*.exr")) == ["one"]
     (folder / "list.txt").write_text("# maps\none.exr\n\ntwo.hdr\none.exr\n")
     assert names(folder / "list.txt") == ["one", "two"]
+    (folder / "list.txt").write_bytes(b"\xef\xbb\xbfone.exr\r\n")  # by an editor on Windows
+    assert names(folder / "list.txt") == ["one"]
     lines = [json.dumps("one.exr"), json.dumps({"path": "two.hdr", "name": "night"})]
     (folder / "list.jsonl").write_text("\n".join(lines))
     assert names(folder / "list.jsonl") == ["night", "one"]
@@ -90,6 +92,8 @@ def test_an_iterator_is_read_a_few_maps_ahead():
 def test_maps_at_addresses_are_listed_by_fsspec(folder):
     pytest.importorskip("fsspec")
     assert names(f"file://{folder}/*.exr") == ["one"]
+    with pytest.raises(el.FileError, match="cannot list nosuch://"):
+        names("nosuch://folder/*.exr")
 
 
 @pytest.mark.parametrize(

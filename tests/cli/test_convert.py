@@ -6,6 +6,7 @@ from click.testing import CliRunner
 
 import envlights as el
 from envlights.cli import main
+from envlights.environment.files.images import read_image
 from tests.helpers import NORMALS
 
 SCENE = el.EnvMap(el.synthetic.hall(128).radiance)
@@ -44,6 +45,17 @@ def test_a_map_is_turned_and_resized(hall, tmp_path):
     probe, seen = SCENE.probe(NORMALS), turned.probe(NORMALS @ turn.T)
     # Pixels of 5.6 degrees spread a lamp over the horizon of some normals.
     assert np.linalg.norm(seen - probe) < 0.02 * np.linalg.norm(probe)
+
+
+def test_the_direction_of_a_photograph_is_one_of_the_frame(hall, tmp_path):
+    view = ("--to", "planar", "--view", 60, "--width", 32)
+    typed = ",".join(map(str, el.frames.frame_named("blender").to_target([0, 0.6, 0.8])))
+    names = {"ours.exr": ["0,0.6,0.8"], "theirs.exr": [typed, "--frame", "blender"]}
+    for name, forward in names.items():
+        done = convert(hall, tmp_path / name, *view, "--to-forward", *forward)
+        assert done.exit_code == 0, done.output
+    pictures = [read_image(tmp_path / name, any_projection=True).pixels for name in names]
+    np.testing.assert_allclose(*pictures, rtol=1e-5)
 
 
 def test_an_unknown_layout_is_refused_in_a_sentence(hall, tmp_path):

@@ -11,6 +11,7 @@ import pytest
 import envlights as el
 from envlights._common.srgb import decode_srgb, encode_srgb
 from envlights.environment.decoders import raw
+from envlights.environment.decoders.exif_exposure import exposure_of
 from envlights.environment.exposures import alignment
 from tests.reference.camera_curves import filmic, rec709, shoulder
 
@@ -302,6 +303,8 @@ class RawFile:
         return SimpleNamespace(shutter_speed=self.time, iso_speed=100, aperture=1)
 
     def postprocess(self, **options):
+        if self.time < 0:
+            raise RawError("Unexpected end of file")
         assert options["gamma"] == (1, 1)
         assert options["output_bps"] == 16
         return np.round(65535 * np.clip(world() * self.time, 0, 1)).astype(np.uint16)
@@ -326,3 +329,11 @@ def test_raw_files_are_linear_and_hold_times(tmp_path, monkeypatch):
     paths[2].write_text("")
     with pytest.raises(el.EnvLightsError, match="as a raw file: Unsupported file format"):
         el.EnvMap.from_exposures(paths, TIMES)
+    paths[2].write_text("-1")
+    with pytest.raises(el.io.DamagedFileError, match="cannot be decoded: Unexpected end of file"):
+        el.EnvMap.from_exposures(paths, TIMES)
+
+
+def test_values_that_no_camera_has_count_as_missing():
+    extreme = {"FNumber": 1e200, "ExposureTime": 1e-200, "PhotographicSensitivity": 100.0}
+    assert exposure_of(extreme) == {"speed": 100.0}
