@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import envlights as el
@@ -32,7 +32,6 @@ def lamps(*directions, radius=6.0, radiance=(9, 8, 7), height=128):
 
 @pytest.mark.parametrize("registration", REGISTRATIONS)
 @pytest.mark.parametrize("fill", ["harmonic", 0.5, (0.5, 0.5, 0.5), np.float32(0.5)])
-@settings(max_examples=30)
 @given(seed=st.integers(0, 2**31), fraction=st.floats(0.02, 0.98))
 def test_a_constant_map_is_filled_with_its_constant(registration, fill, seed, fraction):
     chance = np.random.default_rng(seed)

@@ -189,6 +189,13 @@ pub fn pixel_solid_angles(height: usize, width: usize, registration: Registratio
     Ok(out)
 }
 
+/// Solid angle of a triangle on the sphere (van Oosterom and Strackee 1983).
+///
+/// `tan(omega / 2) = a.(b x c) / (1 + a.b + b.c + c.a)`.
+pub(crate) fn spherical_area([a, b, c]: [DVec3; 3]) -> f64 {
+    2.0 * a.dot(b.cross(c)).abs().atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a))
+}
+
 /// `cos theta_top - cos theta_bottom` of each row, as a product that does not cancel at the poles.
 pub fn band_heights(theta_edges: &[f64]) -> Vec<f64> {
     theta_edges
@@ -339,13 +346,6 @@ pub(crate) fn check_not_negative(what: &'static str, numbers: impl Iterator<Item
         Some((index, value)) => Err(Error::Negative { what, index, value }),
         None => Ok(()),
     }
-}
-
-/// Solid angle of a triangle on the sphere (van Oosterom and Strackee 1983).
-///
-/// `tan(omega / 2) = a.(b x c) / (1 + a.b + b.c + c.a)`.
-pub(crate) fn spherical_area([a, b, c]: [DVec3; 3]) -> f64 {
-    2.0 * a.dot(b.cross(c)).abs().atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a))
 }
 
 pub(crate) fn check_size(height: usize, width: usize) -> Result<()> {

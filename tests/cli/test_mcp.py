@@ -55,7 +55,11 @@ def test_tools_have_schemas_of_their_signatures(folder):
     assert sorted(found) == sorted(NAMES)
     schema = found["fit"].input_schema
     assert schema["required"] == ["map"]
-    assert schema["properties"]["lights"]["default"] is None
+    assert schema["properties"]["lights"] == {
+        "anyOf": [{"type": "integer"}, {"type": "null"}],
+        "default": None,
+        "title": "Lights",
+    }
     assert all(tool.description for tool in found.values())
 
 

@@ -13,7 +13,7 @@ from tests.conftest import real_maps
 from tests.detection.worlds import SKY, three, world
 from tests.helpers import printed_by_threads
 
-NORMALS, _ = kernels.icosphere(1280)
+NORMALS, _ = kernels.icosphere(5120)
 
 #: On the seam, at both poles, and elsewhere.
 PLACES = [(0, 0, -1), (0.02, 0.3, -1), (0, 1, 0), (0.05, 1, 0.02), (0.1, -1, 0), (1, 0.4, 0.3)]

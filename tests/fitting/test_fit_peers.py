@@ -18,8 +18,6 @@ SCIPY = ("bounded", "trf", "lm")
 
 #: Of the cost, as a share of what is to be explained: differences below are rounding.
 ROUNDING = 1e-13
-#: Tolerance of peers whose minimum is compared to 1e-6 or more.
-ENOUGH = 1e-9
 
 
 def probe_of(env):
@@ -129,8 +127,7 @@ def test_from_a_degree_beside_the_answer_no_peer_ends_lower(peer):
             answer = ours(problem)
             problem = problem.with_lights(len(answer.lights))
             start = a_degree_beside(answer.lights.direction, rng)
-            begin = problem.unknowns(ours(problem, fixed=start))
-            theirs = PEERS[peer](problem, begin, tolerance=ENOUGH)
+            theirs = PEERS[peer](problem, problem.unknowns(ours(problem, fixed=start)))
             if problem.is_possible(theirs):
                 cost = ours_from(problem, start).error ** 2
                 ratios.append(ratio(cost, problem.fraction(theirs)))
@@ -151,7 +148,7 @@ def assert_no_peer_ends_lower_than_the_search(irradiance, peers):
         cost = ours(problem).error ** 2
         start = problem.unknowns(ours(problem, fixed=even(problem.lights)))
         for name in peers:
-            theirs = PEERS[name](problem, start, tolerance=ENOUGH)
+            theirs = PEERS[name](problem, start)
             if problem.is_possible(theirs):
                 gain = ratio(cost, problem.fraction(theirs)) - 1
                 case = problem.lights, problem.ambient
@@ -207,8 +204,7 @@ def test_the_search_ends_where_the_best_of_random_starts_does():
         for problem in problems(irradiance, (1, 2, 4)):
             rng = np.random.default_rng(problem.lights)
             starts = [problem.random_start(rng) for _ in range(6)]
-            ends = [PEERS["bounded"](problem, start, tolerance=ENOUGH) for start in starts]
-            best = min(map(problem.fraction, ends))
+            best = min(problem.fraction(PEERS["bounded"](problem, start)) for start in starts)
             case = f"{name}, {problem.lights} lights, ambient {problem.ambient}"
             ratios[case] = np.sqrt(ratio(ours(problem).error ** 2, best))
     worst = max(ratios, key=ratios.get)

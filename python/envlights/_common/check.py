@@ -121,7 +121,8 @@ def positive(name: str, value: object, most: float = math.inf) -> float:
     """`value` as a finite float above 0, up to `most`; the error names the argument."""
     number = amount(name, value, most=most)
     if number == 0:
-        raise EnvLightsError(f"{name} must be above 0; got 0")
+        limit = f", up to {most:g}" if math.isfinite(most) else ""
+        raise EnvLightsError(f"{name} must be above 0{limit}; got 0")
     return number
 
 

@@ -116,8 +116,7 @@ def command(
     if options and ((sun is not None and not shapes) or maximum is not None):
         raise EnvLightsError("--set is of detected lights; leave out --sun and --limit, or --set")
     check_options("split", {"lights": lights, "fraction": fraction, "shapes": shapes, **options})
-    pictures = [output for output in outputs if Path(output).suffix.lower() in PICTURES]
-    if maximum is not None and pictures:
+    if maximum is not None and (pictures := _pictures(outputs)):
         raise EnvLightsError(
             f"cannot write {pictures[0]}: pictures show lights of a split without --limit"
         )
@@ -190,7 +189,7 @@ def _write(
     draw: Callable[[str], None],
 ) -> list[str]:
     """Write all outputs; return the paths of all files, including the maps of scenes."""
-    pictures = [output for output in outputs if Path(output).suffix.lower() in PICTURES]
+    pictures = _pictures(outputs)
     # Scenes reference only equirectangular maps, because programs read no other layout.
     maps = [output for output in outputs if target != PROJECTION and _is_map(output)]
     scenes = [output for output in outputs if output not in (*pictures, *maps)]
@@ -218,6 +217,10 @@ def _draw(env: EnvMap, parts: _Parts, sun: Sun | None, output: str) -> None:
         if len(parts.lights):  # a meter reading replaces the estimate
             sun = replace(sun, irradiance=parts.lights.irradiance[0])
         plot.save(plot.sun(env, sun), output)
+
+
+def _pictures(outputs: Sequence[str]) -> list[str]:
+    return [output for output in outputs if Path(output).suffix.lower() in PICTURES]
 
 
 def _is_map(output: str) -> bool:

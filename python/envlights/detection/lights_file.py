@@ -8,7 +8,7 @@ import os
 from collections.abc import Callable
 
 from envlights._common.errors import FileError
-from envlights._common.files import MAPS, as_path
+from envlights._common.files import MAPS, as_path, read_text
 from envlights._common.printable import printable
 from envlights.detection.lights import DetectedLights
 from envlights.export.formats.csv_table import read_csv
@@ -35,7 +35,7 @@ def load_lights(path: str | os.PathLike[str]) -> Rig | Lights:
     if suffix == ".csv":
         return Lights.load(path) if read_csv(path).ambient is None else Rig.load(path)
     kind = None
-    with contextlib.suppress(OSError, ValueError, RecursionError, AttributeError):
-        kind = json.loads(as_path(path).read_text(encoding="utf-8-sig")).get("format")
+    with contextlib.suppress(ValueError, RecursionError, AttributeError):
+        kind = json.loads(read_text(path)).get("format")
     reader = _READERS.get(kind) if isinstance(kind, str) else None
     return reader(path) if reader else Rig.load(path)

@@ -12,7 +12,7 @@ from envlights._common.check import for_kernels
 from envlights._common.srgb import decode_codes
 from envlights._native import EnvLightsError
 from envlights.environment.clip_level import clip_level_of_codes
-from envlights.environment.colour.alpha import share_of_alpha
+from envlights.environment.colour.alpha import fraction_of_alpha
 from envlights.environment.coverage import checked_coverage, multiply_by_coverage
 from envlights.environment.files.hints import NO_HINTS
 from envlights.environment.files.images import Image
@@ -144,8 +144,8 @@ def _rgb(array: NDArray[Any], notes: list[str], what: str) -> _Samples:
     if channels == 3:
         return _Samples(array, None)
     if channels == 4:
-        share = share_of_alpha(array[..., 3])
-        return _Samples(array[..., :3], None if (share == 1).all() else share)
+        fraction = fraction_of_alpha(array[..., 3])
+        return _Samples(array[..., :3], None if (fraction == 1).all() else fraction)
     if channels == 1:
         notes.append("the only channel was read as grey")
         return _Samples(np.repeat(array, 3, axis=-1), None)

@@ -245,11 +245,12 @@ class RigSequence(TableResult):
         ]
 
     def _errors(self) -> str:
-        if np.isnan(self.error).any():
+        errors = self.error
+        if np.isnan(errors).any():
             return "not measured"
-        worst = int(self.error.argmax())
-        most = f"{percent(self.error[worst])} in frame {self.rigs[worst].frame}"
-        return f"{percent(self.error.mean())} on average, at most {most}"
+        worst = int(errors.argmax())
+        most = f"{percent(errors[worst])} in frame {self.rigs[worst].frame}"
+        return f"{percent(errors.mean())} on average, at most {most}"
 
 
 def _some(frames: list[int]) -> str:

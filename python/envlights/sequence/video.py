@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from envlights._common.errors import DamagedFileError, MissingFileError
 from envlights._native import EnvLightsError
 
+#: 8-bit codes of a frame, (height, width, 3).
 Codes: TypeAlias = NDArray[np.uint8]
-
 #: Suffixes of videos.
 VIDEOS = (".mp4", ".mov", ".mkv", ".webm", ".avi")
 #: HDR transfer curves of ITU-T H.273, which need linear image files instead.
@@ -24,7 +24,7 @@ NOTE = "a frame of a video: 8-bit codes read as sRGB, so bright lights are clipp
 
 
 def video_frames(path: str) -> tuple[Iterable[Codes], int | None, float | None]:
-    """8-bit codes of the frames, read one at a time; frame count and rate if the file states them.
+    """Codes of the frames, read one at a time; frame count and rate if the file states them.
 
     Raises
     ------

@@ -41,7 +41,7 @@ def seen_of_alpha(
     linear: NDArray[np.float32], alpha: NDArray[Any], header: Header
 ) -> NDArray[np.float32] | None:
     """Coverage of each pixel, None if complete; multiplies straight colours `linear` in place."""
-    fraction = share_of_alpha(alpha)
+    fraction = fraction_of_alpha(alpha)
     if header.alpha == "premultiplied" and header.dtype.kind == "f":
         is_seen = (fraction > 0) | (linear != 0).any(axis=-1)
         return None if is_seen.all() else is_seen.astype(np.float32)
@@ -53,7 +53,7 @@ def seen_of_alpha(
     return fraction
 
 
-def share_of_alpha(alpha: NDArray[Any]) -> NDArray[np.float32]:
+def fraction_of_alpha(alpha: NDArray[Any]) -> NDArray[np.float32]:
     """Alpha from 0 to 1; NaN counts as opaque."""
     if alpha.dtype.kind != "f":
         return alpha.astype(np.float32) / np.float32(np.iinfo(alpha.dtype).max)

@@ -73,7 +73,7 @@ def read(picture: ArrayLike | str | os.PathLike[str], number: int, time: float) 
         found = _of_file(picture, number, time)
     else:
         found = _of_values(picture, number, time)
-    if not np.isfinite(found.samples).all():
+    if found.is_linear and not np.isfinite(found.samples).all():  # codes are finite
         raise EnvLightsError(
             f"exposure {number} holds samples that are not finite; repair it or leave it out"
         )
