@@ -289,7 +289,7 @@ def test_lobes_have_the_irradiance_and_the_spread_of_their_lights():
 
         np.testing.assert_allclose(amplitude * moment(lambda t: 1 - t, 0), irradiance, rtol=1e-7)
         spread = moment(lambda t: t, -1) / moment(lambda _: 1, -1)
-        wanted = np.sin(max(radius, np.deg2rad(0.2665)) / 2) ** 2
+        wanted = np.sin(max(radius, np.deg2rad(0.265)) / 2) ** 2
         np.testing.assert_allclose(spread, wanted, rtol=1e-3)
     # A lobe is nearly a disc to a probe.
     at, solid_angles = el.kernels.icosphere(81920)

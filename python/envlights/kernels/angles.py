@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
 from envlights.kernels import sphere
+
+#: Angular radius of the sun and of the moon, in radians.
+SUN_RADIUS = math.radians(0.265)
 
 #: Names for directions without an azimuth, whose elevations are printed as 90 and -90 degrees.
 POLES = ("zenith", "nadir")

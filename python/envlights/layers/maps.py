@@ -8,9 +8,10 @@ import numpy as np
 
 from envlights._common.check import count
 from envlights.kernels import harmonic_radiance, pixel_directions, pixel_solid_angles
+from envlights.kernels.angles import SUN_RADIUS
 from envlights.layers.arrays import Array, constant, with_derivatives
 from envlights.layers.lights import Lights, check_lights, nine_coefficients, spread_and_flux
-from envlights.rigs.lobes import SUN_RADIUS, sharpness_of
+from envlights.rigs.lobes import sharpness_of
 
 
 def to_map(lights: Lights, height: int) -> Array:

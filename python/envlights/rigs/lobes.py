@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights._common.arrays import seal
+from envlights.kernels.angles import SUN_RADIUS
 
-#: Angular radius of the sun, in radians: 0.267 degrees at its mean distance.
-SUN_RADIUS = 0.00465
 #: Newton iterations for the sharpness of a lobe; 4 suffice for any disc.
 _NEWTON_STEPS = 6
 

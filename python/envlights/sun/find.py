@@ -13,6 +13,7 @@ from envlights._common.notes import warnings
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import EnvMap
 from envlights.environment.reading import AnyMap, as_envmap
+from envlights.kernels.angles import SUN_RADIUS
 from envlights.kernels.image import LUMINANCE
 from envlights.kernels.sphere import pixel_directions, pixel_solid_angles
 from envlights.sun.brightness import (
@@ -27,7 +28,7 @@ from envlights.sun.float_map import sun_of_float_map
 from envlights.sun.parts import Part, best_part, part_at
 from envlights.sun.plateau import plateau_of
 from envlights.sun.questions import PERHAPS, SUN, points_of, veils_of
-from envlights.sun.result import SUN_RADIUS, Sun
+from envlights.sun.result import Sun
 from envlights.sun.sky_image import SkyImage, sky_image
 from envlights.sun.spots import single_spot
 

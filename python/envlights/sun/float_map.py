@@ -9,10 +9,11 @@ from envlights import _native
 from envlights.detection.detect import detect
 from envlights.detection.lights import DetectedLights
 from envlights.environment.envmap import EnvMap
+from envlights.kernels.angles import SUN_RADIUS
 from envlights.kernels.image import LUMINANCE
 from envlights.sun.direction import spot_position
 from envlights.sun.questions import PERHAPS, SUN, points_of
-from envlights.sun.result import SUN_RADIUS, Sun
+from envlights.sun.result import Sun
 from envlights.sun.sky_image import sky_image
 
 #: Largest radius of a blurred sun, in degrees, and smallest ratio of its irradiance to that of the

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -14,13 +13,10 @@ from envlights._common.arrays import seal
 from envlights._common.check import check_choice, rotation
 from envlights._common.result import Result
 from envlights._common.units import OWN_SCALE, checked_units, in_lux
-from envlights.kernels.angles import azimuths, elevations
+from envlights.kernels.angles import SUN_RADIUS, azimuths, elevations
 from envlights.kernels.image import LUMINANCE
 from envlights.rigs.lights import Lights
 from envlights.sun import wording
-
-#: Angular radius of the sun and of the moon, in radians.
-SUN_RADIUS = math.radians(0.265)
 
 #: Possible values of `Sun.answer`.
 ANSWERS = ("sun", "perhaps", "no")

@@ -11,11 +11,11 @@ from envlights import kernels
 from envlights._common.check import amount, count, unit_vector
 from envlights._native import EnvLightsError
 from envlights.environment.envmap import EnvMap
+from envlights.kernels.angles import SUN_RADIUS
 from envlights.kernels.image import LUMINANCE
 from envlights.kernels.sphere import direction_to_uv, pixel_directions, pixel_solid_angles
 from envlights.rigs.lights import Lights
 from envlights.sun.disc_pixels import add_disc
-from envlights.sun.result import SUN_RADIUS
 from envlights.synthetic.scene import MOST_ROWS, SyntheticMap
 
 #: Parameters of the standard clear sky, type 12 of CIE S 011: gradation to the horizon, and glow of

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from envlights._common.check import describe
 from envlights._common.srgb import decode_srgb
 from envlights._native import EnvLightsError
+from envlights.environment.colour.transfer_curves import rec709
 from envlights.environment.exposures.comparison import LEVELS, Comparison
 
 #: Codes from 0 to 1 at which a response is tabulated.
@@ -76,11 +77,11 @@ def known_responses(clip_level: float) -> list[Response]:
     curves: dict[str, Callable[[NDArray[np.float64]], NDArray[np.floating]]] = {
         "sRGB": decode_srgb,
         f"sRGB up to code {255 * clip_level:.0f}": lambda codes: decode_srgb(codes / clip_level),
-        "Rec.709": _decode_rec709,
+        "Rec.709": rec709,
         "gamma 2.2": lambda codes: codes**2.2,
         "gamma 1.8": lambda codes: codes**1.8,
         "sRGB in video range (16 to 235)": lambda codes: decode_srgb(_full_range(codes)),
-        "Rec.709 in video range (16 to 235)": lambda codes: _decode_rec709(_full_range(codes)),
+        "Rec.709 in video range (16 to 235)": lambda codes: rec709(_full_range(codes)),
     }
     if clip_level > 254.5 / 255:
         curves.pop("sRGB up to code 255")
@@ -167,11 +168,6 @@ def _response(name: str, curve: Callable[[NDArray[Any]], NDArray[Any]]) -> Respo
 
 def _interpolate(exposures: NDArray[np.float64]) -> Callable[[NDArray[Any]], NDArray[Any]]:
     return lambda codes: np.asarray(np.interp(codes, CODES, exposures))
-
-
-def _decode_rec709(codes: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Linear values of codes of ITU-R BT.709."""
-    return np.where(codes < 0.081, codes / 4.5, ((codes + 0.099) / 1.099) ** (1 / 0.45))
 
 
 def _full_range(codes: NDArray[np.float64]) -> NDArray[np.float64]:
