@@ -29,7 +29,9 @@ IMAGES = [el.synthetic.plain(seed, 128).radiance for seed in (0, 1)]
 # Wide discs are saved as a map beside the file, points in it: their files differ.
 RIGS = [el.fit(image, lights=2, sizes=not which) for which, image in enumerate(IMAGES)]
 PHOTOGRAPHS = [el.detect_photograph(image) for image in IMAGES]
-FIGURES = [el.plot.picture(*pair).figure for pair in zip(IMAGES, RIGS, strict=True)]
+FIGURES = [
+    el.plot.picture(*pair, figsize=(4, 3), dpi=40).figure for pair in zip(IMAGES, RIGS, strict=True)
+]
 MODELS = [
     el.TransferModel.fit(ROOM.direct[:pairs], ROOM.indirect[:pairs], rank=4) for pairs in (6, 8)
 ]
