@@ -76,6 +76,10 @@ def test_a_disc_smaller_than_a_pixel_is_that_pixel():
     for row, column in ((0, 0), (7, 31), (15, 8)):
         found = env.calibrated(nits=250, at=(row, column), patch=0)
         np.testing.assert_allclose(found.radiance[row, column] @ LUMINANCE, 250, rtol=1e-5)
+    for height, row in ((1, 0), (-1, 15)):
+        last = env.calibrated(nits=250, at=(0, height, 0), patch=0).radiance[row] @ LUMINANCE
+        assert last.min() < 250.01
+        assert last.max() > 249.99
 
 
 @given(st.integers(0, 20), st.floats(1, 120), st.sampled_from(FACINGS))
@@ -142,6 +146,14 @@ def test_readings_that_contradict_the_map_are_refused_with_the_figures():
 def test_other_readings_are_refused(arguments, reason):
     with pytest.raises(el.EnvLightsError, match=reason):
         random_map().calibrated(**arguments)
+
+
+def test_the_exposure_calibrates_a_map_once_and_a_meter_again():
+    once = random_map().calibrated(ev100=10)
+    with pytest.raises(el.EnvLightsError, match="in cd/m2 already"):
+        once.calibrated(ev100=10)
+    again = once.calibrated(lux=300).calibrated(lux=300)
+    np.testing.assert_allclose(again.probe([0, 1, 0]) @ LUMINANCE, 300, rtol=1e-5)
 
 
 def test_places_without_a_luminance_are_refused():

@@ -294,6 +294,32 @@ def test_an_error_that_is_no_number_is_refused_before_it_is_saved():
         el.Rig([0, 0, 0], a_rig().lights, float("nan"))
 
 
+CARDS = el.Cards(["rectangle"], [np.transpose([[-2, 0, 0], [0, -2, 0], [1, 1, 1]])], [[1, 1, 1]])
+
+
+@pytest.mark.parametrize(
+    ("lights", "words"),
+    [
+        ([[0, 1, 0]], r"such as el.Lights\(direction, irradiance\); got"),
+        (None, "such as el.Lights.* got None"),
+        (CARDS, "give its `lights`; got an object of the type Cards"),
+        (a_rig(), "give its `lights`; got an object of the type Rig"),
+    ],
+)
+def test_lights_of_another_type_are_refused_with_a_way_out(lights, words):
+    for make in (el.Rig, el.Rig.of):
+        with pytest.raises(el.EnvLightsError, match=f"lights must be el.Lights, {words}"):
+            make([0, 0, 0], lights)
+
+
+def test_detected_lights_and_those_of_cards_make_a_rig_and_another_report_does_not():
+    detected = el.detect(el.synthetic.hall(32).radiance)
+    for lights in (detected, CARDS.lights):
+        assert el.Rig([0, 0, 0], lights).lights is lights
+    with pytest.raises(el.EnvLightsError, match=r"report must be the report of a rig.* got 3"):
+        el.Rig([0, 0, 0], CARDS.lights, report=3)
+
+
 def test_a_black_light_has_a_row():
     assert " 0.0 %" in str(el.Rig([1, 1, 1], el.Lights([[0, 1, 0]], [[0, 0, 0]]), 0))
 

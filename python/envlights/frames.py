@@ -86,13 +86,13 @@ class Axes(NamedTuple):
         return tuple(map(_axis_name, zip(*self.matrix, strict=True)))
 
     def to_target(self, direction: ArrayLike) -> NDArray[np.float64]:
-        """Directions, (n, 3), converted to the target frame."""
-        turned: NDArray[np.float64] = np.asarray(direction, np.float64) @ np.transpose(self.matrix)
+        """Directions, (n, 3) or (3,), converted to the target frame."""
+        turned: NDArray[np.float64] = _vectors(direction) @ np.transpose(self.matrix)
         return turned + 0.0  # avoid -0.0
 
     def from_target(self, direction: ArrayLike) -> NDArray[np.float64]:
-        """Directions of the target, (n, 3), converted to our frame."""
-        turned: NDArray[np.float64] = np.asarray(direction, np.float64) @ np.asarray(self.matrix)
+        """Directions of the target, (n, 3) or (3,), converted to our frame."""
+        turned: NDArray[np.float64] = _vectors(direction) @ np.asarray(self.matrix)
         return turned + 0.0
 
     def turn_of_map(self) -> NDArray[np.float64]:
@@ -133,6 +133,14 @@ class Axes(NamedTuple):
         to_camera = to_camera if self.is_extrinsic else to_camera.T
         turn: NDArray[np.float64] = np.transpose(self.camera) @ to_camera @ np.asarray(self.matrix)
         return turn + 0.0
+
+
+def _vectors(direction: ArrayLike) -> NDArray[np.float64]:
+    """Vectors along the last axis; raises an error for other values."""
+    vectors = reals("direction", direction, None)
+    if vectors.shape[-1:] != (3,):
+        raise EnvLightsError(f"direction must have the shape (n, 3) or (3,); got {vectors.shape}")
+    return vectors
 
 
 def _axis_name(direction: Iterable[int]) -> str:

@@ -147,6 +147,13 @@ def test_a_slice_has_the_fields_of_its_cards():
         ({"textures": [[[1, 1, 1]]]}, "rows, columns, 3"),
         ({"textures": [[[[np.nan, 1, 1]]]]}, "finite"),
         ({"angular_radius": [4]}, "pi / 2"),
+        ({"matrix": [[[1, 2], [1]]]}, "matrix must be an array of real numbers"),
+        ({"irradiance": [[1, 1], [1]]}, "irradiance must be an array of real numbers"),
+        ({"irradiance": [[1e300, 1, 1]]}, "irradiance must be finite, not negative, and at most"),
+        ({"matrix": [SQUARE * [1e-3, 1e-3, 1]], "irradiance": [[3e38, 1, 1]]}, "the radiance of"),
+        ({"textures": [[[1, 2], [1]]]}, "textures must be an array of real numbers"),
+        ({"textures": 5}, "textures must be a sequence .* got 5"),
+        ({"textures": np.array(5.0)}, "textures must be a sequence"),
     ],
 )
 def test_impossible_cards_are_refused(changes, message):

@@ -326,6 +326,13 @@ def test_bad_lightings_are_refused_by_name(truth, guess, message):
         el.compare(truth, guess)
 
 
+def test_unknown_reading_options_are_refused_whatever_the_sides_are():
+    array, rig = even((1, 1, 1)), el.Rig([1, 1, 1], el.Lights([[0, 1, 0]], [[1, 1, 1]]))
+    for side in (array, el.EnvMap(array), rig, rig.lights):
+        with pytest.raises(el.EnvLightsError, match=r"reading must hold options.* got 'bogus'"):
+            el.compare(side, side, reading={"bogus": 1})
+
+
 @pytest.mark.parametrize(
     ("name", "message"),
     [

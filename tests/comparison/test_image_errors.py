@@ -51,6 +51,14 @@ def test_tiny_angles_keep_their_digits():
     assert el.comparison.image_errors(truth, guess).angle == pytest.approx(expected, rel=1e-6)
 
 
+@pytest.mark.parametrize("unit", [1e80, 1.0, 1e-85])
+def test_the_scaled_error_of_huge_and_tiny_images_is_that_of_others(unit):
+    guess = unit * np.array([[1, 0, 1], [2, 1, 1]])
+    errors = el.comparison.image_errors(np.full((2, 3), unit), guess)
+    assert errors.si_rmse == pytest.approx(0.5 * unit, rel=1e-12)
+    assert errors.si_relative == pytest.approx(0.5)
+
+
 def test_black_pixels_are_left_out_of_the_angle_and_counted():
     truth, guess = images((4, 3))
     truth[0] = guess[1] = 0

@@ -65,6 +65,15 @@ def test_a_target_without_cards_shows_discs():
     assert el.export.radiance(ALL) == el.export.radiance(ALL.lights)
 
 
+def test_json_holds_the_lights_of_cards_alone(tmp_path):
+    noted = el.Cards(ALL.shape, ALL.matrix, ALL.irradiance, units="cd/m2", notes="by hand")
+    el.cards.CardSplit(noted, REST).save(tmp_path / "l.json")
+    assert el.Lights.load(tmp_path / "l.json") == noted.lights
+    assert el.compare(tmp_path / "l.json", noted.lights).probe_error == 0
+    noted.lights.save(tmp_path / "same.json")
+    assert (tmp_path / "l.json").read_bytes() == (tmp_path / "same.json").read_bytes()
+
+
 @pytest.mark.parametrize("suffix", [".gltf", ".three.json"])
 def test_no_loss_is_warned_of_where_cards_keep_their_size(suffix, tmp_path, recwarn):
     # The lights of three.js have one colour, as this card does.

@@ -170,6 +170,13 @@ def test_impossible_turns_are_refused(call, words):
         call(el.EnvMap(np.ones((8, 16, 3))))
 
 
+@pytest.mark.parametrize("direction", [[0, 1], [], 3, "abc", [[0, 1, 0], [1]]])
+def test_what_is_no_direction_has_none_in_another_frame(direction):
+    for turn in (FRAMES["blender"].to_target, FRAMES["blender"].from_target):
+        with pytest.raises(el.EnvLightsError, match="direction must"):
+            turn(direction)
+
+
 def run(*arguments):
     done = CliRunner().invoke(main, [*map(str, arguments)])
     assert done.exit_code == 0, done.output

@@ -4,13 +4,23 @@ import numpy as np
 import pytest
 
 import envlights as el
-from envlights.layers import Lights, matching_loss, probe, to_gaussians, to_map
+from envlights.layers import (
+    Lights,
+    gloss_error,
+    lighting_error,
+    map_terms,
+    matching_loss,
+    probe,
+    to_gaussians,
+    to_map,
+)
 from tests.layers.libraries import (
     in_each_library,
     in_library,
     random_lights,
     slopes_and_differences,
     to_jax,
+    to_numpy64,
 )
 
 NORMALS, SOLID_ANGLES = el.kernels.icosphere(320)
@@ -27,6 +37,13 @@ def test_a_rig_comes_back(floor):
         assert back.report.measured_on
 
 
+def test_a_rig_has_the_units_of_its_map():
+    env = el.EnvMap(HALL).calibrated(lux=1000)
+    back = Lights.of(el.fit(env, lights=3)).rig(env)
+    assert back.units == "cd/m2"
+    assert back.error == pytest.approx(el.fit(env, lights=3).error, rel=1e-2)
+
+
 def test_labels_are_a_batch_and_rows_are_rigs():
     rigs = [el.fit(HALL, lights=n, ambient=ambient) for n, ambient in ((1, "sh2"), (3, "constant"))]
     lights = Lights.of_labels(el.batches.label_arrays(rigs, lights=4))
@@ -39,6 +56,28 @@ def test_labels_are_a_batch_and_rows_are_rigs():
         lights.rig()
     with pytest.raises(el.EnvLightsError, match="irradiance must be finite, not negative"):
         lights.row(0)._replace(irradiance=-lights.irradiance[0]).rig()
+
+
+def test_labels_above_a_floor_have_the_light_of_the_half_sky():
+    rig = el.fit(HALL, lights=3, floor=True)
+    lights = Lights.of_labels(el.batches.label_arrays([rig], lights=3)).row(0)
+    np.testing.assert_allclose(probe(lights, NORMALS), rig.probe(NORMALS), rtol=1e-5, atol=1e-6)
+
+
+@pytest.mark.parametrize("loss", [lighting_error, gloss_error])
+def test_whole_numbers_are_lights_too(loss):
+    """Terms of the map are not rounded to them."""
+    sky = np.eye(9, 3, dtype=int)
+    whole = Lights(np.array([[0, 1, 0]]), np.array([[3, 2, 1]]), np.array([1]), sky)
+    terms, exact = map_terms(HALL, degree=96), in_library(whole, to_numpy64)
+    assert float(loss(whole, terms)) == pytest.approx(float(loss(exact, terms)))
+    np.testing.assert_array_equal(to_map(whole, 16), to_map(exact, 16))
+
+
+def test_a_direction_of_length_0_makes_no_rig():
+    lights = Lights(np.zeros((1, 3)), np.ones((1, 3)), np.zeros(1), np.ones(3))
+    with pytest.raises(el.EnvLightsError, match="direction 0 has length 0"):
+        lights.rig()
 
 
 @in_each_library

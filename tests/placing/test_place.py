@@ -16,6 +16,8 @@ from tests.placing.rooms import OFFSETS, room, seen
 
 NORMALS, WEIGHTS = kernels.icosphere(320)
 KINDS = ("pendants", "panel", "downlights", "hole", "furnished")
+#: Depth of each fourth pixel, none of them among every second row and column.
+SPARSE = np.kron(np.linspace(2, 3, 128 * 256).reshape(128, 256), [[0, 0], [0, 1]])
 
 
 def error(guess, truth):
@@ -319,7 +321,39 @@ def test_a_point_behind_a_wall_is_noted(tmp_path):
     hidden = [placed.at((0, 0, 2.6)), placed.map_at((0, 0, 2.6))]
     assert [each.notes[-1].code for each in hidden] == ["depth-doubt"] * 2
     assert all("lies behind a surface at 2.5 m" in each.notes[-1] for each in hidden)
-    assert all(placed.at((0, 0, z)).notes == placed.notes for z in (0, 2.4))
+    of_map = placed.remainder.notes
+    assert all(placed.at((0, 0, z)).notes == (*of_map, *placed.notes) for z in (0, 2.4))
+
+
+def test_what_the_map_does_not_show_is_filled_everywhere_and_noted():
+    radiance, _ = seen("panel", 64)
+    coverage = np.ones(radiance.shape[:2])
+    coverage[56:] = 0
+    env = el.EnvMap(radiance * coverage[..., None], coverage=coverage).calibrated(ev100=3)
+    placed = el.place(env, room=(6, 3, 5))
+    here = placed.map_at((0, 0, 0))
+    truth = placed.irradiance((0, 0, 0), NORMALS)
+    assert error(here.probe(NORMALS), truth) < 0.01
+    assert error(placed.at((0, 0, 0)).probe(NORMALS), truth) < 0.05
+    words = "sphere that is not seen was filled"
+    assert [sum(words in note for note in each.notes) for each in (placed, here)] == [1, 1]
+    assert any("calibrated to cd/m2" in note for note in here.notes)
+    coverage[32:] = 0
+    with pytest.raises(el.EnvLightsError, match=r"shows 50 %.*place\(env.filled\(fill\)"):
+        el.place(el.EnvMap(radiance * coverage[..., None], coverage=coverage), room=(6, 3, 5))
+
+
+def test_a_point_in_a_sphere_has_the_light_of_its_surface():
+    placed = placed_in("pendants")
+    lamp = placed[0]
+    beside = lamp.position + 0.5 * lamp.radius * np.array([0, 1, 0])
+    for point in (lamp.position, beside):
+        direction, irradiance, radius = lamp.seen_from(point)
+        assert np.linalg.norm(direction) == pytest.approx(1)
+        np.testing.assert_allclose(irradiance, np.pi * lamp.radiance, rtol=1e-6)
+        assert radius == pytest.approx(np.pi / 2)
+        assert np.isfinite(placed.at(point).error)
+    np.testing.assert_allclose(lamp.seen_from(beside)[0], [0, -1, 0], atol=1e-12)
 
 
 def test_a_depth_of_another_size_gives_the_same_positions():
@@ -444,6 +478,9 @@ def test_depth_that_is_noted(change, words):
         ({"room": (6, 3, 5), "scale": 2}, "room replaces depth"),
         ({"depth": np.ones((16, 32)), "reading": "disparity"}, "reading must be"),
         ({"depth": np.ones((16, 32)), "scale": -1}, "scale must be"),
+        ({"depth": [[1, 2], [3]]}, "depth must be an array of real numbers"),
+        ({"depth": [[1] * 32] * 16}, "whole numbers without a unit"),
+        ({"depth": SPARSE}, "unknown around nearly every pixel.*give reading="),
     ],
 )
 def test_arguments_that_are_refused(options, words):
@@ -488,6 +525,30 @@ def test_a_lamp_that_only_one_map_shows_stays_at_infinity():
         el.place([(first, (0, 0, 0)), (first, (0, 0, 0))])
     with pytest.raises(el.EnvLightsError, match="depth or several maps"):
         el.place([(first, (0, 0, 0)), (other, (1, 0, 0))], room=(6, 3, 5))
+
+
+def test_what_belongs_to_a_depth_and_maps_of_two_scales_are_refused():
+    env = el.EnvMap(seen("pendants", 64)[0])
+    for other, options, words in (
+        (env, {"reading": "ray"}, "belong to a depth"),
+        (env, {"scale": 2.0}, "belong to a depth"),
+        (env, {"camera": (1, 1, 1)}, "give room= as well"),
+        (env.calibrated(ev100=3), {}, "the same units"),
+    ):
+        with pytest.raises(el.EnvLightsError, match=words):
+            el.place([(env, (0, 0, 0)), (other, (1, 0, 0))], **options)
+    with pytest.raises(el.EnvLightsError, match="the same units"):
+        el.place(env, room=(6, 3, 5)).compare({(0, 0, 0): env.calibrated(ev100=3)})
+
+
+def test_without_depth_the_surfaces_of_another_point_are_a_guess(tmp_path):
+    first, (other, _) = seen("pendants")[0], room("pendants").panorama(256, (0.8, 0, 0.6))
+    placed = el.place([(first, (0, 0, 0)), (other, (0.8, 0, 0.6))])
+    with pytest.warns(UserWarning, match="there is no depth"):
+        placed.save(tmp_path / "a.usda", at=(0.5, 0, 0))
+    assert "the map is that of (0 0 0)" in (tmp_path / "a.usda").read_text()
+    assert placed.map_at((0.5, 0, 0)).notes[-1].code == "depth-doubt"
+    assert placed.at((0, 0, 0)).notes[-1].code != "depth-doubt"
 
 
 # Results

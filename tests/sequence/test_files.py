@@ -321,6 +321,14 @@ def test_damaged_json_lines_are_refused(text, sentence, tmp_path):
         el.sequence.RigSequence.load(path)
 
 
+def test_json_lines_that_lost_whole_frames_are_refused(tmp_path):
+    path = tmp_path / "rigs.jsonl"
+    RIGS.save(path)
+    path.write_text("".join(path.read_text().splitlines(keepends=True)[:-1]))
+    with pytest.raises(el.EnvLightsError, match=f"holds {len(RIGS) - 1} of {len(RIGS)} frames"):
+        el.sequence.RigSequence.load(path)
+
+
 def test_numbers_of_numpy_are_saved_as_those_of_python(tmp_path):
     rigs = el.sequence.RigSequence(
         [

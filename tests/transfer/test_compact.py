@@ -263,6 +263,20 @@ def test_frames_stop_at_the_first_component_that_will_do():
     assert (together[0, :, 1] != 0).all()
 
 
+def test_frames_of_any_brightness_stop_at_the_same_component():
+    direct, indirect = (images[:40].astype(float) for images in (room().direct, room().indirect))
+    model = el.TransferModel.fit(direct, indirect, rank=24)
+    plain = model.predict(new(), error=0.05)
+    for stops in (-800, 400):
+        seen = model.predict(np.ldexp(new().astype(float), stops), error=0.05)
+        np.testing.assert_array_equal(np.ldexp(seen, -stops), plain)
+
+
+def test_no_direction_is_an_empty_stack(model, both):
+    for each in (model, *both):
+        assert each.directions(0).shape == (0, 64, 61)
+
+
 def test_darkness_needs_no_component(model, both):
     for each in (model, *both):
         assert not each.predict(np.zeros((16, 16, 3)), error=0.05).any()

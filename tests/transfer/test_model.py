@@ -137,6 +137,8 @@ def test_frames_beyond_single_precision_are_refused(model):
         assert np.isfinite(each.predict(bright)).all()
         with pytest.raises(el.EnvLightsError, match=r"direct is too bright: .* divide direct by"):
             each.predict(1e10 * bright)
+        with pytest.raises(el.EnvLightsError, match=r"direct is too bright"):
+            each.predict(1e130 * bright, error=0.1)
 
 
 @pytest.mark.parametrize("texels", [8, 128])  # summed by NumPy, and by the kernels
@@ -186,6 +188,15 @@ def test_rank_by_error_is_the_least_that_reaches_it():
     missed = el.TransferModel.fit(*scene(), rank=2, error=1e-4).report
     assert missed.rank == 2
     assert "the error 0.0001 was not reached; allow a higher rank" in missed.notes
+
+
+def test_a_share_of_the_energy_limits_a_rank_by_error():
+    by_error, by_share = {"error": 0.05}, {"rank": 0.9}
+    ranks = [
+        el.TransferModel.fit(*scene(), **{"rank": 1.0, **each}).report.rank
+        for each in (by_error, by_share, {**by_error, **by_share}, {**by_error, "rank": 0.9999})
+    ]
+    assert ranks[1] == ranks[2] < ranks[0] == ranks[3]
 
 
 def test_a_higher_rank_than_the_images_have_is_cut_and_noted():

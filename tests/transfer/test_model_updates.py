@@ -126,6 +126,40 @@ def test_training_errors_are_known_after_adding_too():
     assert np.median(told[:40]) == pytest.approx(np.median(truth[:40]), rel=0.1)
 
 
+def test_notes_after_adding_are_those_of_all_pairs():
+    few = "the images have no more than {} directions above rounding"
+    copies = "{} pairs are copies of others: left out together with them"
+    missed = "the error 0.0001 was not reached; allow a higher rank"
+    direct, indirect = oblong()
+
+    def notes(first, new, **options):
+        model = el.TransferModel.fit(direct[first], indirect[first], **options)
+        grown = model.add(direct[new], indirect[new])
+        return model.report.notes, grown.report.notes
+
+    rest = np.arange(4, 12)
+    assert notes([0, 1, 2, 3], [4]) == ((few.format(12),), (few.format(15),))
+    assert notes([0, 1, 2, 3], rest, rank=36) == ((few.format(12),), ())
+    assert notes([0, 1, 0, 1], [0, 1]) == tuple(
+        (few.format(6), copies.format(each)) for each in (2, 4)
+    )
+    # An error cuts the basis, which then has fewer directions than its images.
+    assert notes([0, 1, 2, 3], [4], error=0.5) == ((few.format(12),), ())
+    # What the first basis left out is not in the second either, though its pairs add no direction.
+    indirect[4] = 0
+    assert notes([0, 1], [4], rank=2, error=1e-4) == ((missed,), (missed,))
+
+
+def test_an_error_that_later_pairs_reach_is_no_longer_noted():
+    direct, indirect = oblong()
+    indirect[1:] = indirect[:1, :, :, :1]
+    model = el.TransferModel.fit(direct[:2], indirect[:2], rank=1, error=0.5)
+    assert any("was not reached" in note for note in model.report.notes)
+    grown = model.add(direct[2:], indirect[2:])
+    assert np.sqrt(1 - grown.report.energy) < 0.5
+    assert not any("was not reached" in note for note in grown.report.notes)
+
+
 def test_pairs_that_do_not_fit_a_model_are_not_added(model):
     with pytest.raises(el.EnvLightsError, match="indirect must be 32x32 pixels"):
         model.add(scene()[0], scene()[1][:, :8])

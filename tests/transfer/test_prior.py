@@ -286,6 +286,29 @@ def test_what_does_not_fit_the_pairs_is_refused(options, message):
         el.TransferModel.fit(pairs.direct, pairs.indirect, **{"prior": prior, **options})
 
 
+def test_black_indirect_images_are_refused_with_and_without_a_prior():
+    pairs, prior = room()
+    for each in (None, prior):
+        with pytest.raises(el.EnvLightsError, match=r"^indirect is black in every image; there"):
+            el.TransferModel.fit(pairs.direct[:8], 0 * pairs.indirect[:8], prior=each)
+
+
+def test_pairs_that_are_those_of_the_prior_change_nothing():
+    direct = np.eye(4, SIDE * SIDE).reshape(4, SIDE, SIDE, 1) * [1.0, 0, 0]
+    model = el.TransferModel.fit(direct, furnace().predict(direct), prior=furnace())
+    assert model.report.error == 0
+    light = np.random.default_rng(0).random((SIDE, SIDE, 3))
+    np.testing.assert_allclose(model.predict(light), furnace().predict(light), rtol=1e-5)
+
+
+@pytest.mark.parametrize("brightness", [1e40, 1e308])
+def test_light_beyond_single_precision_is_refused(brightness):
+    light = np.ones((SIDE, SIDE, 3))
+    assert np.isfinite(furnace().predict(1e37 * light)).all()
+    with pytest.raises(el.EnvLightsError, match=r"too bright: .* the prior holds values up to"):
+        furnace().predict(brightness * light)
+
+
 def test_a_model_with_a_prior_does_not_grow():
     pairs, _ = room()
     with pytest.raises(el.EnvLightsError, match="a model with a prior cannot grow"):

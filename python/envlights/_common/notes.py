@@ -110,6 +110,7 @@ CODES = {
             "the depth shows no flat surfaces",
             "the depth is that of the walls ",
             ") lies behind a surface at ",
+            "there is no depth, so the surfaces are those ",
         ),
         "A depth is doubtful or has no lamps in it, or a point lies behind a surface.",
         True,

@@ -12,7 +12,7 @@ from envlights._native import EnvLightsError
 from envlights.detection.lights import DetectedLights
 from envlights.environment.envmap import EnvMap
 from envlights.environment.light import mean_radiance
-from envlights.kernels.ambient import mean_ambient
+from envlights.kernels.ambient import half_sky_harmonics, mean_ambient
 from envlights.rigs.lights import Lights
 from envlights.rigs.rig import Rig
 
@@ -45,6 +45,8 @@ def _of_rig(rig: Rig) -> dict[str, Any]:
     report = rig.report
     lights = _each_light(rig.lights, tolerances=report.direction_tolerances)
     harmonics = rig.ambient if rig.ambient.ndim == 2 else None
+    if rig.floor:
+        harmonics = half_sky_harmonics(rig.ambient)
     return {
         "error": rig.error,
         "shadow_error": report.shadow_error,

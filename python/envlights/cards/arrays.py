@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from envlights._common.arrays import seal
-from envlights._common.check import reals, texts
+from envlights._common.check import describe, reals, texts
 from envlights._native import EnvLightsError
 from envlights.cards import geometry
-from envlights.rigs.light_arrays import LARGEST_LIGHT, radii
+from envlights.rigs.light_arrays import LARGEST_LIGHT, amounts, radii
 
 #: Shapes of a card. Spheres, points and others are facing squares around a light.
 SHAPES = ("rectangle", "tube", "disc", "point", "other", "sphere")
@@ -21,7 +21,8 @@ OUTLINED, ROUND = ("rectangle", "tube", "disc", "sphere"), ("disc", "sphere")
 
 def matrices(values: ArrayLike) -> NDArray[np.float64]:
     """Matrices of cards; raises an error for cards that are invisible from the origin."""
-    matrix = reals("matrix", values, 3) if np.size(values) else np.zeros((0, 3, 3))
+    matrix = reals("matrix", values, None)
+    matrix = matrix if matrix.size else np.zeros((0, 3, 3))
     if matrix.shape[1:] != (3, 3):
         raise EnvLightsError(f"matrix must have the shape (n, 3, 3); got {matrix.shape}")
     volume = np.linalg.det(matrix)
@@ -47,7 +48,8 @@ def shapes(values: Sequence[str], cards: int) -> tuple[str, ...]:
 
 def rows(name: str, values: ArrayLike, rows: int, columns: int) -> NDArray[np.float64]:
     """Array with this number of rows and columns; raises an error that names the argument."""
-    array = reals(name, values, 2) if np.size(values) else np.zeros((0, columns))
+    array = reals(name, values, None)
+    array = array if array.size else np.zeros((0, columns))
     if array.shape != (rows, columns):
         raise EnvLightsError(f"{name} must have the shape ({rows}, {columns}); got {array.shape}")
     return array
@@ -100,16 +102,23 @@ def all_textures(
 ) -> tuple[NDArray[np.float32], ...]:
     """Read-only textures in `order`; by default a single texel of uniform radiance."""
     if values is None:
+        amounts("the radiance of a card", radiance, LARGEST_LIGHT)
         return tuple(seal(colour.astype(np.float32)[None, None]) for colour in radiance)
-    if len(values) != len(order):
+    try:
+        each = list(values)
+    except TypeError:
         raise EnvLightsError(
-            f"textures must have one for each card ({len(order)}); got {len(values)}"
+            f"textures must be a sequence with an array for each card; got {describe(values)}"
+        ) from None
+    if len(each) != len(order):
+        raise EnvLightsError(
+            f"textures must have one for each card ({len(order)}); got {len(each)}"
         )
-    return tuple(_texture(values[row]) for row in order)
+    return tuple(_texture(each[row]) for row in order)
 
 
 def _texture(values: ArrayLike) -> NDArray[np.float32]:
-    array = np.asarray(values)
+    array = values if isinstance(values, np.ndarray) else reals("textures", values, None)
     if (
         array.dtype.kind not in "fiu"
         or array.ndim != 3

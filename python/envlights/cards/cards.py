@@ -36,7 +36,7 @@ from envlights.environment.envmap import EnvMap
 from envlights.kernels import thumbnails
 from envlights.kernels.angles import azimuths, elevations
 from envlights.kernels.probe import rig_irradiance
-from envlights.rigs.light_arrays import amounts, row_of, rows_of
+from envlights.rigs.light_arrays import LARGEST_LIGHT, amounts, row_of, rows_of
 from envlights.rigs.lights import Lights, Rows, brightest_first, rgb_cell, rgb_heading
 
 #: Distance of cards without a given position, in scene radii: images differ from those with cards
@@ -110,7 +110,8 @@ class Cards(Result):
         object.__setattr__(self, "is_placed", flag("is_placed", self.is_placed))
         matrix = matrices(self.matrix)
         shape = shapes(self.shape, len(matrix))
-        irradiance = amounts("irradiance", rows("irradiance", self.irradiance, len(matrix), 3))
+        irradiance = rows("irradiance", self.irradiance, len(matrix), 3)
+        amounts("irradiance", irradiance, LARGEST_LIGHT)
         order = brightest_first(irradiance)
         shape = tuple(shape[row] for row in order)
         irradiance, matrix = irradiance[order], matrix[order]

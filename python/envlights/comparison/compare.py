@@ -40,6 +40,7 @@ from envlights.comparison.wording import (
     notes_of_size,
     notes_of_units,
 )
+from envlights.environment.reading import check_reading
 from envlights.kernels.gloss import LEAST_ROUGHNESS
 
 if TYPE_CHECKING:
@@ -167,7 +168,8 @@ def compare(
         The others render images as the published code of the papers does, with its tone and its
         means. A `Protocol` with other fields changes one choice.
     reading : mapping, optional
-        Options on how the maps are read, as of `batch`; rigs and lights have none.
+        Options on how the maps are read, as of `batch`. An `EnvMap` is used as it is; rigs and
+        lights have none.
 
     Returns
     -------
@@ -177,8 +179,8 @@ def compare(
     Raises
     ------
     EnvLightsError
-        If a side cannot be read, the truth is black, or the protocol cannot be reproduced; then the
-        sentence says what is missing.
+        If a side cannot be read, `reading` holds an unknown option, the truth is black, or the
+        protocol cannot be reproduced; then the sentence says what is missing.
 
     Notes
     -----
@@ -208,6 +210,7 @@ def compare(
     (1.0, 0.0, 0.0)
     """
     rules = as_protocol(protocol)
+    check_reading(reading)
     sides = [_open(name, what, reading) for name, what in (("truth", truth), ("guess", guess))]
     linear, notes = _of_one_size(sides[0], sides[1], rules)
     if not linear.truth.radiance.any():

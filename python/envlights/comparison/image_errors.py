@@ -100,7 +100,9 @@ class Products(NamedTuple):
         scale = self.both / self.guess
         # <T, T> - <T, G>^2 / <G, G>, expressed by D = G - T: |a G - T|^2 = |D|^2 - <D, G>^2 / <G,
         # G>.
-        along = (self.guess - self.both) ** 2 / self.guess
+        # The square of an inner product may overflow or underflow, so divide first.
+        rest = self.guess - self.both
+        along = rest * (rest / self.guess)
         return self.difference, max(self.difference - along, 0.0), scale
 
 

@@ -131,6 +131,11 @@ def _by_luminance(pixels: MapPixels, nits: float, at: ArrayLike, diameter: float
 
 def _by_exposure(pixels: MapPixels, ev100: float | None) -> MapPixels:
     """Pixels scaled so that the value 1 is the luminance that saturates the sensor."""
+    if pixels.units == PHOTOMETRIC:
+        raise EnvLightsError(
+            "the map is in cd/m2 already, so its value 1 is not where the sensor saturates; give"
+            " ev100 to the map as it was read, or another reading"
+        )
     value, source = ev100, f"EV100 {ev100}"
     if value is None:
         if pixels.ev100 is None:
@@ -246,7 +251,7 @@ def _patch_of(
     height, width, _ = cells.shape
     radius = math.radians(diameter) / 2
     theta = math.acos(min(max(direction[1], -1.0), 1.0))
-    first = max(math.floor((theta - radius) / math.pi * height), 0)
+    first = min(max(math.floor((theta - radius) / math.pi * height), 0), height - 1)
     rows = slice(first, min(math.ceil((theta + radius) / math.pi * height) + 1, height))
     forward = sphere.row_directions(height, rows) @ direction
     # If the disc contains no pixel centre, take the nearest pixel.

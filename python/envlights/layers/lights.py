@@ -6,9 +6,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from envlights._common.units import OWN_SCALE
 from envlights._native import EnvLightsError
 from envlights.batches.labels import LabelArrays
-from envlights.environment.reading import AnyMap
+from envlights.environment.reading import AnyMap, as_envmap
 from envlights.layers.arrays import Array, constant, namespace, to_numpy
 from envlights.rigs.lights import Lights as Discs
 from envlights.rigs.rig import Rig
@@ -64,7 +65,8 @@ class Lights(NamedTuple):
     def rig(self, env: AnyMap | None = None) -> Rig:
         """Rig from a row, for example of a prediction, without masked lights.
 
-        `env` is the map on which the rig is measured; by default none, and its error is None.
+        `env` is the map on which the rig is measured, and whose units it has; by default none, and
+        its error is None.
         An `EnvLightsError` names values that no rig can have.
         """
         _, lights = check_lights(self)
@@ -73,8 +75,10 @@ class Lights(NamedTuple):
         rows = slice(None) if self.mask is None else to_numpy(self.mask) != 0
         arrays = (to_numpy(each).astype(np.float64)[rows] for each in lights[:3])
         direction, light, radius = arrays
-        direction /= np.linalg.norm(direction, axis=1, keepdims=True)
-        discs = Discs(direction, light, radius)
+        length = np.linalg.norm(direction, axis=1, keepdims=True)
+        direction /= np.where(length > 0, length, 1)
+        env = None if env is None else as_envmap(env)
+        discs = Discs(direction, light, radius, units=OWN_SCALE if env is None else env.units)
         return Rig.of(to_numpy(lights.ambient).astype(np.float64), discs, env)
 
 
@@ -92,10 +96,16 @@ def check_lights(lights: Lights) -> tuple[Any, Lights]:
                 f"{name} must have the shape {' or '.join(map(str, shapes))} beside angular_radius"
                 f" with {shape}; got {tuple(each.shape)}"
             )
-    light = lights.irradiance
+    direction, light, radius, ambient = (floating(xp, each) for each in lights[:4])
     if lights.mask is not None:
         light = xp.where((lights.mask != 0)[..., None], light, constant(0.0, light))
-    return xp, Lights(unit(xp, lights.direction), light, lights.angular_radius, lights.ambient)
+    return xp, Lights(unit(xp, direction), light, radius, ambient)
+
+
+def floating(xp: Any, each: Array) -> Array:
+    """Array of floats: integers become those of the library."""
+    is_float = xp.isdtype(each.dtype, "real floating")
+    return each if is_float else xp.astype(each, xp.asarray(0.0).dtype)
 
 
 def unit(xp: Any, vectors: Array) -> Array:

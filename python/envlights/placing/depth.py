@@ -76,8 +76,10 @@ def triple(name: str, values: ArrayLike) -> Reals:
 def _values(depth: Any, scale: float | None) -> Reals:
     """Samples of a depth map in metres, or one over metres."""
     is_file = isinstance(depth, str | os.PathLike)
-    array = _samples(os.fspath(depth)) if is_file else np.asarray(depth)
     name = f"the depth in {depth}" if is_file else "depth"
+    if not is_file:
+        reals(name, depth, None)
+    array = _samples(os.fspath(depth)) if is_file else np.asarray(depth)
     array = array[..., 0] if array.shape[2:] == (1,) else array
     if array.ndim != 2 or array.shape[1] != 2 * array.shape[0] or len(array) < 16:
         raise EnvLightsError(
@@ -126,6 +128,13 @@ def _reading(values: Reals, wanted: str | None) -> tuple[str, list[str]]:
         return wanted or "ray", []
     with np.errstate(all="ignore"):
         flat = flatness(values)
+    if np.isnan(list(flat.values())).any():
+        if wanted is None:
+            raise EnvLightsError(
+                "depth is unknown around nearly every pixel, so flat surfaces do not show how it"
+                f" was stored; give reading=, one of {', '.join(map(repr, READINGS))}"
+            )
+        return wanted, []
     best = min(flat, key=flat.__getitem__)
     words = ", ".join(f"'{name}' {percent(value)}" for name, value in flat.items())
     facts = f"surfaces differ from planes by {words}"

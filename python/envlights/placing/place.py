@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from envlights._common.notes import log
 from envlights._native import EnvLightsError
 from envlights.cards import CardSplit
+from envlights.environment.envmap import EnvMap
 from envlights.environment.reading import AnyMap
 from envlights.kernels.image import luminance
 from envlights.placing.depth import box_distance, corners_of, read_depth, triple, without_holes
@@ -46,7 +47,8 @@ def place(
     Parameters
     ----------
     env : EnvMap, path, array_like or CardSplit
-        The map, or ``el.split(env, shapes=True)``. Or pairs of a map and its position in metres,
+        The map, or ``el.split(env, shapes=True)``; parts that it does not show are filled as by
+        `EnvMap.filled`. Or pairs of a map and its position in metres,
         ``[(env, (0, 0, 0)), (other, (1.2, 0, 0))]``, all with the axes of the first; results are
         relative to the first.
     depth : path-like or array_like, shape (height, 2 * height), optional
@@ -113,33 +115,52 @@ def place(
     """
     pairs = _pairs(env)
     parts = [_parts(each) for each, _ in pairs]
-    first = parts[0]
+    corners = _corners(room, camera, depth, reading, scale)
+    remainder, assumed = _filled(parts[0].remainder)
     if depth is None and room is None:
-        if len(parts) < 2:
-            raise EnvLightsError(
-                "place needs depth=, room=(width, height, depth) in metres, or a second map of the"
-                " room with its position"
-            )
+        _check_several(parts, reading, scale)
         where = [place - pairs[0][1] for _, place in pairs]
         lights, notes = triangulate([each.cards for each in parts], where)
         log(notes)
-        return PlacedLights(lights, first.remainder, np.zeros((0, 10)), None, tuple(notes))
+        return PlacedLights(lights, remainder, np.zeros((0, 10)), None, (*assumed, *notes))
     if len(parts) > 1:
         raise EnvLightsError("give depth or several maps, not both; the depth is that of one map")
-    corners = _corners(room, camera, depth, reading, scale)
     if corners is None:
         distance, notes = read_depth(depth, reading, scale)
     else:
         distance, notes = box_distance(corners, 256), []
-    light = luminance(first.cards.to_map(2 * len(distance)).radiance)
-    lights, behind = place_cards(first.cards, distance, light)
+    cards = parts[0].cards
+    light = luminance(cards.to_map(2 * len(distance)).radiance)
+    lights, behind = place_cards(cards, distance, light)
     surfaces = without_holes(behind)
-    patches = patches_of(first.remainder, surfaces)
+    patches = patches_of(remainder, surfaces)
     if corners is not None:
-        lights, note = hang(lights, first.cards, first.remainder, patches, corners)
+        lights, note = hang(lights, cards, remainder, patches, corners)
         notes.append(note)
     log(notes)
-    return PlacedLights(lights, first.remainder, patches, surfaces, tuple(notes))
+    return PlacedLights(lights, remainder, patches, surfaces, (*assumed, *notes))
+
+
+def _filled(remainder: EnvMap) -> tuple[EnvMap, tuple[str, ...]]:
+    """Remainder with a fill where the map shows nothing, as `probe` has it, and a note on it."""
+    try:
+        filled = remainder.filled()
+        return filled, () if remainder.coverage is None else filled.notes[-1:]
+    except EnvLightsError as refusal:
+        raise EnvLightsError(f"{refusal}; place(env.filled(fill), ...)") from None
+
+
+def _check_several(parts: list[CardSplit], reading: object, scale: object) -> None:
+    """Raise an error unless there are maps of one scale, and nothing that belongs to a depth."""
+    if len(parts) < 2:
+        raise EnvLightsError(
+            "place needs depth=, room=(width, height, depth) in metres, or a second map of the"
+            " room with its position"
+        )
+    if reading is not None or scale is not None:
+        raise EnvLightsError("reading= and scale= belong to a depth; leave them out")
+    if len({each.remainder.units for each in parts}) > 1:
+        raise EnvLightsError("maps of one room must have the same units; calibrate all, or none")
 
 
 def _corners(

@@ -109,9 +109,11 @@ class PlacedLight(Result):
             return self.direction, self.irradiance, self.angular_radius
         if self.kind == "sphere":
             to = self.position - point
+            # In a sphere, the light is that of its surface, from the side of its centre.
             distance = max(float(np.linalg.norm(to)), self.radius)
             radius = float(np.arcsin(min(self.radius / distance, 1.0)))
-            return to / distance, self.irradiance * (self.distance / distance) ** 2, radius
+            direction = geometry.unit(to) if to.any() else self.direction
+            return direction, self.irradiance * (self.distance / distance) ** 2, radius
         matrix = self.around(point)
         vector = geometry.vector_irradiance(geometry.outline(matrix, self.is_disc))
         length = float(np.linalg.norm(vector))

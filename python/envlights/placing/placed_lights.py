@@ -91,7 +91,7 @@ class PlacedLights(Result):
     """Distance along the ray of each pixel without the lights, infinite if unknown; or None."""
 
     notes: tuple[str, ...] = ()
-    """Remarks on the depth and on the lights."""
+    """Remarks on the depth and on the lights; those on the map are `remainder.notes`."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "notes", tuple(map(Note, texts("notes", self.notes))))
@@ -155,7 +155,7 @@ class PlacedLights(Result):
         around = self._around(place[None], normals)[0] - self._suns(normals)
         lamps = self._lamps_from(place, self._pieces(place, count("lights", lights)))
         sky = fit_probe(normals, np.maximum(around, 0), 0, weights=weights, ambient="sh2")
-        rig = Rig(sky.ambient, lamps, 0.0, notes=self._notes_at(place))
+        rig = Rig(sky.ambient, lamps, 0.0, notes=self._all_notes(place))
         error = relative_rms(rig.probe(normals), self.irradiance(place, normals), weights)
         return replace(rig, error=error)
 
@@ -175,7 +175,7 @@ class PlacedLights(Result):
         place = triple("point", point)
         around, cards = self._remainder_at(place), self._cards_around(place)
         total = around.cells() + cards.to_map(around.width).radiance
-        return EnvMap(total, units=around.units, notes=self._notes_at(place))
+        return EnvMap(total, units=around.units, notes=self._all_notes(place))
 
     def save(
         self, *paths: AnyPath, at: ArrayLike = (0.0, 0.0, 0.0), **options: Any
@@ -228,7 +228,8 @@ class PlacedLights(Result):
                     " placed.at(point).save(...), or --point on the command line"
                 )
         place = triple("at", at)
-        where = " ".join(f"{metres:.4g}" for metres in place)
+        seen_from = np.zeros(3) if self.depth is None else place
+        where = " ".join(f"{metres:.4g}" for metres in seen_from)
         note = f"positions are in metres from the camera, and the map is that of ({where})"
         notes = self._notes_at(place)
         for doubt in notes[len(self.notes) :]:
@@ -254,9 +255,15 @@ class PlacedLights(Result):
                 f"maps must be a mapping of positions to maps, such as {{(1, 0, 0): env}}; got"
                 f" {describe(maps)}"
             )
+        envs = [as_envmap(each) for each in maps.values()]
+        if any(each.units != self.remainder.units for each in envs):
+            raise EnvLightsError(
+                "maps and placed lights must have the same units; calibrate the maps of all, or of"
+                " none"
+            )
         normals, weights = icosphere(320)
         points = np.reshape([triple("position", each) for each in maps], (-1, 3))
-        truth = [as_envmap(each).probe(normals) for each in maps.values()]
+        truth = [each.probe(normals) for each in envs]
         home = np.repeat(self.irradiance(np.zeros((1, 3)), normals), len(points), axis=0)
         errors = [
             np.array([relative_rms(*pair, weights) for pair in zip(guess, truth, strict=True)])
@@ -272,13 +279,22 @@ class PlacedLights(Result):
         return EnvMap(radiance, units=self.remainder.units)
 
     def _notes_at(self, point: Reals) -> tuple[str, ...]:
-        """Notes, and one on a point that the camera does not see."""
+        """Notes, and one on a point that the camera does not see or whose surfaces are unknown."""
+        if self.depth is None and point.any():
+            return (
+                *self.notes,
+                "there is no depth, so the surfaces are those that the camera sees",
+            )
         surface = np.inf if self.depth is None else surface_behind(self.depth, point)
         if np.linalg.norm(point) <= surface:
             return self.notes
         place = " ".join(f"{metres:.4g}" for metres in point)
         where = f"the point ({place}) lies behind a surface at {surface:.4g} m"
         return (*self.notes, f"{where}, so its light is a guess")
+
+    def _all_notes(self, point: Reals) -> tuple[str, ...]:
+        """Notes of the map, and those at a point."""
+        return tuple(dict.fromkeys((*self.remainder.notes, *self._notes_at(point))))
 
     def _around(self, points: Reals, normals: Reals) -> Reals:
         """Irradiance of surfaces and suns, (p, n, 3): the camera's, and the change of patches."""

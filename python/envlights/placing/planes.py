@@ -47,12 +47,16 @@ def pixel_planes(distance: Reals, ray: Reals, rows: int, finest: int = 128) -> R
 
 
 def flatness(values: Reals) -> dict[str, float]:
-    """Median relative distance of surfaces from planes, for each reading of samples of depth."""
+    """Median relative distance of surfaces from planes, for each reading of samples of depth.
+
+    It is NaN if no plane is known.
+    """
     step = max(len(values) // 128, 1)
     ray = pixel_directions(*values.shape)[::step, ::step]
     each = {}
     for name, read in READINGS.items():
         distance = read(values[::step, ::step], ray)
         expected = (pixel_planes(distance, ray, _ROWS) * ray).sum(axis=-1)
-        each[name] = float(np.nanmedian(np.abs(expected * distance - 1)))
+        off = np.abs(expected * distance - 1)
+        each[name] = float(np.median(off[~np.isnan(off)])) if not np.isnan(off).all() else np.nan
     return each

@@ -59,8 +59,10 @@ class Editable(ABC, Generic[Plain]):
 
         Raises
         ------
+        IndexError
+            If there is no such light, as for `lights[which]`.
         EnvLightsError
-            If there is no such light, or neither or both a direction and an angle are given.
+            If neither or both a direction and an angle are given.
 
         Examples
         --------

@@ -83,6 +83,7 @@ class Rig(Result):
     """True if a floor hides the ambient light from below the horizon."""
 
     def __post_init__(self) -> None:
+        _check_types(self.lights, self.report)
         object.__setattr__(self, "ambient", freeze(_ambient(self.ambient)))
         object.__setattr__(self, "floor", flag("floor", self.floor))
         if self.floor and self.ambient.ndim == 2:
@@ -432,6 +433,19 @@ def error_line(rig: Rig) -> str:
     floor = " over a floor" if rig.floor else ""
     more = filter(None, (rig.report.with_shadows(), rig.report.with_gloss()))
     return ", ".join([f"relative RMS error {error_in_words(rig.error)}{floor}", *more])
+
+
+def _check_types(lights: object, report: object) -> None:
+    """Raise an error for lights that are no `Lights`, or a report that is no `FitReport`."""
+    if not isinstance(lights, Lights):
+        has_lights = isinstance(getattr(lights, "lights", None), Lights)
+        wanted = "give its `lights`" if has_lights else "such as el.Lights(direction, irradiance)"
+        raise EnvLightsError(f"lights must be el.Lights, {wanted}; got {describe(lights)}")
+    if not isinstance(report, FitReport):
+        raise EnvLightsError(
+            "report must be the report of a rig, such as rig.report, or left out; got"
+            f" {describe(report)}"
+        )
 
 
 def _ambient(values: ArrayLike) -> NDArray[np.float64]:

@@ -39,10 +39,11 @@ def json_lines(rigs: Iterable[FrameRig], steadiness: int = 0, fps: float | None 
     >>> lamp = el.Lights([[0, 1, 0]], [[3, 2, 1]], [0.5])
     >>> text = json_lines([el.sequence.FrameRig([0, 0, 0], lamp, 0.0, ids=(2,))], fps=25.0)
     >>> text.splitlines()[0]
-    '{"format": "envlights rig sequence", "version": 1, "steadiness": 0, "fps": 25.0}'
+    '{"format": "envlights rig sequence", "version": 1, "steadiness": 0, "fps": 25.0, "frames": 1}'
     """
-    header = {**_HEADER, "steadiness": steadiness, "fps": fps}
-    return tables.json_lines([header, *(rig.to_dict() for rig in checked_rigs(rigs))])
+    rows = [rig.to_dict() for rig in checked_rigs(rigs)]
+    header = {**_HEADER, "steadiness": steadiness, "fps": fps, "frames": len(rows)}
+    return tables.json_lines([header, *rows])
 
 
 def read_json_lines(
@@ -63,11 +64,13 @@ def read_json_lines(
             f" {json.dumps(_HEADER)}"
         )
     places = [f"{path}, line {number}," for number in range(2, len(lines) + 1)]
-    rigs = (
+    rigs = tuple(
         build_from(place, "rig", _frame_rig, parse(place, line, "JSON"))
         for place, line in zip(places, lines[1:], strict=True)
     )
-    return tuple(rigs), header.get("steadiness", 0), header.get("fps")
+    if (frames := header.get("frames", len(rigs))) != len(rigs):
+        raise DamagedFileError(f"{path} is incomplete: it holds {len(rigs)} of {frames} frames")
+    return rigs, header.get("steadiness", 0), header.get("fps")
 
 
 def _frame_rig(data: dict[str, Any]) -> FrameRig:

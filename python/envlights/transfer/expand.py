@@ -39,26 +39,30 @@ def expand(
         block = basis[part, :components] @ rows.T
         if len(mean):
             block += mean[part, None] * norms
-        out[:, texels] = block.reshape(-1, images, 3).swapaxes(0, 1)
+        out[:, texels] = block.reshape(len(block), images, 3).swapaxes(0, 1)
     return out.reshape(images, *lit.shape, 3)
 
 
-def check_range(
-    coefficients: NDArray[np.float64], norm: NDArray[np.float64], mean: NDArray[Any], dtype: Any
-) -> None:
-    """Raise an error for frames that may hold values beyond the range of `dtype`.
+def bound(
+    coefficients: NDArray[np.float64], norm: NDArray[np.float64], mean: NDArray[Any]
+) -> float:
+    """Largest value that frames may hold, and sums of their parts; infinity on overflow.
 
     The columns of the basis are orthonormal: no texel, and no part of its sum, is larger than the
     norm of its coefficients. A rounded basis is so within a factor far below 2.
     """
-    with np.errstate(over="ignore"):  # infinity raises the error, too
+    with np.errstate(over="ignore"):
         largest = np.linalg.norm(coefficients, axis=2).max(initial=0.0)
-    largest += norm.max(initial=0.0) * np.abs(mean).max(initial=0.0)
+    return float(largest + norm.max(initial=0.0) * np.abs(mean).max(initial=0.0))
+
+
+def check_range(largest: float, dtype: Any, owner: str = "model") -> None:
+    """Raise an error for frames that may reach `largest`, if that is beyond half the `dtype`."""
     most = float(np.finfo(dtype).max) / 2
     if not largest <= most:
         raise EnvLightsError(
-            f"direct is too bright: the images may reach {largest:.3g}, and the model holds values"
-            f" up to {most:.3g}; divide direct by a scale and multiply the images by it"
+            f"direct is too bright: the images may reach {largest:.3g}, and the {owner} holds"
+            f" values up to {most:.3g}; divide direct by a scale and multiply the images by it"
         )
 
 
@@ -82,7 +86,10 @@ def truncate(coefficients: NDArray[np.float64], error: float) -> NDArray[np.floa
     The columns of the basis are orthonormal, so the squared error is the sum of the squares of the
     omitted components. Components that no frame needs are dropped.
     """
-    energy = np.einsum("ncr,ncr->nr", coefficients, coefficients)
+    # A power of two, which causes no rounding, keeps the squares in range.
+    largest = np.abs(coefficients).max(axis=(1, 2), keepdims=True, initial=0.0)
+    shares = np.ldexp(coefficients, -np.frexp(largest)[1])
+    energy = np.einsum("ncr,ncr->nr", shares, shares)
     residual = np.cumsum(energy[:, ::-1], axis=1)[:, ::-1]
     is_needed = residual > error**2 * residual[:, :1]
     most = is_needed.sum(axis=1).max()

@@ -252,8 +252,9 @@ class TransferModel(Predictor):
         pairs = pairs_of(direct, indirect)
         # Extend the basis, then solve for the matrix.
         limits = check_parameters(**self.parameters)
-        columns, lit, learnt = grow.extend(basis, self.lit, self.learnt, pairs, limits)
-        notes = (*self.report.notes, *pairs.notes)
+        columns, lit, learnt, values = grow.extend(basis, self.lit, self.learnt, pairs, limits)
+        rank, notes = columns.shape[1], (*self.report.notes, *pairs.notes)
+        notes = grow.noting_missed(notes, limits, values, rank, self.learnt)
         model = _solve(columns, lit, self.mean, self.size, self.parameters, learnt, notes)
         seconds = {**self.report.seconds, "add": perf_counter() - start}
         return replace(model, report=replace(model.report, seconds=seconds))

@@ -18,7 +18,7 @@ from envlights._native import EnvLightsError
 from envlights.kernels import thumbnails
 from envlights.transfer.compact import CompactBasis
 from envlights.transfer.consistency import check_fields
-from envlights.transfer.expand import check_range, expand, project, region_mask, truncate
+from envlights.transfer.expand import bound, check_range, expand, project, region_mask, truncate
 from envlights.transfer.pairs import PairSummary, image_stack, rgb_rows
 from envlights.transfer.report import TransferReport
 from envlights.transfer.training import familiarity
@@ -111,13 +111,11 @@ class Predictor(Result):
         norm = np.linalg.norm(rows, axis=(1, 2)) if self.is_notebook else np.zeros(len(rows))
         features = rows.reshape(len(rows), 1, -1) if self.is_notebook else rows
         coefficients = np.swapaxes(features.swapaxes(0, 1) @ self.transfer, 0, 1)
-        # Drop the directions that each frame does not need for this error.
         if amount("error", error, most=1.0) > 0:
             self._refuse_mean("leave directions out of a frame")
-            coefficients = truncate(coefficients, error)
         # Compute the blocks of texels in the region, then crop.
         wanted = None if region is None else region_mask(region, self._shape)
-        predicted = self._expanded(coefficients, norm, wanted)
+        predicted = self._expanded(coefficients, norm, wanted, error)
         if self.parameters["nonnegative"]:
             np.maximum(predicted, 0, out=predicted)
         if region is not None:
@@ -129,8 +127,12 @@ class Predictor(Result):
         coefficients: NDArray[np.float64],
         norm: NDArray[np.float64],
         wanted: NDArray[np.bool_] | None,
+        error: float = 0.0,
     ) -> NDArray[Any]:
-        check_range(coefficients, norm, self.mean, self.basis.dtype)
+        check_range(bound(coefficients, norm, self.mean), self.basis.dtype)
+        # Drop the directions that each frame does not need for this error.
+        if error > 0:
+            coefficients = truncate(coefficients, error)
         if isinstance(self.basis, CompactBasis):
             return self.basis.expand(coefficients, self._shape, wanted)
         return expand(coefficients, self.basis, self.lit, self.mean, norm, wanted)

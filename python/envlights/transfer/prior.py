@@ -24,6 +24,7 @@ from envlights._common.check import count, flag
 from envlights._common.result import Result
 from envlights._native import EnvLightsError
 from envlights.transfer.consistency import check_array, pixels_of
+from envlights.transfer.expand import check_range
 from envlights.transfer.files import npz_file
 from envlights.transfer.files.npz_file import Kind
 from envlights.transfer.pairs import image_stack, pairs_of, rgb_rows
@@ -168,7 +169,10 @@ class TransferPrior(Result):
             Linear RGB.
         """
         stack, is_one = image_stack("direct", direct, self.size, "prior")
-        light = self.bounces(rgb_rows(stack))
+        with np.errstate(over="ignore", invalid="ignore"):  # refused below
+            light = self.bounces(rgb_rows(stack))
+        # No texel is brighter than the brightest light, because factors and albedo are fractions.
+        check_range(float(np.abs(light).max()), np.float32, "prior")
         out = np.zeros((len(stack), self.covered.size, 3), np.float32)
         places = np.flatnonzero(self.covered)
         for first in range(0, len(places), _BLOCK):

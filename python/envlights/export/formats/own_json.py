@@ -26,9 +26,10 @@ LIGHTS_HEADER: dict[str, str | int] = {
 
 
 def save_json(rig: Any, path: AnyPath) -> None:
-    """Write the result of `to_dict`, which `load` of the same class reads."""
+    """Write the result of `to_dict`, which `load` of the same class reads; of cards, the lights."""
     data = rig.to_dict()
     if "format" not in data:
+        data = getattr(rig, "lights", rig).to_dict()
         units = f"{LIGHTS_HEADER['units']}; {statement(data['scale'])}"
         data = {**LIGHTS_HEADER, "units": units, **data}
     save_scene(path, json_text(data))

@@ -28,7 +28,14 @@ from envlights.transfer.pairs import Pairs, PairSummary, image_stack, rgb_rows
 from envlights.transfer.prior import TransferPrior
 from envlights.transfer.report import TransferReport
 from envlights.transfer.training import leave_one_out
-from envlights.transfer.training.basis import BasisSize, Directions, basis, directions, outside
+from envlights.transfer.training.basis import (
+    BasisSize,
+    Directions,
+    basis,
+    directions,
+    nothing_to_learn,
+    outside,
+)
 from envlights.transfer.training.familiarity import at_norm_1
 from envlights.transfer.training.gram import Gram, gram, product
 from envlights.transfer.training.ridge import RIDGES, Regression, regression
@@ -113,6 +120,8 @@ def train_around(
 ) -> Learning:
     """Model of the `pairs` and a prior; the errors determine the rank if no `size` is given."""
     own = gram(pairs, centred=False, progress=progress)
+    if not own.energy.any():
+        raise nothing_to_learn("black")
     rest = _remainder(pairs, prior, own.energy, ridge)
     model = _model_of(rest, pairs, prior, virtual, size, own, progress)
     # Noise of a pair counts twice: with 10 % noise and 4 pairs of the room, a model that reduces
@@ -265,8 +274,6 @@ def _directions(
     )
     measured = gram(both, centred=False)
     every = directions(measured.products, pairs.dtype, measured.energy.sum())
-    if not len(every.values):
-        raise EnvLightsError("indirect is black in every image; there is nothing to learn")
     return every, (both, measured)
 
 

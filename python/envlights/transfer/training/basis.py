@@ -29,6 +29,9 @@ from envlights.transfer.training.gram import (
     texel_rows,
 )
 
+#: Ends of the notes of `BasisSize.missed`.
+FEW, MISSED = "directions above rounding", "was not reached; allow a higher rank"
+
 
 @dataclass(frozen=True)
 class BasisSize:
@@ -51,14 +54,17 @@ class BasisSize:
             raise EnvLightsError("rank as a share of the energy must be more than 0; got 0.0")
         return cls(fraction, bound)
 
-    def missed(self, values: NDArray[np.float64], rank: int) -> tuple[str, ...]:
-        """Notes if the directions are fewer, or the error larger, than requested."""
+    def missed(self, values: NDArray[np.float64], rank: int, lost: float = 0.0) -> tuple[str, ...]:
+        """Notes if the directions are fewer, or the error larger, than requested.
+
+        `lost`: energy of the images that is in none of the directions.
+        """
         notes = []
         if len(values) < self.rank:
-            notes.append(f"the images have no more than {len(values)} directions above rounding")
-        residual = np.sqrt(max(1 - values[:rank].sum() / values.sum(), 0.0))
+            notes.append(f"the images have no more than {len(values)} {FEW}")
+        residual = np.sqrt(max(1 - values[:rank].sum() / (values.sum() + lost), 0.0))
         if self.error is not None and residual > self.error:
-            notes.append(f"the error {self.error:g} was not reached; allow a higher rank")
+            notes.append(f"the error {self.error:g} {MISSED}")
         return tuple(notes)
 
     def count(self, values: NDArray[np.float64]) -> int:
@@ -68,8 +74,9 @@ class BasisSize:
         if isinstance(self.rank, float):
             # Allow for rounding, so that a fraction of 1.0 means all of the energy.
             enough = self.rank * energy[-1] * (1 - 1e-12)
-            return min(int(np.searchsorted(energy, enough)) + 1, most)
-        most = min(most, self.rank)
+            most = min(int(np.searchsorted(energy, enough)) + 1, most)
+        else:
+            most = min(most, self.rank)
         if self.error is not None:
             residual = np.sqrt(np.maximum(1 - energy / energy[-1], 0))
             reached = np.flatnonzero(residual[:most] <= self.error)
@@ -107,11 +114,17 @@ class Directions:
     @property
     def coefficients(self) -> NDArray[np.float64]:
         """Coefficients of the images in the directions, (k, 3, n)."""
-        return (self.vectors * np.sqrt(self.values)).reshape(-1, 3, len(self.values))
+        images = len(self.vectors) // 3
+        return (self.vectors * np.sqrt(self.values)).reshape(images, 3, len(self.values))
 
     def first(self, rank: int) -> Directions:
         """The first `rank` directions."""
         return Directions(self.values[:rank], self.vectors[:, :rank])
+
+
+def nothing_to_learn(what: str) -> EnvLightsError:
+    """Error for indirect images without any direction."""
+    return EnvLightsError(f"indirect is {what} in every image; there is nothing to learn")
 
 
 def directions(products: NDArray[np.float64], dtype: np.dtype[Any], energy: float) -> Directions:

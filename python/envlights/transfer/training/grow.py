@@ -21,14 +21,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from envlights.transfer.pairs import Pairs, PairSummary
-from envlights.transfer.training.basis import BasisSize, Directions, directions, mixtures
+from envlights.transfer.training.basis import (
+    FEW,
+    MISSED,
+    BasisSize,
+    Directions,
+    directions,
+    mixtures,
+)
 from envlights.transfer.training.gram import eigensystem, gram, parts, product, texel_rows
 
 
 def extend(
     basis: NDArray[Any], lit: NDArray[np.bool_], learnt: PairSummary, pairs: Pairs, size: BasisSize
-) -> tuple[NDArray[Any], NDArray[np.bool_], PairSummary]:
-    """Basis, lit texels and summary after the addition of `pairs`."""
+) -> tuple[NDArray[Any], NDArray[np.bool_], PairSummary, NDArray[np.float64]]:
+    """Basis, lit texels, summary, and energy by direction after the addition of `pairs`."""
     new = gram(pairs, centred=False)
     inside = _inside(basis, lit, pairs)
     residual = directions(new.products - product(inside, inside.T), pairs.dtype, new.energy.sum())
@@ -41,7 +48,8 @@ def extend(
     )
     values, turn = eigensystem(product(rows.T, rows))
     values, turn = values[::-1], turn[:, ::-1]
-    rank = size.count(values[values > values[0] * np.finfo(pairs.dtype).eps])
+    real = values[values > values[0] * np.finfo(pairs.dtype).eps]
+    rank = size.count(real)
     coefficients = product(rows, turn[:, :rank]).reshape(-1, 3, rank)
     together = replace(
         learnt,
@@ -51,7 +59,28 @@ def extend(
         energy=np.concatenate([learnt.energy, new.energy]),
     )
     union = lit | new.lit
-    return _rotate(basis, lit, union, pairs, (inside, residual, turn[:, :rank])), union, together
+    columns = _rotate(basis, lit, union, pairs, (inside, residual, turn[:, :rank]))
+    return columns, union, together, real
+
+
+def noting_missed(
+    notes: tuple[str, ...],
+    size: BasisSize,
+    values: NDArray[np.float64],
+    rank: int,
+    before: PairSummary,
+) -> tuple[str, ...]:
+    """Notes, with those of `BasisSize.missed` replaced by the current ones.
+
+    `before`: the pairs of the earlier model.
+    """
+    # What an earlier basis left out stays lost; it is noted where that basis missed the error.
+    was_missed = any(note.endswith(MISSED) for note in notes)
+    lost = float(np.trace(before.outside, axis1=1, axis2=2).sum()) if was_missed else 0.0
+    # A basis that an error has cut does not tell how many directions its images had.
+    known = MISSED if size.error is not None else (FEW, MISSED)
+    missed = (note for note in size.missed(values, rank, lost) if note.endswith(known))
+    return (*(note for note in notes if not note.endswith((FEW, MISSED))), *missed)
 
 
 def _inside(basis: NDArray[Any], lit: NDArray[np.bool_], pairs: Pairs) -> NDArray[np.float64]:

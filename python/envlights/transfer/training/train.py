@@ -8,11 +8,16 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from envlights._native import EnvLightsError
 from envlights.transfer.pairs import Pairs, PairSummary
 from envlights.transfer.report import TransferReport
 from envlights.transfer.training import cluster, leave_one_out
-from envlights.transfer.training.basis import BasisSize, basis, directions, outside
+from envlights.transfer.training.basis import (
+    BasisSize,
+    basis,
+    directions,
+    nothing_to_learn,
+    outside,
+)
 from envlights.transfer.training.blocks import blocks
 from envlights.transfer.training.gram import gram
 from envlights.transfer.training.nonnegative import operator
@@ -29,6 +34,8 @@ _FOLD_BLOCKS = 64
 
 #: Note of a report without leave-one-out errors.
 _FOLDS = "errors for new lights are those of 8 folds instead of leave-one-out"
+#: End of the note on copies.
+_COPIES = "pairs are copies of others: left out together with them"
 
 
 class Training(NamedTuple):
@@ -61,8 +68,7 @@ def train(pairs: Pairs, size: BasisSize, centred: bool, progress: bool | None) -
     measured = gram_of(pairs, centred=centred)
     every = directions(measured.products, pairs.dtype, measured.energy.sum())
     if not len(every.values):
-        what = "the same in every image" if centred else "black in every image"
-        raise EnvLightsError(f"indirect is {what}; there is nothing to learn")
+        raise nothing_to_learn("the same" if centred else "black")
     # Keep the first directions, and read the images again to compute the columns.
     rank = size.count(every.values)
     first = every.first(rank)
@@ -97,14 +103,16 @@ def solve(
     """
     apart = distinct(learnt)
     direct, coefficients = apart.learnt.direct, apart.learnt.coefficients
+    # Notes of an earlier model are replaced.
+    notes = tuple(note for note in notes if not note.endswith((_FOLDS, _COPIES)))
     if priors is None:
         solver = estimator(direct, coefficients, channelwise)
     else:
         solver = estimator_around(direct, coefficients, *priors)
-        notes = (*(note for note in notes if note != _FOLDS), _FOLDS)
+        notes = (*notes, _FOLDS)
     chosen = _best_ridge(solver, apart) if isinstance(ridge, str) else ridge
     if apart.copies:
-        notes = (*notes, f"{apart.copies} pairs are copies of others: left out together with them")
+        notes = (*notes, f"{apart.copies} {_COPIES}")
     unseen = _left_out(solver, chosen, apart)
     report = report_of(apart, chosen, solver.residual(chosen), unseen, notes)
     return solver.transfer(chosen), report
