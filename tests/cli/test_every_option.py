@@ -87,7 +87,6 @@ LEFT_OUT = {
     ("batch", "fill"): "--set fill=... of the work",
     ("compare", "fill"): "maps are filled as by default",
     ("detect", "fill"): "lights are detected where the map is seen",
-    ("place", "fill"): "lights are placed where the map is seen",
     ("relight", "fill"): "lights are drawn where the map is seen",
     ("split", "fill"): "lights are detected where the map is seen",
     ("transfer fit", "virtual"): "an array of images",

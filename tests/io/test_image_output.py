@@ -30,6 +30,18 @@ def test_an_exr_file_comes_back_with_its_registration(tmp_path, registration, co
     np.testing.assert_array_equal(again.radiance, wanted)
 
 
+@pytest.mark.parametrize("registration", ["cell-centred", "border-sampled"])
+def test_what_an_exr_file_does_not_show_is_not_black_when_it_comes_back(tmp_path, registration):
+    seen = np.ones(RADIANCE.shape[:2], np.float32)
+    seen[-1] = 0
+    layout = el.io.Layout(registration=registration)
+    env = el.EnvMap(RADIANCE * seen[..., None], coverage=seen, layout=layout)
+    env.save(tmp_path / "map.exr")
+    again = el.EnvMap.open(tmp_path / "map.exr")
+    np.testing.assert_array_equal(again.radiance, env.radiance)
+    np.testing.assert_array_equal(again.coverage, seen)
+
+
 @pytest.mark.parametrize("half", [False, True])
 def test_the_header_says_what_the_file_holds(tmp_path, half):
     el.EnvMap(RADIANCE, layout=el.io.Layout(registration="border-sampled")).save(

@@ -327,6 +327,9 @@ def test_json_lines_that_lost_whole_frames_are_refused(tmp_path):
     path.write_text("".join(path.read_text().splitlines(keepends=True)[:-1]))
     with pytest.raises(el.EnvLightsError, match=f"holds {len(RIGS) - 1} of {len(RIGS)} frames"):
         el.sequence.RigSequence.load(path)
+    path.write_text(path.read_text().replace('"frames": ', '"frames": -'))
+    with pytest.raises(el.EnvLightsError, match="frames of the first line must be"):
+        el.sequence.RigSequence.load(path)
 
 
 def test_numbers_of_numpy_are_saved_as_those_of_python(tmp_path):

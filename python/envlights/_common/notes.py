@@ -90,7 +90,7 @@ CODES = {
     "filled": Code(("of the sphere that is not seen ",), "The unseen part was filled."),
     "unseen": Code(("of the sphere is not seen",), "A part of the sphere is not seen.", True),
     "limited": Code(("limited to ",), "Large samples were limited."),
-    "removed": Code(("of the flux removed",), "Lights were removed."),
+    "removed": Code(("of the flux removed", " removed from the map"), "Lights were removed."),
     "removed-part": Code(("so only the seen part was removed",), "A light was cut off.", True),
     "few-samples": Code(
         ("the flux of small lights are uncertain",), "Few samples lie on a light.", True
@@ -110,9 +110,9 @@ CODES = {
             "the depth shows no flat surfaces",
             "the depth is that of the walls ",
             ") lies behind a surface at ",
-            "there is no depth, so the surfaces are those ",
+            "there is no depth, so surfaces are as from ",
         ),
-        "A depth is doubtful or has no lamps in it, or a point lies behind a surface.",
+        "A depth is missing, doubtful or has no lamps in it, or a point lies behind a surface.",
         True,
     ),
     "depth": Code(

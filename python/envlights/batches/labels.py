@@ -50,8 +50,8 @@ class LabelArrays(Result):
     ambient: NDArray[np.float32]
     """Mean radiance of the ambient term, linear RGB, (n, 3).
 
-    For a rig above a floor, the radiance of the half sky. For lights of `detect` or `split`, that
-    of the map without them; 0 for lights without either."""
+    For a rig above a floor, the radiance of the half sky, which is twice its mean. For lights of
+    `detect` or `split`, that of the map without them; 0 for lights without either."""
 
     ambient_harmonics: NDArray[np.float32]
     """Ambient term in the harmonics of `Rig.ambient`, (n, 9, 3); if constant, only the first is not

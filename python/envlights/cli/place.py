@@ -9,7 +9,13 @@ from typing import Any
 import click
 
 from envlights._native import EnvLightsError
-from envlights.cli.options.map_input import MapCommand, MapFile, map_argument
+from envlights.cli.options.map_input import (
+    MapCommand,
+    MapFile,
+    map_argument,
+    radiance_or_name,
+    unseen_option,
+)
 from envlights.cli.options.numbers import numbers
 from envlights.cli.options.outputs import (
     check_outputs,
@@ -56,6 +62,7 @@ _POINT = "1,0.2,-0.5"
     metavar="X,Y,Z",
     help="Point whose map lies around lights with positions. Default: the camera.",
 )
+@unseen_option()
 @output_option(
     "Lights with positions in metres (.usda, .py, .xml, .pbrt, .gltf, .three.json), or their"
     " remainder (.exr). With --point, the map or a rig (as of `fit`) there. Can be repeated."
@@ -71,6 +78,7 @@ def command(
     camera_position: str | None,
     point: str | None,
     remainder_at: str | None,
+    fill: str | None,
     outputs: Sequence[str],
     stage: dict[str, Any],
     as_json: bool,
@@ -95,6 +103,7 @@ def command(
         camera=None
         if camera_position is None
         else numbers("--camera-position", camera_position, "3,1.6,2.5"),
+        fill=radiance_or_name(fill),
     )
     written = outputs
     if where is not None:
@@ -115,7 +124,8 @@ def _write(
     for output in outputs:
         is_map = Path(output).suffix.lower() in MAP_SUFFIXES
         light = placed.map_at(point) if is_map else placed.at(point)
-        for note in set(light.notes).difference(placed.notes):
+        known = (*placed.notes, *placed.remainder.notes)
+        for note in (each for each in light.notes if each not in known):
             click.echo(f"note: {note}", err=True)
         with print_losses():
             light.save(output, **stage_of(output, stage))

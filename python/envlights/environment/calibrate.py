@@ -133,8 +133,8 @@ def _by_exposure(pixels: MapPixels, ev100: float | None) -> MapPixels:
     """Pixels scaled so that the value 1 is the luminance that saturates the sensor."""
     if pixels.units == PHOTOMETRIC:
         raise EnvLightsError(
-            "the map is in cd/m2 already, so its value 1 is not where the sensor saturates; give"
-            " ev100 to the map as it was read, or another reading"
+            "the map is in cd/m2 already, so 1 is not the saturation of a sensor; leave ev100 out,"
+            " or calibrate it anew with lux=, or nits= and at="
         )
     value, source = ev100, f"EV100 {ev100}"
     if value is None:

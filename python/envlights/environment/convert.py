@@ -103,9 +103,10 @@ def save(pixels: MapPixels, path: str | os.PathLike[str], *, half: bool, compres
             raise EnvLightsError(f"cannot save {path}: half and compression are of .exr files")
         write_hdr(path, pixels.cells(), comments=pixels.notes)
         return
+    seen = [] if pixels.coverage is None else [pixels.coverage[..., None]]
     write_exr(
         path,
-        pixels.radiance,
+        np.concatenate([pixels.radiance, *seen], axis=2) if seen else pixels.radiance,
         half=half,
         compression=compression,
         environment="latlong" if pixels.is_border_sampled else "",

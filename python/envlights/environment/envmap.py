@@ -609,7 +609,8 @@ class EnvMap:
         ------
         EnvLightsError
             If there are readings of several kinds, the map is black or clipped there, readings in
-            sun and shade contradict the map, or no reading is given and there is no EXIF.
+            sun and shade contradict the map, `ev100` is of a map in cd/m2, or no reading is given
+            and there is no EXIF.
 
         Notes
         -----
@@ -842,8 +843,9 @@ class EnvMap:
         Notes
         -----
         Primaries are those of Rec.709. A border-sampled map gets the attribute ``envmap``, and one
-        in cd/m2 the attribute ``whiteLuminance``, which `open` reads. A .hdr file cannot hold them,
-        so such a map is converted to cells and loses its units; a sample above 1.7e38 is refused.
+        in cd/m2 the attribute ``whiteLuminance``, which `open` reads; `coverage` becomes alpha. A
+        .hdr file cannot hold them, so such a map is converted to cells, loses its units, and what
+        is not seen becomes black; a sample above 1.7e38 is refused.
         The notes of the map become comments of the file. `open` reads those on estimates, such as
         that of `repaired`.
         """

@@ -78,7 +78,7 @@ def map_of_image(
     picture = recognise(image.pixels, image.hints, layout, image.coverage)
     notes = [*image.notes, *picture.notes]
     radiance, infinite = clean(_seen(picture), notes)
-    notes += _doubts(radiance, picture)
+    notes += [each for each in _doubts(radiance, picture) if each not in notes]
     known = (level for level in (clip_level, image.clip_level, infinite) if level is not None)
     pixels = MapPixels(
         radiance,

@@ -96,16 +96,17 @@ def check_lights(lights: Lights) -> tuple[Any, Lights]:
                 f"{name} must have the shape {' or '.join(map(str, shapes))} beside angular_radius"
                 f" with {shape}; got {tuple(each.shape)}"
             )
-    direction, light, radius, ambient = (floating(xp, each) for each in lights[:4])
+    direction, light, radius, ambient = floating(xp, *lights[:4])
     if lights.mask is not None:
         light = xp.where((lights.mask != 0)[..., None], light, constant(0.0, light))
     return xp, Lights(unit(xp, direction), light, radius, ambient)
 
 
-def floating(xp: Any, each: Array) -> Array:
-    """Array of floats: integers become those of the library."""
-    is_float = xp.isdtype(each.dtype, "real floating")
-    return each if is_float else xp.astype(each, xp.asarray(0.0).dtype)
+def floating(xp: Any, *arrays: Array) -> list[Array]:
+    """Arrays of floats: integers become floats as in the first array that has them."""
+    types = [each.dtype for each in arrays if xp.isdtype(each.dtype, "real floating")]
+    number = types[0] if types else xp.asarray(0.0).dtype
+    return [each if each.dtype in types else xp.astype(each, number) for each in arrays]
 
 
 def unit(xp: Any, vectors: Array) -> Array:

@@ -77,7 +77,7 @@ def _values(depth: Any, scale: float | None) -> Reals:
     """Samples of a depth map in metres, or one over metres."""
     is_file = isinstance(depth, str | os.PathLike)
     name = f"the depth in {depth}" if is_file else "depth"
-    if not is_file:
+    if isinstance(depth, list | tuple):
         reals(name, depth, None)
     array = _samples(os.fspath(depth)) if is_file else np.asarray(depth)
     array = array[..., 0] if array.shape[2:] == (1,) else array

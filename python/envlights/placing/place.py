@@ -13,6 +13,7 @@ from envlights._common.notes import log
 from envlights._native import EnvLightsError
 from envlights.cards import CardSplit
 from envlights.environment.envmap import EnvMap
+from envlights.environment.fill import ENOUGH_SEEN, Fill
 from envlights.environment.reading import AnyMap
 from envlights.kernels.image import luminance
 from envlights.placing.depth import box_distance, corners_of, read_depth, triple, without_holes
@@ -36,6 +37,7 @@ def place(
     scale: float | None = None,
     room: ArrayLike | None = None,
     camera: ArrayLike | None = None,
+    fill: Fill = None,
 ) -> PlacedLights:
     r"""Give the lights of a map positions in metres, by the depth of its pixels.
 
@@ -47,8 +49,7 @@ def place(
     Parameters
     ----------
     env : EnvMap, path, array_like or CardSplit
-        The map, or ``el.split(env, shapes=True)``; parts that it does not show are filled as by
-        `EnvMap.filled`. Or pairs of a map and its position in metres,
+        The map, or ``el.split(env, shapes=True)``. Or pairs of a map and its position in metres,
         ``[(env, (0, 0, 0)), (other, (1.2, 0, 0))]``, all with the axes of the first; results are
         relative to the first.
     depth : path-like or array_like, shape (height, 2 * height), optional
@@ -68,6 +69,9 @@ def place(
     camera : array_like, shape (3,), optional
         Position of the camera in the room, from the corner with the least x, y and z. Default: the
         middle.
+    fill : {"black", "harmonic", "ground"}, float or array_like, shape (3,), optional
+        Radiance where the (first) map shows nothing; see `EnvMap.filled`. With less than 85 % of
+        the sphere seen, `irradiance`, `at` and `map_at` need it; positions do not.
 
     Returns
     -------
@@ -116,7 +120,7 @@ def place(
     pairs = _pairs(env)
     parts = [_parts(each) for each, _ in pairs]
     corners = _corners(room, camera, depth, reading, scale)
-    remainder, assumed = _filled(parts[0].remainder)
+    remainder, assumed = _filled(parts[0].remainder, fill)
     if depth is None and room is None:
         _check_several(parts, reading, scale)
         where = [place - pairs[0][1] for _, place in pairs]
@@ -141,13 +145,12 @@ def place(
     return PlacedLights(lights, remainder, patches, surfaces, (*assumed, *notes))
 
 
-def _filled(remainder: EnvMap) -> tuple[EnvMap, tuple[str, ...]]:
-    """Remainder with a fill where the map shows nothing, as `probe` has it, and a note on it."""
-    try:
-        filled = remainder.filled()
-        return filled, () if remainder.coverage is None else filled.notes[-1:]
-    except EnvLightsError as refusal:
-        raise EnvLightsError(f"{refusal}; place(env.filled(fill), ...)") from None
+def _filled(remainder: EnvMap, fill: Fill) -> tuple[EnvMap, tuple[str, ...]]:
+    """Remainder with a fill where the map shows nothing, and a note on it; see `place`."""
+    if remainder.coverage is None or (fill is None and remainder.coverage_fraction < ENOUGH_SEEN):
+        return remainder, ()
+    filled = remainder.filled(fill)
+    return filled, filled.notes[-1:]
 
 
 def _check_several(parts: list[CardSplit], reading: object, scale: object) -> None:

@@ -173,7 +173,7 @@ class PlacedLights(Result):
             Map of the size of the remainder. Surfaces that the camera does not see are missing.
         """
         place = triple("point", point)
-        around, cards = self._remainder_at(place), self._cards_around(place)
+        around, cards = self._remainder_at(place).filled(), self._cards_around(place)
         total = around.cells() + cards.to_map(around.width).radiance
         return EnvMap(total, units=around.units, notes=self._all_notes(place))
 
@@ -258,8 +258,8 @@ class PlacedLights(Result):
         envs = [as_envmap(each) for each in maps.values()]
         if any(each.units != self.remainder.units for each in envs):
             raise EnvLightsError(
-                "maps and placed lights must have the same units; calibrate the maps of all, or of"
-                " none"
+                "maps and placed lights must have the same units; calibrate all maps, also the one"
+                " of `place`, or none"
             )
         normals, weights = icosphere(320)
         points = np.reshape([triple("position", each) for each in maps], (-1, 3))
@@ -283,7 +283,7 @@ class PlacedLights(Result):
         if self.depth is None and point.any():
             return (
                 *self.notes,
-                "there is no depth, so the surfaces are those that the camera sees",
+                "there is no depth, so surfaces are as from the camera, and only lights move",
             )
         surface = np.inf if self.depth is None else surface_behind(self.depth, point)
         if np.linalg.norm(point) <= surface:
@@ -293,8 +293,9 @@ class PlacedLights(Result):
         return (*self.notes, f"{where}, so its light is a guess")
 
     def _all_notes(self, point: Reals) -> tuple[str, ...]:
-        """Notes of the map, and those at a point."""
-        return tuple(dict.fromkeys((*self.remainder.notes, *self._notes_at(point))))
+        """Notes of the map, except on lights that were removed, and those at a point."""
+        of_map = (note for note in self.remainder.notes if Note(note).code != "removed")
+        return tuple(dict.fromkeys((*of_map, *self._notes_at(point))))
 
     def _around(self, points: Reals, normals: Reals) -> Reals:
         """Irradiance of surfaces and suns, (p, n, 3): the camera's, and the change of patches."""

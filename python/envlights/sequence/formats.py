@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from envlights._common import tables
+from envlights._common.check import count
 from envlights._common.errors import DamagedFileError
 from envlights._common.files import as_path, read_text
 from envlights._common.tables import csv_text
@@ -68,7 +69,8 @@ def read_json_lines(
         build_from(place, "rig", _frame_rig, parse(place, line, "JSON"))
         for place, line in zip(places, lines[1:], strict=True)
     )
-    if (frames := header.get("frames", len(rigs))) != len(rigs):
+    frames = count("frames of the first line", header.get("frames", len(rigs)))
+    if len(rigs) < frames:
         raise DamagedFileError(f"{path} is incomplete: it holds {len(rigs)} of {frames} frames")
     return rigs, header.get("steadiness", 0), header.get("fps")
 

@@ -267,7 +267,7 @@ def _cards_and_rest(
     cards, around = cut(
         env, remainder, blocks, pixels.block, (removed.direction, removed.angular_radius)
     )
-    remark = [f"{cards.in_short()} removed"] if len(cards) else []
+    remark = [f"{cards.in_short()} removed from the map"] if len(cards) else []
     return CardSplit(cards, env.with_radiance(around, (*env.notes, *remark)))
 
 
