@@ -349,8 +349,9 @@ def test_positions_need_no_fill_and_light_at_a_point_does():
     placed = el.place(env, room=(6, 3, 5))
     assert len(placed) == len(placed_in("panel"))
     for light in (placed.map_at, placed.at):
-        with pytest.raises(el.EnvLightsError, match=r"shows 69 %.*fill="):
-            light((0, 0, 0))
+        for point in ((0, 0, 0), (0.5, 0, 0)):
+            with pytest.raises(el.EnvLightsError, match=r"shows 69 %.*fill="):
+                light(point)
     dim, bright = (
         el.place(env, room=(6, 3, 5), fill=fill).map_at((0, 0, 0)).probe(NORMALS)
         for fill in ("black", 0.5)

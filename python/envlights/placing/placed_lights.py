@@ -275,7 +275,7 @@ class PlacedLights(Result):
         """Map of the surfaces at a point."""
         if self.depth is None or not point.any():
             return self.remainder
-        radiance = warp(self.remainder.cells(), self.depth, point)
+        radiance = warp(self.remainder.filled().cells(), self.depth, point)
         return EnvMap(radiance, units=self.remainder.units)
 
     def _notes_at(self, point: Reals) -> tuple[str, ...]:
