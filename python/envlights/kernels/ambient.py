@@ -33,8 +33,8 @@ def as_harmonics(ambient: NDArray[np.float64]) -> NDArray[np.float64]:
 def half_sky_harmonics(ambient: NDArray[np.float64]) -> NDArray[np.float64]:
     """Nine harmonics of a constant radiance above the horizon and none below, (9, 3).
 
-    Their irradiance is exact: the half sky differs from its mean by odd orders alone, of which the
-    cosine has the first.
+    Their irradiance is exact: the half sky differs from its mean by odd orders alone, and the
+    cosine has no odd order but the first.
     """
     rows = np.zeros((9, 3))
     rows[:2] = np.outer(np.sqrt(np.pi) * np.array([1, np.sqrt(0.75)]), ambient)

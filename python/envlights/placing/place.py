@@ -120,7 +120,7 @@ def place(
     pairs = _pairs(env)
     parts = [_parts(each) for each, _ in pairs]
     corners = _corners(room, camera, depth, reading, scale)
-    remainder, assumed = _filled(parts[0].remainder, fill)
+    remainder, assumed = _with_fill(parts[0].remainder, fill)
     if depth is None and room is None:
         _check_several(parts, reading, scale)
         where = [place - pairs[0][1] for _, place in pairs]
@@ -145,7 +145,7 @@ def place(
     return PlacedLights(lights, remainder, patches, surfaces, (*assumed, *notes))
 
 
-def _filled(remainder: EnvMap, fill: Fill) -> tuple[EnvMap, tuple[str, ...]]:
+def _with_fill(remainder: EnvMap, fill: Fill) -> tuple[EnvMap, tuple[str, ...]]:
     """Remainder with a fill where the map shows nothing, and a note on it; see `place`."""
     if remainder.coverage is None or (fill is None and remainder.coverage_fraction < ENOUGH_SEEN):
         return remainder, ()
