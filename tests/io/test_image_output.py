@@ -42,6 +42,28 @@ def test_what_an_exr_file_does_not_show_is_not_black_when_it_comes_back(tmp_path
     np.testing.assert_array_equal(again.coverage, seen)
 
 
+@pytest.mark.parametrize(
+    ("layout", "name", "options"),
+    [
+        ("octahedral", "map.exr", {}),
+        ("cube", "map.exr", {}),
+        ("cube", "map.exr", {"arrangement": "strip"}),
+        ("cube", "map.exr", {"arrangement": "vertical-cross"}),
+        ("cube", "{face}.exr", {}),
+    ],
+)
+def test_nor_is_that_of_another_layout(tmp_path, layout, name, options):
+    """Without the rows at the rim, whose pixels are partly seen."""
+    seen = np.repeat([1.0, 0.0], 64)[:, None] * np.ones(256)
+    env = el.EnvMap(np.full((128, 256, 3), 2.0), coverage=seen)
+    files = env.to(layout).save(tmp_path / name, **options)
+    again = el.EnvMap.open(files[0] if len(files) == 1 else list(map(str, files)))
+    assert again.height == 128
+    np.testing.assert_array_equal(again.coverage[:60], 1)
+    np.testing.assert_array_equal(again.coverage[68:], 0)
+    np.testing.assert_allclose(again.radiance[:60], 2, rtol=1e-6)
+
+
 @pytest.mark.parametrize("half", [False, True])
 def test_the_header_says_what_the_file_holds(tmp_path, half):
     el.EnvMap(RADIANCE, layout=el.io.Layout(registration="border-sampled")).save(

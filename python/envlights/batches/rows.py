@@ -44,9 +44,8 @@ def note_codes(notes: Iterable[Any]) -> list[str]:
 def _of_rig(rig: Rig) -> dict[str, Any]:
     report = rig.report
     lights = _each_light(rig.lights, tolerances=report.direction_tolerances)
-    harmonics = rig.ambient if rig.ambient.ndim == 2 else None
-    if rig.floor:
-        harmonics = half_sky_harmonics(rig.ambient)
+    given = rig.ambient if rig.ambient.ndim == 2 else None
+    harmonics = half_sky_harmonics(rig.ambient) if rig.floor else given
     return {
         "error": rig.error,
         "shadow_error": report.shadow_error,

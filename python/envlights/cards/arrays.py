@@ -102,6 +102,7 @@ def all_textures(
 ) -> tuple[NDArray[np.float32], ...]:
     """Read-only textures in `order`; by default a single texel of uniform radiance."""
     if values is None:
+        # In the order of the caller, so that the error names the caller's row.
         amounts("the radiance of a card", radiance[np.argsort(order)], LARGEST_LIGHT)
         return tuple(seal(colour.astype(np.float32)[None, None]) for colour in radiance)
     try:

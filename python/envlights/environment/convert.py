@@ -13,7 +13,13 @@ from envlights._common.check import amount, count, rotation
 from envlights._common.notes import Note
 from envlights._native import EnvLightsError
 from envlights.environment import resample
-from envlights.environment.files.image_output import COMPRESSIONS, map_suffix, write_exr, write_hdr
+from envlights.environment.files.image_output import (
+    COMPRESSIONS,
+    map_suffix,
+    with_alpha,
+    write_exr,
+    write_hdr,
+)
 from envlights.environment.files.images import MOST_PIXELS
 from envlights.environment.layouts import picture_layout as layouts
 from envlights.environment.layouts.conventions import CROSSES
@@ -103,10 +109,9 @@ def save(pixels: MapPixels, path: str | os.PathLike[str], *, half: bool, compres
             raise EnvLightsError(f"cannot save {path}: half and compression are of .exr files")
         write_hdr(path, pixels.cells(), comments=pixels.notes)
         return
-    seen = [] if pixels.coverage is None else [pixels.coverage[..., None]]
     write_exr(
         path,
-        np.concatenate([pixels.radiance, *seen], axis=2) if seen else pixels.radiance,
+        with_alpha(pixels.radiance, pixels.coverage),
         half=half,
         compression=compression,
         environment="latlong" if pixels.is_border_sampled else "",

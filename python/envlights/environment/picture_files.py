@@ -15,7 +15,13 @@ from envlights._common.check import count, describe
 from envlights._common.errors import FileError
 from envlights._native import EnvLightsError
 from envlights.environment.decoders.source import AnySource, is_source, name_of
-from envlights.environment.files.images import MOST_PIXELS, Image, read_image
+from envlights.environment.files.images import (
+    MOST_PIXELS,
+    Image,
+    open_image,
+    read_image,
+    whole_image,
+)
 from envlights.environment.layouts.face_names import order_of_names
 from envlights.environment.layouts.faces import check_square
 
@@ -74,10 +80,18 @@ def read_picture(source: Any, **options: Any) -> Image:
     order, positions = _order(files)
     most = count("max_pixels", options.get("max_pixels", MOST_PIXELS), least=1)
     options["max_pixels"] = max(most // 6, 1)
-    images = [read_image(files.files[place], **options) for place in positions]
+    images = [_face(files.files[place], options) for place in positions]
+    if not any(_share(image).any() for image in images):
+        images = [read_image(files.files[place], **options) for place in positions]
     names = [name_of(files.files[place]) for place in positions]
     check_square(dict(zip(names, (image.pixels.shape[:2] for image in images), strict=True)))
     return _stack_of(files.name.split(": ")[0], order, images)
+
+
+def _face(source: Any, options: dict[str, Any]) -> Image:
+    """Face in a file, which alpha may hide."""
+    with open_image(source, **options) as file:
+        return whole_image(file, is_face=True)
 
 
 def faces_of_mapping(faces: Mapping[str, Any]) -> tuple[NDArray[Any], str]:

@@ -74,6 +74,15 @@ def write_exr(
     _write(path, _native.exr_file(samples, half, compression, statements))
 
 
+def with_alpha(
+    radiance: NDArray[np.float32], coverage: NDArray[np.float32] | None
+) -> NDArray[np.float32]:
+    """Samples for `write_exr`, with the coverage as alpha unless it is complete."""
+    if coverage is None:
+        return radiance
+    return np.concatenate([radiance, coverage[..., None]], axis=-1)
+
+
 def write_codes(path: str | os.PathLike[str], codes: NDArray[np.uint8]) -> None:
     """Write sRGB codes, (height, width, 3 or 4), as a PNG file with straight alpha."""
     _write(path, _native.png_file(codes, ""))

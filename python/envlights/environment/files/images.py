@@ -149,8 +149,8 @@ class OpenImage:
         linear(straight_codes(colours, alpha[..., 0], header), out, top)
         return seen_of_alpha(out, alpha[..., 0], header)
 
-    def image(self) -> Image:
-        """All pixels of the sphere."""
+    def image(self, *, is_face: bool = False) -> Image:
+        """All pixels of the sphere; alpha of 0 everywhere hides a face, and is of no use else."""
         header = self.raw.header
         linear = Linear(header, self.colour, self.raw.apply_gain_map)
         histogram = CodeHistogram(header.height) if header.dtype.kind == "u" else None
@@ -158,7 +158,7 @@ class OpenImage:
         clip_level, notes = self._clip_level(histogram, pixels)
         if header.dtype.kind == "f":
             notes += WholeNumbers().add(pixels).notes()
-        if coverage is not None and not coverage.any():
+        if coverage is not None and not coverage.any() and not is_face:
             self._check_alpha()
             coverage = None
         if coverage is None and self.place.crop:
@@ -300,10 +300,10 @@ def read_image(
         return whole_image(file)
 
 
-def whole_image(file: OpenImage) -> Image:
+def whole_image(file: OpenImage, *, is_face: bool = False) -> Image:
     """All pixels of an open file; raises an error if they do not fit into memory."""
     try:
-        return file.image()
+        return file.image(is_face=is_face)
     except MemoryError:
         raise FileError(
             f"cannot read {file.name}: its pixels do not fit into memory; give a smaller map"

@@ -20,6 +20,7 @@ from envlights.environment.files.image_output import (
     COMPRESSIONS,
     PICTURE_SUFFIXES,
     map_suffix,
+    with_alpha,
     write_exr,
     write_hdr,
     write_png,
@@ -162,7 +163,8 @@ class Picture:
         `EnvMap.open` reads a single file without arguments.
 
         The stack of a border-sampled cube in the order of OpenEXR, and a border-sampled
-        equirectangular picture, get the attribute ``envmap`` of OpenEXR.
+        equirectangular picture, get the attribute ``envmap`` of OpenEXR. `coverage` becomes the
+        alpha of .exr files; in others, what is not seen is black.
         """
         if arrangement is not None:
             check_choice("arrangement", arrangement, ARRANGEMENTS)
@@ -174,16 +176,21 @@ class Picture:
                 raise EnvLightsError(
                     f"arrangement={arrangement!r} is of one file; got {path}, which names six"
                 )
-            stored = stored_faces(self._upright(), self.faces)
+            stored = stored_faces(self._with_alpha()._upright(), self.faces)
             for file, face in zip(files, stored, strict=True):
                 _write(file, face, (repr(self), *self.notes), options)
             return files
         arrangement = self.arrangement if arrangement is None else arrangement
-        environment, array = self._environment(arrangement), self._arranged_array(arrangement)
+        environment = self._environment(arrangement)
+        array = self._with_alpha()._arranged_array(arrangement)
         faces = arrangement if arrangement in CROSSES else self.faces
         stated = line_of(self.layout, array.shape[:2], faces)
         _write(path, array, (repr(self), *stated, *self.notes), options, environment)
         return (as_path(path),)
+
+    def _with_alpha(self) -> Picture:
+        """Picture whose array has the coverage as a fourth channel, unless it is complete."""
+        return replace(self, array=with_alpha(self.array, self.coverage), coverage=None)
 
     def _face_files(self, path: str | os.PathLike[str]) -> tuple[Path, ...]:
         """Paths of six files; empty if `path` names a single file."""
@@ -316,4 +323,4 @@ def _write(
     if options["half"] or options["compression"] != COMPRESSIONS[0]:
         raise EnvLightsError(f"cannot save {path}: half and compression are of .exr files")
     write = {".hdr": write_hdr, ".png": write_png}.get(suffix, write_tiff)
-    write(path, array, comments=comments)
+    write(path, array[..., :3], comments=comments)
